@@ -82,7 +82,7 @@ static void keep_at_end(const struct session_keeper *keeper)
 }
 
 /* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
-static void talk(struct front_program *program, enum front_kind kind)
+static void prompts_run(struct front_program *program, enum front_kind kind)
 {
     const struct session_keeper *keeper = session_keeper();
     if (keeper)
@@ -104,8 +104,8 @@ static void talk(struct front_program *program, enum front_kind kind)
 static void print_log(const struct session *session, struct streams *streams)
 {
     for (int i = session->log.count - 1; i >= 0; i--) {
-        buffer_put(&streams->out, text_of(log_line(&session->log, i)));
-        buffer_char(&streams->out, '\n');
+        buffer_put(&streams->output, text_of(log_line(&session->log, i)));
+        buffer_char(&streams->output, '\n');
     }
 }
 
@@ -148,8 +148,8 @@ static int run_option(struct session *session, const struct options *options, st
 }
 
 /* What needs no prompt. */
-static void work(struct session *session, const struct options *options, enum front_kind kind,
-                 struct reply *reply, struct streams *streams)
+static void tasks_run(struct session *session, const struct options *options, enum front_kind kind,
+                      struct reply *reply, struct streams *streams)
 {
     if (!options->only) {
         strays_sweep_path("."); /* of programs that were killed */
@@ -174,7 +174,7 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
-static int run(const struct options *options)
+static int session_front_run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
@@ -223,13 +223,13 @@ static int run(const struct options *options)
             /* a mistake in the rc file has been told; it does not make this run a failure */
             session->execution.status = 0;
         }
-        work(session, options, kind, &reply, &streams);
+        tasks_run(session, options, kind, &reply, &streams);
         /* what is typed at the prompt afterwards has been answered there */
         status = session->execution.status;
         if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
             struct front_program program = {
                 .session = session, .options = options, .streams = &streams, .reply = &reply};
-            talk(&program, kind);
+            prompts_run(&program, kind);
             buffer_free(&program.offer);
             buffer_free(&program.later);
             buffer_free(&program.passed);
@@ -281,7 +281,7 @@ int main(int argc, char **argv)
         if (options.help || options.version) {
             status = fputs(buffer_view(&text), stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
         } else {
-            status = run(&options);
+            status = session_front_run(&options);
         }
         buffer_free(&text);
     }

@@ -108,7 +108,8 @@ struct recording {
 };
 
 void recording_destroy(struct recording *recording);
-bool recording_window(struct recording *recording, double from, double to, struct error *error);
+bool recording_window(struct recording *recording, double t_begin, double t_end,
+                      struct error *error);
 void recording_restore(struct recording *recording); /* whole file, every sample, zero 0 */
 /* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least
  * `min` samples or an error. */
@@ -146,7 +147,7 @@ struct finding {
 };
 
 struct findings {
-    struct finding of[FINDINGS];
+    struct finding finding[FINDINGS];
     unsigned char *mask; /* [rows] 0: fine; else 1 + the kind that masks it */
     size_t masked;
     double window[2];   /* [s] the part in which it swings freely */

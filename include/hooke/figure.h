@@ -42,7 +42,7 @@ void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum st
 /* returns the column after it; clipped */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);
 /* Lines without trailing blanks; colour escapes only when `color`. */
-void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
+void canvas_print(const struct canvas *canvas, bool color, struct buffer *output);
 
 struct cancel;
 struct figure;
@@ -50,15 +50,15 @@ struct heat;
 
 /* Dots of one cell: what a character set can resolve. */
 struct dot_grid {
-    int across, down;
+    int dots_horizontal, dots_vertical;
 };
 
 /* Says figures in sentences and tables, for those who are read to. All return false only if out of
  * memory. */
 struct figure_words {
-    bool (*describe)(const struct figure *figure, struct buffer *out); /* sentences alone */
-    bool (*print)(const struct figure *figure, int width, struct buffer *out);
-    bool (*print_heat)(const struct heat *heat, int width, struct buffer *out);
+    bool (*describe)(const struct figure *figure, struct buffer *output); /* sentences alone */
+    bool (*print)(const struct figure *figure, int width, struct buffer *output);
+    bool (*print_heat)(const struct heat *heat, int width, struct buffer *output);
     bool (*draw)(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height);
 };
@@ -99,17 +99,18 @@ struct heat {
     const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
 };
 
-/* The smallest and the largest value of a map that are shown: from[0] > from[1] if there is none.
+/* The smallest and the largest value of a map that are shown: first_value[0] > first_value[1] if
+ * there is none.
  */
 void heat_range(const struct heat *heat, double range[2]);
 
 /* ---- figures ---- */
 
 struct axis {
-    const char *label; /* "y", "t", "v" */
-    const char *unit;  /* what is printed in brackets, "" for none */
-    double factor;     /* number shown = value / factor; 0 counts as 1 */
-    double from, to;   /* range in values; used if fixed */
+    const char *label;              /* "y", "t", "v" */
+    const char *unit;               /* what is printed in brackets, "" for none */
+    double factor;                  /* number shown = value / factor; 0 counts as 1 */
+    double first_value, last_value; /* range in values; used if fixed */
     bool fixed, log;
     /* of a log axis: what is smaller is left out of the range and counted; 0: only what is <= 0 */
     double min;
@@ -210,14 +211,14 @@ struct ticks {
     int offset_decimals; /* decimals of offset / 10^offset_power */
     int offset_power;    /* power of ten of a very large or small offset, else 0 */
 };
-struct ticks ticks_linear(double from, double to, int want, int max);
+struct ticks ticks_linear(double range_begin, double range_end, int want, int max);
 /* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`
  * decades. */
-struct ticks ticks_log(double from, double to, int max);
+struct ticks ticks_log(double range_begin, double range_end, int max);
 
 /* Where a value lies between the two ends of an axis. Never overflows, whatever the values. */
 struct scale {
-    double from, to; /* values at the ends */
+    double first_value, last_value; /* values at the ends */
     bool log;
     /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
     double unit, origin, gain;
@@ -256,10 +257,10 @@ int figure_panels(const struct figure *figure, int width, int height, const stru
 struct curve_outside {
     size_t count, total; /* samples outside, of all in the window */
     bool leaves;         /* it was inside before */
-    double at;           /* where: t, or x if that is the independent variable; NAN if unknown */
+    double position;     /* where: t, or x if that is the independent variable; NAN if unknown */
     double farthest;     /* value that lies farthest beyond the frame */
     bool along_x;        /* which is one of x */
-    bool above;
+    bool is_beyond_upper;
 };
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int curve,
                    struct curve_outside *outside);
@@ -272,7 +273,7 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
                  int height, const struct charset *charset);
 /* The whole figure as text lines; returns false if out of memory or stopped. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
-                  bool color, struct buffer *out);
+                  bool color, struct buffer *output);
 
 /* ---- pictures, which modules make ---- */
 

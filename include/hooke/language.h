@@ -75,7 +75,7 @@ struct argument_type_row {
     const char *name, *shown; /* name; form in the line of usage */
     bool (*read)(struct parser *parser, const struct argument *argument, const char *stops,
                  struct item *item, struct error *error);
-    void (*complete)(struct completion *c, const struct argument *argument, struct text before);
+    void (*complete)(struct completion *c, const struct argument *argument, struct text preceding);
     unsigned flags;
 };
 
@@ -188,7 +188,7 @@ struct arguments {
     const struct source *where;
 };
 
-static inline bool has(const struct arguments *arguments, int index)
+static inline bool has_argument_at(const struct arguments *arguments, int index)
 {
     return arguments->value[index].count > 0;
 }

@@ -196,7 +196,7 @@ enum step_status method_turning_step(const struct method *method, struct step *s
 /* Its degree in theta, 0 if it is no polynomial; most: DENSE_DEGREE. */
 #define DENSE_DEGREE 12
 int method_dense_degree(const struct method *method);
-void method_dense(const struct method *method, const struct step *step, const double *before,
+void method_dense(const struct method *method, const struct step *step, const double *y_begin,
                   double theta, double *y);
 
 /*
@@ -223,7 +223,7 @@ static inline double dense_polynomial_at(const struct dense_polynomial *p, doubl
 /* Of variable i; only of explicit Runge-Kutta and Rosenbrock methods with a dense output of their
  * own. */
 void method_polynomial(const struct method *method, const struct step *step, int i,
-                       struct dense_polynomial *out);
+                       struct dense_polynomial *polynomial);
 
 /* ---- many steps of one size ----
  *
@@ -287,21 +287,21 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
 struct switches_state {
     /* begins: some have changed at t; piled: too many in too short a time */
     bool known, begins, piled;
-    int fresh;           /* the one at which the last step ended, -1 if there is none */
-    double t;            /* [s] */
-    unsigned count;      /* of switches, */
-    int shorter;         /* of blocks of them, each in a much shorter time than the one before, */
-    double since, block; /* [s] where this block began, and how long the last one took */
+    int fresh;             /* the one at which the last step ended, -1 if there is none */
+    double t;              /* [s] */
+    unsigned count;        /* of switches, */
+    int shorter;           /* of blocks of them, each in a much shorter time than the one before, */
+    double t_block, block; /* [s] where this block began, and how long the last one took */
     bool recent[LIMIT_SWITCHES]; /* changed in this block */
     double branch[LIMIT_SWITCHES];
-    /* the motion slides along these, in steps of about `by`; branch: below */
-    bool along[LIMIT_SWITCHES];
+    /* the motion slides along these, in steps of about `slide_step`; branch: below */
+    bool slides_along[LIMIT_SWITCHES];
     int released; /* the one along which it slid until the last step, -1 if there is none */
-    double by;
+    double slide_step;
     double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
     bool slid_along[LIMIT_SWITCHES];
     int64_t slides, piles; /* how often each has begun */
-    int64_t across;        /* steps taken across, because no branch leads on and no sliding does */
+    int64_t crossings;     /* steps taken across, because no branch leads on and no sliding does */
     double slid;           /* [s] where the first of all these began, */
     int first;             /* and the switch */
 };

@@ -39,7 +39,7 @@ struct scene_writer {
     const struct catalog *kinds; /* rows are named by these endings, without their points */
     /* Appends the file's content. kind: index in `kinds`. Returns false with `error` filled. */
     bool (*write)(const struct session *session, size_t kind, struct arena *arena,
-                  struct buffer *out, struct error *error);
+                  struct buffer *output, struct error *error);
 };
 
 /* Draws figures as pictures, for `plot > FILE`. */
@@ -50,13 +50,13 @@ struct picture_writer {
     /* Appends the content of a file with a picture of width x height points, or of a usual size if
      * they are 0; kind: place in `kinds`. Returns false with `error` filled. */
     bool (*write)(const struct figure *figure, size_t kind, double width, double height,
-                  struct buffer *out, struct error *error);
+                  struct buffer *output, struct error *error);
 };
 
 /* Functions that keep a module's part in the session's file. Each may be NULL. */
 struct module_store {
     /* Appends its fields to the record of the session's state. */
-    void (*put)(const void *part, struct buffer *to);
+    void (*put)(const void *part, struct buffer *output);
     /* Writes the first of its own records from *next on that the file does not have yet. Returns
      * false if there is none. */
     bool (*put_next)(const void *part, struct stored *stored, int *next);
@@ -101,7 +101,7 @@ struct module_prompt {
     /* Appends the module's current activity to the state line, instead of the simulated scene.
      * counts: with numbers of what was done; blanks: between numbers and units. Returns false if
      * the module is doing nothing. */
-    bool (*state)(const struct session *session, bool counts, bool blanks, struct buffer *out);
+    bool (*state)(const struct session *session, bool counts, bool blanks, struct buffer *output);
     /* Appends a name for the prompt that replaces "hooke", or nothing. */
     void (*label)(const struct session *session, struct buffer *text);
 };
@@ -138,10 +138,10 @@ struct module {
     void (*plan)(const struct session *session, struct buffer *text);
     /* catalogs whose names `help` explains, ended by NULL; may be NULL */
     const struct catalog *const *catalogs;
-    /* Offers completions after the text `before` of a command. Returns false if the command's
+    /* Offers completions after the text `preceding` of a command. Returns false if the command's
      * arguments define them; may be NULL. */
     bool (*complete)(struct completion *completion, const struct command *command,
-                     struct text before);
+                     struct text preceding);
     const struct series_tools *series; /* hooke/session/series_tools.h; NULL if it has none */
     const struct store_tools *keeps;   /* keeps parts of modules in files; NULL if it does not */
     void (*statement_ended)(struct session *session); /* is called after each; may be NULL */

@@ -69,7 +69,7 @@ enum { STUDY_LAYERS_MAX = 4 };
 struct study_picture {
     const char *table, *made_by; /* kind of the table, and what makes one */
     const char *x;               /* column on the horizontal axis */
-    const char *by;              /* column of names that tell curves apart, or NULL */
+    const char *choice;          /* column of names that tell curves apart, or NULL */
     struct study_layer layer[STUDY_LAYERS_MAX];
     const char *shade;             /* column shown as shades over x and the first layer's y */
     const char *x_label, *y_label; /* names of the axes, or NULL for those of the columns */
@@ -81,7 +81,7 @@ struct study_picture {
 /* A plot, which is a pane of the screen, too: all about it stands here (src/plot/plots.c). */
 struct plot_row {
     struct row row;
-    enum plot_across across;     /* the horizontal axis */
+    enum plot_across horizontal; /* the horizontal axis */
     enum plot_vertical vertical; /* where it shows the state */
     const char *observable; /* on the vertical axis; NULL: state variables, or something else */
     const char *label;      /* of that axis, where the names of the variables are not */
@@ -201,10 +201,10 @@ struct figure_request {
     /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;
-    struct text against;
+    struct text horizontal_column;
     const struct table *table; /* whose columns they are; NULL: those of runs */
     const char *title;         /* of the table */
-    struct text at;            /* only at the moments of this event, as points; empty: all along */
+    struct text event;         /* only at the moments of this event, as points; empty: all along */
     /* then the columns at the event after the one where `against` is taken: a return map */
     bool next;
     double window[2];                 /* [s] NAN: choose */
@@ -226,7 +226,7 @@ struct figure_request {
     bool running;               /* the end moves: nothing that is written depends on it */
     double span;                /* [s] of time shown, 0: as much as the width can show */
     int pages;                  /* the window moves on by span / pages */
-    double until;               /* [s] the axis reaches to here at least, where known; NAN */
+    double t_end;               /* [s] the axis reaches to here at least, where known; NAN */
     struct figure_peaks *peaks; /* takes the lines of spectra; NULL if nobody asks */
     const struct figure_window
         *shared; /* of all time plots of a screen; NULL: chosen for this one */

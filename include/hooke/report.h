@@ -60,10 +60,10 @@ struct result_row {
 extern const struct catalog result_catalog; /* rows are struct result_row */
 
 /* The table of a row of that catalog. It lives as long as the session keeps it, or the arena. */
-bool export_result(struct session *session, const struct row *of, struct export *export,
+bool export_result(struct session *session, const struct row *result, struct export *export,
                    struct error *error);
 /* Returns true if the session has such a result. */
-bool result_is_kept(const struct session *session, const struct row *of);
+bool result_is_kept(const struct session *session, const struct row *result);
 /* Exports the result of the last study, or the runs if there were runs since. */
 bool export_latest(struct session *session, struct export *export, struct error *error);
 /* A row for each run. */
@@ -138,7 +138,7 @@ struct run_record {
     double opinion_error, opinion_max, opinion_t, opinion_lost;
     struct ledger ledger;
     struct run_errors errors;
-    double below[LIMIT_VARIABLES];
+    double error_floor[LIMIT_VARIABLES];
 };
 
 void run_record_init(struct run_record *record, const struct session *session,

@@ -27,7 +27,7 @@ struct source; /* where a line comes from: below */
 
 struct sink {
     /* results; false: they cannot be written (closed, full device) */
-    bool (*out)(void *context, struct text text);
+    bool (*output)(void *context, struct text text);
     bool (*err)(void *context, struct text text); /* messages */
     void *context;
 };
@@ -122,7 +122,7 @@ void reply_command_end(struct reply *reply, const char *kind);
 
 /* Of a line of a file, which may be continued on others: where a piece of it comes from. */
 struct source_piece {
-    size_t at;        /* in the line as it is executed */
+    size_t position;  /* in the line as it is executed */
     int line, indent; /* indent: characters left out before it */
 };
 
@@ -148,7 +148,7 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
  * SHOWN_MEASURED() are as buffer_measured(): times from 0.1 s on stay in seconds.
  */
 struct value_text {
-    char at[128];
+    char data[128];
 };
 const char *value_text_short(struct value_text *text, double value, int digits);
 const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
@@ -195,8 +195,8 @@ void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
 /* The heading, NAME [UNIT], and the first rows of the first columns of a table. */
-void table_cells(const struct table *from, size_t rows, struct text_table *table);
-void text_table_put(const struct text_table *table, struct buffer *out);
+void table_cells(const struct table *source, size_t rows, struct text_table *table);
+void text_table_put(const struct text_table *table, struct buffer *output);
 
 /* ---- columns: what a result consists of, described once beside its struct ----
  *
@@ -238,8 +238,8 @@ struct result_column {
     enum quantity quantity; /* of a real */
     /* where rows differ; files have the first row's unit */
     enum quantity (*quantity_of)(const void *row);
-    size_t at; /* offset in the struct, or in what a pointer in it points to: */
-    size_t in; /* COLUMN_IN of that pointer; 0 if there is none */
+    size_t offset;         /* offset in the struct, or in what a pointer in it points to: */
+    size_t pointer_offset; /* COLUMN_IN of that pointer; 0 if there is none */
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */

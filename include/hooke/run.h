@@ -167,7 +167,7 @@ struct opinion {
     /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
     double end[LIMIT_VARIABLES];
     /* method of the second solution; NULL if the closed form was used */
-    const struct method *by;
+    const struct method *method;
     double tol; /* tolerance of that method */
 };
 
@@ -244,9 +244,9 @@ struct event_record {
 /* Steps for which bounds did not prove that no event was missed, because they were longer than the
  * event's own time scale. */
 struct event_doubt {
-    int64_t steps;   /* number of such steps; 0 if there are none */
-    double from, to; /* [s] the first of them and the last */
-    bool near;       /* nothing but that it comes nearer to 0 than errors of the run may be */
+    int64_t steps;          /* number of such steps; 0 if there are none */
+    double t_first, t_last; /* [s] the first of them and the last */
+    bool is_close; /* nothing but that it comes nearer to 0 than errors of the run may be */
 };
 
 /* Returns the doubt about an event, given by its index in the targets' lists; LIMIT_EVENTS stands
@@ -353,7 +353,7 @@ bool run_opinion_known(const struct run *run);
  * digit, because of the error that the run allows or has by its second opinion, and not only
  * because the variable passes through 0. Other variables get 0. Returns the number of variables
  * that are so small. */
-int run_below_tolerance(const struct run *run, double *below);
+int run_below_tolerance(const struct run *run, double *magnitude_floor);
 /* A short time at which the equations do something that no step has seen, where all steps are
  * recorded; since it was last asked. */
 bool run_missed_burst(struct run *run, struct burst *missed);
@@ -421,12 +421,12 @@ const struct observable *observable_energy(const struct system *system);
 bool run_centre(const struct run *run, double *centre);
 /* Fills out [trace_count] with the observable for all rows of the trace. Returns false, with a
  * reason, if it is not defined for this run (no exact solution …), or if cancelled. */
-bool run_column(const struct run *run, const struct observable *observable, double *out,
+bool run_column(const struct run *run, const struct observable *observable, double *values,
                 struct error *error);
 /* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
-void run_variable_column(const struct run *run, int i, double *out);
+void run_variable_column(const struct run *run, int i, double *values);
 /* Quantity i that a typed scene observes, likewise, and at the present state. */
-void run_observed_column(const struct run *run, int i, double *out);
+void run_observed_column(const struct run *run, int i, double *values);
 double run_observed(const struct run *run, int i);
 /* Value at the run's present state. NAN if not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
@@ -449,7 +449,7 @@ struct moving {
 struct moving run_scope_moving(const struct run *run, int slot);
 /* The largest speed of the first coordinate in recorded states from .. to [s], of a scene of second
  * order. */
-double run_speed_max(const struct run *run, double from, double to);
+double run_speed_max(const struct run *run, double t_begin, double t_end);
 
 /*
  * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and

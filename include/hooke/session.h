@@ -22,7 +22,7 @@ struct named_value {
     enum quantity quantity;    /* QUANTITY_OTHER if unknown */
     /* Size of a state below which no digit is certain, because the error may be that large; 0 if
      * digits are certain. */
-    double below;
+    double error_floor;
 };
 
 /* The events to watch (private); a list never changes and lives as long as its session. */
@@ -99,11 +99,11 @@ struct measurement {
     struct exact_names exact;
     struct measured value;
     enum quantity unit;
-    double periods;           /* NAN if it does not apply */
-    double at;                /* [s] of an amplitude; NAN */
-    bool energy;              /* true if it measures the energy */
-    size_t statement;         /* statement of the log that made it, counted from 1 */
-    char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
+    double periods;               /* NAN if it does not apply */
+    double t;                     /* [s] of an amplitude; NAN */
+    bool energy;                  /* true if it measures the energy */
+    size_t statement;             /* statement of the log that made it, counted from 1 */
+    char source[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
 };
 
 extern const struct result_columns measurement_columns; /* columns of struct measurement */
@@ -174,7 +174,7 @@ struct growing {
      * mean over the last periods, an amplitude that the motion stays within and reaches at least
      * half of. */
     double steady, middle, swing;
-    double until;      /* [s] of the recording, where it is known to end */
+    double t_end;      /* [s] of the recording, where it is known to end */
     double late;       /* [s] the newest velocity is older than the newest sample */
     struct run *model; /* Run of the scene from the first swing on; NULL if none matches. */
     double offset;     /* position of the recording at which the model is at rest */
@@ -341,9 +341,9 @@ const struct charset *session_charset(const struct session *session);
 
 /* ---- the session ---- */
 
-/* Records that the parameters that differ from the scene `before` got their values by that
+/* Records that the parameters that differ from the scene `previous` got their values by that
  * statement. */
-void session_trace(struct session *session, const struct scene *before, size_t statement);
+void session_trace(struct session *session, const struct scene *previous, size_t statement);
 void session_changed(struct session *session);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
@@ -372,8 +372,8 @@ void setting_choose(const struct setting *setting, bool chosen, struct settings 
 void put_tol_floor(struct buffer *text, double tol);
 /* Duration and tolerance of the scene, unless they were set. */
 void settings_of_scene(struct settings *settings, const struct preset *preset);
-/* Those that only show become as in `from`: no undo, no run depends on them. */
-void settings_display(struct settings *settings, const struct settings *from);
+/* Those that only show become as in `source`: no undo, no run depends on them. */
+void settings_display(struct settings *settings, const struct settings *source);
 void session_size(const struct session *session, int *width, int *height);
 
 /* Returns NULL if out of memory. */
@@ -381,9 +381,9 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
 void snapshot_free(struct snapshot *snapshot);
 void run_unmark(struct run_slot *slot); /* forget how undo entries last saw it */
 /* Returns true if going back to it would change anything. */
-bool undo_matters(const struct session *session, const struct snapshot *before);
+bool undo_matters(const struct session *session, const struct snapshot *previous);
 /* The state before that statement of the history. */
-void undo_push(struct session *session, struct snapshot *before, size_t statement);
+void undo_push(struct session *session, struct snapshot *previous, size_t statement);
 void undo_clear(struct session *session);
 /* Returns true if the set-up or a run of the snapshot uses the model or the events. Either may be
  * NULL, and is then not looked for. */
@@ -410,13 +410,13 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
 void live_refresh(struct session *session);
 /*
  * Takes a changed parameter of the scene over into the run that is in progress, is paused, or is to
- * be changed. Sets *from to the time [s] of the change, or to NAN if there is no such run. The run
- * is unchanged on error.
+ * be changed. Sets *t_start to the time [s] of the change, or to NAN if there is no such run. The
+ * run is unchanged on error.
  */
-bool live_bind(struct session *session, int param, double *from, struct error *error);
+bool live_bind(struct session *session, int param, double *t_start, struct error *error);
 /* Gives a variable of the current run's state, which there is, another value. */
 bool live_kick(struct session *session, int variable, double value, struct error *error);
-/* " from t = 3.2 s on", nothing where `from` is NAN. */
-void buffer_since(struct buffer *text, double from);
+/* " from t = 3.2 s on", nothing where `t_start` is NAN. */
+void buffer_since(struct buffer *text, double t_start);
 
 #endif

@@ -109,38 +109,39 @@ const struct hooke_error *hooke_error(const struct hooke *hooke)
 
 /* ---- tables ---- */
 
-static bool copy_texts(struct hooke_table *table, const struct table_column *from,
-                       struct taken_column *to)
+static bool copy_texts(struct hooke_table *table, const struct table_column *source,
+                       struct taken_column *target)
 {
-    to->text = arena_array(&table->arena, table->rows + 1, sizeof *to->text);
-    for (size_t i = 0; i < table->rows && to->text; i++)
-        if (from->text[i] && !(to->text[i] = arena_text(&table->arena, text_of(from->text[i]))))
+    target->text = arena_array(&table->arena, table->rows + 1, sizeof *target->text);
+    for (size_t i = 0; i < table->rows && target->text; i++)
+        if (source->text[i] &&
+            !(target->text[i] = arena_text(&table->arena, text_of(source->text[i]))))
             return false;
-    return to->text != NULL;
+    return target->text != NULL;
 }
 
-static bool copy_column(struct hooke_table *table, const struct table_column *from,
-                        struct taken_column *to)
+static bool copy_column(struct hooke_table *table, const struct table_column *source,
+                        struct taken_column *target)
 {
-    to->name = arena_text(&table->arena, text_of(from->name));
-    to->unit = arena_text(&table->arena, text_of(from->unit ? from->unit : ""));
-    if (!to->name || !to->unit || !from->value)
-        return to->name && to->unit && copy_texts(table, from, to);
-    to->value = arena_array(&table->arena, table->rows + 1, sizeof *to->value);
-    if (to->value && table->rows > 0)
-        memcpy(to->value, from->value, table->rows * sizeof *to->value);
-    return to->value != NULL;
+    target->name = arena_text(&table->arena, text_of(source->name));
+    target->unit = arena_text(&table->arena, text_of(source->unit ? source->unit : ""));
+    if (!target->name || !target->unit || !source->value)
+        return target->name && target->unit && copy_texts(table, source, target);
+    target->value = arena_array(&table->arena, table->rows + 1, sizeof *target->value);
+    if (target->value && table->rows > 0)
+        memcpy(target->value, source->value, table->rows * sizeof *target->value);
+    return target->value != NULL;
 }
 
-static bool take_table(void *context, const struct table *from)
+static bool take_table(void *context, const struct table *source)
 {
     struct hooke_table *table = ((struct hooke *)context)->table;
     if (!table)
         return false;
-    table->rows = from->rows;
-    table->column = arena_array(&table->arena, (size_t)from->columns + 1, sizeof *table->column);
-    for (int i = 0; i < from->columns && table->column; i++) {
-        if (!copy_column(table, &from->column[i], &table->column[i]))
+    table->rows = source->rows;
+    table->column = arena_array(&table->arena, (size_t)source->columns + 1, sizeof *table->column);
+    for (int i = 0; i < source->columns && table->column; i++) {
+        if (!copy_column(table, &source->column[i], &table->column[i]))
             return false;
         table->columns++;
     }
@@ -165,14 +166,14 @@ size_t hooke_columns(const struct hooke_table *table)
     return table ? table->columns : 0;
 }
 
-const char *hooke_column_name(const struct hooke_table *table, size_t at)
+const char *hooke_column_name(const struct hooke_table *table, size_t index)
 {
-    return at < hooke_columns(table) ? table->column[at].name : NULL;
+    return index < hooke_columns(table) ? table->column[index].name : NULL;
 }
 
-const char *hooke_column_unit(const struct hooke_table *table, size_t at)
+const char *hooke_column_unit(const struct hooke_table *table, size_t index)
 {
-    return at < hooke_columns(table) ? table->column[at].unit : NULL;
+    return index < hooke_columns(table) ? table->column[index].unit : NULL;
 }
 
 static const struct taken_column *taken_column_find(const struct hooke_table *table,
@@ -260,7 +261,7 @@ void hooke_cancel(struct hooke *hooke)
 
 int hooke_value(const struct hooke *hooke, const char *name, double *value, double *uncertainty)
 {
-    struct named_value named = {.below = 0};
+    struct named_value named = {.error_floor = 0};
     if (!hooke || !name || !names_value(hooke->session, text_of(name), &named) ||
         isnan(named.value))
         return 0;
@@ -271,11 +272,11 @@ int hooke_value(const struct hooke *hooke, const char *name, double *value, doub
     return 1;
 }
 
-const char *hooke_result(const struct hooke *hooke, size_t at)
+const char *hooke_result(const struct hooke *hooke, size_t index)
 {
     for (size_t i = 0; i < result_catalog.count && hooke; i++) {
         const struct row *row = catalog_row(&result_catalog, i);
-        if (result_is_kept(hooke->session, row) && at-- == 0)
+        if (result_is_kept(hooke->session, row) && index-- == 0)
             return row->name;
     }
     return NULL;

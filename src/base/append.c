@@ -91,13 +91,13 @@ static bool cut_back(int fd, off_t whole)
 }
 
 /* 0 or an errno. */
-static int file_append(int fd, struct text lines, bool sync, struct stat *before)
+static int file_append(int fd, struct text lines, bool sync, struct stat *status)
 {
     char last = '\n';
     struct buffer text = {0};
-    if (fstat(fd, before) != 0)
+    if (fstat(fd, status) != 0)
         return errno;
-    if (before->st_size > 0 && pread(fd, &last, 1, before->st_size - 1) != 1)
+    if (status->st_size > 0 && pread(fd, &last, 1, status->st_size - 1) != 1)
         return errno;
     if (last != '\n') /* somebody's half a line is not to become half of another one */
         buffer_char(&text, '\n');
@@ -110,9 +110,9 @@ static int file_append(int fd, struct text lines, bool sync, struct stat *before
 
 bool append_lines(int fd, struct text lines, bool sync, struct error *error)
 {
-    struct stat before = {.st_size = 0};
-    const int number = file_append(fd, lines, sync, &before);
-    const bool whole = number == 0 || cut_back(fd, before.st_size);
+    struct stat status = {.st_size = 0};
+    const int number = file_append(fd, lines, sync, &status);
+    const bool whole = number == 0 || cut_back(fd, status.st_size);
     return number == 0 || error_set(error, ERROR_IO, "%s%s", system_message(number),
                                     whole ? "" : " (its last line is cut)");
 }

@@ -55,18 +55,18 @@ char *arena_text(struct arena *arena, struct text text)
 {
     char *copy = arena_alloc(arena, text.len + 1);
     if (copy && text.len)
-        memcpy(copy, text.at, text.len);
+        memcpy(copy, text.data, text.len);
     return copy;
 }
 
-void arena_move(struct arena *from, struct arena *to)
+void arena_move(struct arena *source, struct arena *target)
 {
-    struct arena_block **end = &from->blocks;
+    struct arena_block **end = &source->blocks;
     while (*end)
         end = &(*end)->next;
-    *end = to->blocks;
-    to->blocks = from->blocks;
-    from->blocks = NULL;
+    *end = target->blocks;
+    target->blocks = source->blocks;
+    source->blocks = NULL;
 }
 
 void arena_give_back(struct arena *arena, const struct cancel *cancel)

@@ -35,7 +35,7 @@ void buffer_put(struct buffer *buffer, struct text text)
     if (!buffer_make_room(buffer, text.len))
         return;
     if (text.len)
-        memcpy(buffer->data + buffer->len, text.at, text.len);
+        memcpy(buffer->data + buffer->len, text.data, text.len);
     buffer->len += text.len;
     buffer->data[buffer->len] = '\0';
 }
@@ -104,15 +104,15 @@ const char *buffer_view(const struct buffer *buffer)
     return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
 }
 
-void buffer_base64(struct buffer *out, struct text bytes)
+void buffer_base64(struct buffer *output, struct text bytes)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned char *at = (const unsigned char *)bytes.at;
+    const unsigned char *byte = (const unsigned char *)bytes.data;
     for (size_t i = 0; i < bytes.len; i += 3) {
         const size_t n = bytes.len - i < 3 ? bytes.len - i : 3;
-        const unsigned word = (unsigned)at[i] << 16 | (n > 1 ? (unsigned)at[i + 1] << 8 : 0) |
-                              (n > 2 ? (unsigned)at[i + 2] : 0);
+        const unsigned word = (unsigned)byte[i] << 16 | (n > 1 ? (unsigned)byte[i + 1] << 8 : 0) |
+                              (n > 2 ? (unsigned)byte[i + 2] : 0);
         for (size_t k = 0; k < 4; k++)
-            buffer_char(out, k <= n ? digits[word >> (18 - 6 * k) & 63] : '=');
+            buffer_char(output, k <= n ? digits[word >> (18 - 6 * k) & 63] : '=');
     }
 }

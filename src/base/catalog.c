@@ -82,7 +82,7 @@ bool catalog_unknown(const struct catalog *catalog, struct text name, struct err
         while (next_alias(&rest, &alias)) {
             char z[LIMIT_NAME + 1];
             if (alias.len < sizeof z) {
-                snprintf(z, sizeof z, "%.*s", (int)alias.len, alias.at);
+                snprintf(z, sizeof z, "%.*s", (int)alias.len, alias.data);
                 suggestion_offer(&suggestion, z);
             }
         }
@@ -101,7 +101,7 @@ static bool same_but_case(struct text a, struct text b)
     if (a.len != b.len)
         return false;
     for (size_t i = 0; i < a.len; i++)
-        if (lower(a.at[i]) != lower(b.at[i]))
+        if (lower(a.data[i]) != lower(b.data[i]))
             return false;
     return true;
 }

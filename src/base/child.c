@@ -60,24 +60,24 @@ static _Noreturn void work_apart(const struct child *child, int end, pid_t paren
 {
     struct buffer made = {0};
     struct child_answer answer;
-    const int to = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    const int descriptor = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     memset(&answer, 0, sizeof answer); /* padding between the members is written, too */
     leave_all();
-    if (to < 0 || !dies_with(parent))
+    if (descriptor < 0 || !dies_with(parent))
         _exit(1);
     answer.done = child->work(child->context, &made, &answer.error) &&
                   (!made.failed || error_memory(&answer.error));
     answer.len = answer.done ? made.len : 0;
     answer.error.where = (struct text){0};
     struct text part[] = {{made.data, answer.len}, {(const char *)&answer, sizeof answer}};
-    _exit(file_put(to, &part[0]) != 0 || file_put(to, &part[1]) != 0);
+    _exit(file_put(descriptor, &part[0]) != 0 || file_put(descriptor, &part[1]) != 0);
 }
 
 /* ---- and we ---- */
 
 struct process {
     pid_t pid;
-    int from, status;
+    int descriptor, status;
     bool gone; /* its status is known */
 };
 
@@ -95,9 +95,9 @@ static bool take_all(const struct child *child, struct process *process, struct 
     for (;;) {
         if (child->stopped && child->stopped(child->context))
             return error_set(error, ERROR_CANCELLED, "%s: it was stopped", child->what);
-        struct pollfd ready = {.fd = process->from, .events = POLLIN};
+        struct pollfd ready = {.fd = process->descriptor, .events = POLLIN};
         const int count = poll(&ready, 1, LOOK_MS);
-        const ssize_t got = count > 0 ? read(process->from, piece, sizeof piece) : -1;
+        const ssize_t got = count > 0 ? read(process->descriptor, piece, sizeof piece) : -1;
         if (got == 0 || (count == 0 && process->gone))
             return true;
         if (count == 0 && !(--looks > 0))
@@ -113,7 +113,7 @@ static bool take_all(const struct child *child, struct process *process, struct 
     }
 }
 
-static bool died(const struct child *child, int status, struct error *error)
+static bool child_error_set(const struct child *child, int status, struct error *error)
 {
     if (!WIFSIGNALED(status))
         return not_done(child, error, "the process that does it ended before its time");
@@ -125,57 +125,57 @@ static bool died(const struct child *child, int status, struct error *error)
                      child->what, WTERMSIG(status));
 }
 
-/* Takes the answer off the end of the output that follows the first `before` bytes. */
-static bool read_answer(const struct child *child, int status, size_t before, struct buffer *out,
-                        struct error *error)
+/* Takes the answer off the end of the output that follows the first `old_len` bytes. */
+static bool read_answer(const struct child *child, int status, size_t old_len,
+                        struct buffer *output, struct error *error)
 {
     struct child_answer answer = {0};
-    const size_t len = out->len - before;
+    const size_t len = output->len - old_len;
     if (len >= sizeof answer)
-        memcpy(&answer, out->data + out->len - sizeof answer, sizeof answer);
+        memcpy(&answer, output->data + output->len - sizeof answer, sizeof answer);
     if (len < sizeof answer || len - sizeof answer != answer.len)
-        return died(child, status, error);
-    out->len -= sizeof answer;
+        return child_error_set(child, status, error);
+    output->len -= sizeof answer;
     if (!answer.done)
         *error = answer.error;
     return answer.done;
 }
 
-static bool wait_for(const struct child *child, pid_t pid, int from, struct buffer *out,
+static bool wait_for(const struct child *child, pid_t pid, int descriptor, struct buffer *output,
                      struct error *error)
 {
-    const size_t before = out->len;
-    struct process process = {.pid = pid, .from = from};
-    bool ok = take_all(child, &process, out, error);
+    const size_t old_len = output->len;
+    struct process process = {.pid = pid, .descriptor = descriptor};
+    bool ok = take_all(child, &process, output, error);
     if (!ok && !process.gone)
         kill(pid, SIGKILL);
     while (!process.gone && waitpid(pid, &process.status, 0) < 0 && errno == EINTR)
         ;
-    ok = ok && read_answer(child, process.status, before, out, error);
+    ok = ok && read_answer(child, process.status, old_len, output, error);
     if (!ok)
-        out->len = before;
-    if (out->data)
-        out->data[out->len] = '\0';
+        output->len = old_len;
+    if (output->data)
+        output->data[output->len] = '\0';
     return ok;
 }
 
-bool child_run(const struct child *child, struct buffer *out, struct error *error)
+bool child_run(const struct child *child, struct buffer *output, struct error *error)
 {
     int ends[2];
-    sigset_t all, before;
+    sigset_t all, old_mask;
     const pid_t parent = getpid();
     if (pipe2(ends, O_CLOEXEC) != 0)
         return not_done(child, error, system_message(errno));
     sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_sigmask(SIG_SETMASK, &all, &old_mask);
     const pid_t pid = fork();
     const int number = errno;
     if (pid == 0)
         work_apart(child, ends[1], parent);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_sigmask(SIG_SETMASK, &old_mask, NULL);
     close(ends[1]);
     const bool ok = pid < 0 ? not_done(child, error, system_message(number))
-                            : wait_for(child, pid, ends[0], out, error);
+                            : wait_for(child, pid, ends[0], output, error);
     close(ends[0]);
     return ok;
 }

@@ -35,9 +35,9 @@ struct decimal {
 /* The finite value with the fewest digits that read back to it, and of those the nearest; no
  * trailing zeros. */
 struct decimal decimal_shortest(double value);
-/* "e-7" at `at`, without NUL; returns its end. */
-char *decimal_power(char *at, int exponent);
+/* "e-7" at `cursor`, without NUL; returns its end. */
+char *decimal_power(char *cursor, int exponent);
 /* Plain notation while low <= decade < high, else d.ddde-7. Returns the length without the NUL. */
-size_t decimal_write(struct decimal decimal, int low, int high, char out[REAL_TEXT_SIZE]);
+size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE]);
 
 #endif

@@ -23,8 +23,8 @@ static void drop_partial(char *z, size_t size)
         z[start - 1] = '\0';
 }
 
-static PRINTF_LIKE(3, 0) void fill(struct error *error, enum error_code code, const char *format,
-                                   va_list args)
+static PRINTF_LIKE(3, 0) void error_format(struct error *error, enum error_code code,
+                                           const char *format, va_list args)
 {
     error->code = code;
     error->hint[0] = '\0';
@@ -39,7 +39,7 @@ bool error_set(struct error *error, enum error_code code, const char *format, ..
 {
     va_list args;
     va_start(args, format);
-    fill(error, code, format, args);
+    error_format(error, code, format, args);
     va_end(args);
     return false;
 }
@@ -48,7 +48,7 @@ bool error_at(struct error *error, struct text where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    fill(error, ERROR_COMMAND, format, args);
+    error_format(error, ERROR_COMMAND, format, args);
     va_end(args);
     error->where = where;
     return false;

@@ -7,91 +7,92 @@
 
 /* ---- writing ---- */
 
-size_t field_begin(struct buffer *to, const char *name)
+size_t field_begin(struct buffer *output, const char *name)
 {
     const uint32_t none = 0;
-    buffer_char(to, (char)strlen(name));
-    buffer_put(to, text_of(name));
-    const size_t begun = to->len;
-    buffer_put(to, (struct text){(const char *)&none, sizeof none});
+    buffer_char(output, (char)strlen(name));
+    buffer_put(output, text_of(name));
+    const size_t begun = output->len;
+    buffer_put(output, (struct text){(const char *)&none, sizeof none});
     return begun;
 }
 
-void field_end(struct buffer *to, size_t begun)
+void field_end(struct buffer *output, size_t begun)
 {
-    if (to->failed)
+    if (output->failed)
         return;
-    const size_t bytes = to->len - begun - sizeof(uint32_t);
+    const size_t bytes = output->len - begun - sizeof(uint32_t);
     const uint32_t len = (uint32_t)bytes;
-    to->failed = bytes > UINT32_MAX;
-    memcpy(to->data + begun, &len, sizeof len);
+    output->failed = bytes > UINT32_MAX;
+    memcpy(output->data + begun, &len, sizeof len);
 }
 
-void field_text(struct buffer *to, const char *name, struct text value)
+void field_text(struct buffer *output, const char *name, struct text value)
 {
-    const size_t begun = field_begin(to, name);
-    buffer_put(to, value);
-    field_end(to, begun);
+    const size_t begun = field_begin(output, name);
+    buffer_put(output, value);
+    field_end(output, begun);
 }
 
-void field_put(struct buffer *to, const char *name, const void *value, size_t bytes)
+void field_put(struct buffer *output, const char *name, const void *value, size_t bytes)
 {
-    field_text(to, name, (struct text){value, bytes});
+    field_text(output, name, (struct text){value, bytes});
 }
 
-void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of)
+void fields_put(struct buffer *output, const struct field *field, size_t count, const void *object)
 {
     for (size_t i = 0; i < count; i++) {
-        const void *member = (const char *)of + field[i].offset;
+        const void *member = (const char *)object + field[i].offset;
         if (field[i].kind == FIELD_QUANTITY)
-            field_text(to, field[i].name, text_of(quantity_name(*(const enum quantity *)member)));
+            field_text(output, field[i].name,
+                       text_of(quantity_name(*(const enum quantity *)member)));
         else if (field[i].kind == FIELD_TEXT)
-            field_text(to, field[i].name, text_of(member));
+            field_text(output, field[i].name, text_of(member));
         else
-            field_put(to, field[i].name, member, field[i].bytes);
+            field_put(output, field[i].name, member, field[i].bytes);
     }
 }
 
 /* ---- reading ---- */
 
-bool field_next(struct text *in, struct text *name, struct text *value)
+bool field_next(struct text *text, struct text *name, struct text *value)
 {
     uint32_t len;
-    if (in->len == 0)
+    if (text->len == 0)
         return false;
-    const size_t named = (unsigned char)in->at[0], before = 1 + named + sizeof len;
-    if (in->len < before)
+    const size_t named = (unsigned char)text->data[0], header = 1 + named + sizeof len;
+    if (text->len < header)
         return false;
-    memcpy(&len, in->at + 1 + named, sizeof len);
-    if (in->len - before < len)
+    memcpy(&len, text->data + 1 + named, sizeof len);
+    if (text->len - header < len)
         return false;
-    *name = (struct text){in->at + 1, named};
-    *value = (struct text){in->at + before, len};
-    *in = (struct text){in->at + before + len, in->len - before - len};
+    *name = (struct text){text->data + 1, named};
+    *value = (struct text){text->data + header, len};
+    *text = (struct text){text->data + header + len, text->len - header - len};
     return true;
 }
 
-bool field_find(struct text in, const char *name, struct text *value)
+bool field_find(struct text text, const char *name, struct text *value)
 {
     struct text found;
-    while (field_next(&in, &found, value))
+    while (field_next(&text, &found, value))
         if (text_is(found, name))
             return true;
     return false;
 }
 
-bool field_get(struct text in, const char *name, void *to, size_t bytes)
+bool field_get(struct text text, const char *name, void *target, size_t bytes)
 {
     struct text value;
-    if (!field_find(in, name, &value) || value.len != bytes)
+    if (!field_find(text, name, &value) || value.len != bytes)
         return false;
     if (bytes > 0)
-        memcpy(to, value.at, bytes);
+        memcpy(target, value.data, bytes);
     return true;
 }
 
 /* The number that begins there, whatever its alignment. */
-static double number_at(enum field_kind kind, const char *at)
+static double number_at(enum field_kind kind, const char *cursor)
 {
     int whole;
     unsigned natural;
@@ -100,15 +101,15 @@ static double number_at(enum field_kind kind, const char *at)
     double real;
     switch (kind) {
     case FIELD_INTS:
-        return (double)*(int *)memcpy(&whole, at, sizeof whole);
+        return (double)*(int *)memcpy(&whole, cursor, sizeof whole);
     case FIELD_UNSIGNED:
-        return (double)*(unsigned *)memcpy(&natural, at, sizeof natural);
+        return (double)*(unsigned *)memcpy(&natural, cursor, sizeof natural);
     case FIELD_INT64S:
-        return (double)*(int64_t *)memcpy(&large, at, sizeof large);
+        return (double)*(int64_t *)memcpy(&large, cursor, sizeof large);
     case FIELD_UINT64S:
-        return (double)*(uint64_t *)memcpy(&larger, at, sizeof larger);
+        return (double)*(uint64_t *)memcpy(&larger, cursor, sizeof larger);
     default:
-        return *(double *)memcpy(&real, at, sizeof real);
+        return *(double *)memcpy(&real, cursor, sizeof real);
     }
 }
 
@@ -118,23 +119,24 @@ static bool can_be(const struct field *field, struct text value)
         field->kind == FIELD_INTS || field->kind == FIELD_UNSIGNED ? sizeof(int) : sizeof(double);
     bool can = true;
     for (size_t i = 0; i < value.len && field->kind == FIELD_BOOLS; i++)
-        can &= (unsigned char)value.at[i] <= 1;
+        can &= (unsigned char)value.data[i] <= 1;
     if (field->kind == FIELD_TEXT)
-        return memchr(value.at, 0, value.len);
+        return memchr(value.data, 0, value.len);
     if (field->kind < FIELD_INTS || !(field->least < field->most))
         return can;
     for (size_t i = 0; i + bytes <= value.len && can; i += bytes) {
-        const double number = number_at(field->kind, value.at + i);
+        const double number = number_at(field->kind, value.data + i);
         can = number >= field->least && number <= field->most;
     }
     return can;
 }
 
-bool fields_sound(const struct field *field, size_t count, const void *of)
+bool fields_sound(const struct field *field, size_t count, const void *object)
 {
     bool all = true;
     for (size_t i = 0; i < count && all; i++)
-        all = can_be(&field[i], (struct text){(const char *)of + field[i].offset, field[i].bytes});
+        all = can_be(&field[i],
+                     (struct text){(const char *)object + field[i].offset, field[i].bytes});
     return all;
 }
 
@@ -147,12 +149,13 @@ static enum quantity find_quantity(struct text name)
 }
 
 /* *found: the file has it in this length. Returns false if it cannot be what the file has. */
-static bool take_field(struct text in, const struct field *field, void *of, bool *found)
+static bool take_field(struct text source, const struct field *field, void *object, bool *found)
 {
     struct text value;
-    char *member = (char *)of + field->offset;
+    char *member = (char *)object + field->offset;
     const bool quantity = field->kind == FIELD_QUANTITY, text = field->kind == FIELD_TEXT;
-    *found = field_find(in, field->name, &value) && (quantity || text || value.len == field->bytes);
+    *found =
+        field_find(source, field->name, &value) && (quantity || text || value.len == field->bytes);
     if (!*found)
         return true;
     if (quantity) {
@@ -160,41 +163,42 @@ static bool take_field(struct text in, const struct field *field, void *of, bool
         memcpy(member, &is, sizeof is);
         return true;
     }
-    if (text ? value.len >= field->bytes || memchr(value.at, 0, value.len) : !can_be(field, value))
+    if (text ? value.len >= field->bytes || memchr(value.data, 0, value.len)
+             : !can_be(field, value))
         return false;
     if (text)
         memset(member, 0, field->bytes);
     if (value.len > 0)
-        memcpy(member, value.at, value.len);
+        memcpy(member, value.data, value.len);
     return true;
 }
 
-bool fields_get(struct text in, const struct field *field, size_t count, void *of)
+bool fields_get(struct text text, const struct field *field, size_t count, void *object)
 {
     bool all = true, found;
     for (size_t i = 0; i < count && all; i++)
-        all = take_field(in, &field[i], of, &found) && found;
+        all = take_field(text, &field[i], object, &found) && found;
     return all;
 }
 
-bool fields_get_known(struct text in, const struct field *field, size_t count, void *of)
+bool fields_get_known(struct text text, const struct field *field, size_t count, void *object)
 {
     bool fine = true, found;
     for (size_t i = 0; i < count; i++)
-        fine &= take_field(in, &field[i], of, &found);
+        fine &= take_field(text, &field[i], object, &found);
     return fine;
 }
 
 /* ---- arrays that are counted by names ---- */
 
-void field_put_names(struct buffer *to, const char *name, const struct catalog *catalog)
+void field_put_names(struct buffer *output, const char *name, const struct catalog *catalog)
 {
-    const size_t begun = field_begin(to, name);
+    const size_t begun = field_begin(output, name);
     for (size_t i = 0; i < catalog->count; i++) {
-        buffer_put(to, text_of(catalog_row(catalog, i)->name));
-        buffer_char(to, '\0');
+        buffer_put(output, text_of(catalog_row(catalog, i)->name));
+        buffer_char(output, '\0');
     }
-    field_end(to, begun);
+    field_end(output, begun);
 }
 
 bool field_find_places(struct text names, const struct catalog *catalog,
@@ -202,33 +206,34 @@ bool field_find_places(struct text names, const struct catalog *catalog,
 {
     *places = (struct field_places){.rows = (int)catalog->count};
     for (int i = 0; i < places->rows; i++)
-        places->at[i] = -1;
+        places->index[i] = -1;
     while (names.len > 0) {
-        const char *end = memchr(names.at, 0, names.len);
+        const char *end = memchr(names.data, 0, names.len);
         if (!end || places->count == LIMIT_PARAMETERS)
             return false;
-        const struct text name = {names.at, (size_t)(end - names.at)};
+        const struct text name = {names.data, (size_t)(end - names.data)};
         int row = -1;
         for (int i = 0; i < places->rows && row < 0; i++)
             if (text_is(name, catalog_row(catalog, (size_t)i)->name))
                 row = i;
         if (row >= 0)
-            places->at[row] = places->count;
+            places->index[row] = places->count;
         places->row[places->count++] = row;
         names = (struct text){end + 1, names.len - name.len - 1};
     }
     return true;
 }
 
-bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,
-                      size_t item)
+bool field_get_placed(struct text text, const char *name, const struct field_places *places,
+                      void *target, size_t item)
 {
     struct text value;
-    if (!field_find(in, name, &value) || value.len != (size_t)places->count * item)
+    if (!field_find(text, name, &value) || value.len != (size_t)places->count * item)
         return false;
     for (int i = 0; i < places->rows; i++)
-        if (places->at[i] >= 0)
-            memcpy((char *)to + (size_t)i * item, value.at + (size_t)places->at[i] * item, item);
+        if (places->index[i] >= 0)
+            memcpy((char *)target + (size_t)i * item, value.data + (size_t)places->index[i] * item,
+                   item);
     return true;
 }
 
@@ -239,7 +244,7 @@ bool field_get_placed(struct text in, const char *name, const struct field_place
 #define SPREAD_A 0x9E3779B97F4A7C15u
 #define SPREAD_B 0xBF58476D1CE4E5B9u
 
-static uint64_t stir(uint64_t sum, uint64_t word)
+static uint64_t checksum_mix(uint64_t sum, uint64_t word)
 {
     sum = (sum ^ word) * SPREAD_B;
     return sum ^ (sum >> 29);
@@ -248,16 +253,16 @@ static uint64_t stir(uint64_t sum, uint64_t word)
 uint64_t bytes_sum(struct text bytes)
 {
     uint64_t lane[4] = {1 * SPREAD_A, 2 * SPREAD_A, 3 * SPREAD_A, bytes.len * SPREAD_A}, word[4];
-    for (; bytes.len >= sizeof word; bytes.at += sizeof word, bytes.len -= sizeof word) {
-        memcpy(word, bytes.at, sizeof word);
+    for (; bytes.len >= sizeof word; bytes.data += sizeof word, bytes.len -= sizeof word) {
+        memcpy(word, bytes.data, sizeof word);
         for (int i = 0; i < 4; i++)
-            lane[i] = stir(lane[i], word[i]);
+            lane[i] = checksum_mix(lane[i], word[i]);
     }
     memset(word, 0, sizeof word);
     if (bytes.len > 0)
-        memcpy(word, bytes.at, bytes.len);
+        memcpy(word, bytes.data, bytes.len);
     uint64_t sum = 0;
     for (int i = 0; i < 4; i++)
-        sum = stir(sum, stir(lane[i], word[i]));
-    return stir(sum, SPREAD_A);
+        sum = checksum_mix(sum, checksum_mix(lane[i], word[i]));
+    return checksum_mix(sum, SPREAD_A);
 }

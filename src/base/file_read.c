@@ -21,11 +21,12 @@
 
 struct file_reading {
     const char *path;
-    /* `before` is the number of bytes of content that are not the file's */
-    size_t limit, before;
+    /* `old_len` is the number of bytes of content that are not the file's */
+    size_t limit, old_len;
     uintmax_t size; /* stated; 0 if there is none */
     struct read_watch *watch;
-    int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0 if it need not */
+    int64_t
+        deadline; /* [clock_ns] what may have no end has to have ended by then; 0 if it need not */
 };
 
 /* Suggests files of the same folder whose names are like the one that does not exist. */
@@ -148,10 +149,10 @@ static bool too_long(const char *path, size_t limit, struct error *error)
 /* Returns false if it is neither at its end nor as fast as a file. */
 static bool await_more(int fd, const struct file_reading *r, size_t so_far, struct error *error)
 {
-    if (r->until == 0)
+    if (r->deadline == 0)
         return true;
     struct pollfd ready = {.fd = fd, .events = POLLIN};
-    const int64_t left = r->until - clock_ns();
+    const int64_t left = r->deadline - clock_ns();
     if (left <= 0 && so_far >= SLOW_BYTES)
         return true;
     const int count = left > 0 ? poll(&ready, 1, (int)(left / 1000000) + 1) : 0;
@@ -167,13 +168,13 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
 {
     char piece[READ_CHUNK_BYTES];
     for (bool first = true;; first = false) {
-        const size_t so_far = content->len - r->before;
+        const size_t so_far = content->len - r->old_len;
         const uintmax_t left = r->size > 0 ? r->size - so_far : READ_CHUNK_BYTES;
         if (!await_more(fd, r, so_far, error))
             return false;
         const ssize_t got =
             read(fd, piece, left < READ_CHUNK_BYTES ? (size_t)left : READ_CHUNK_BYTES);
-        if (got < 0 && errno == EAGAIN && r->until > 0 && clock_ns() < r->until) {
+        if (got < 0 && errno == EAGAIN && r->deadline > 0 && clock_ns() < r->deadline) {
             const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
             if (nanosleep(&moment, NULL) != 0)
                 return cannot_read(error, r->path, errno);
@@ -190,7 +191,7 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
         buffer_put(content, (struct text){piece, (size_t)got});
         if (content->failed)
             return error_memory(error);
-        const struct text seen = {content->data + r->before, content->len - r->before};
+        const struct text seen = {content->data + r->old_len, content->len - r->old_len};
         if (r->watch &&
             !r->watch->look(r->watch->context, seen, first ? 0 : so_far, r->size, error))
             return false;
@@ -201,22 +202,23 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
                      struct buffer *content, int *fd, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
-    struct stat st = {0}, after;
+    struct stat st = {0}, final_status;
     struct file_reading r = {path, limit, content->len, 0, watch, 0};
     if (!open_file(path, fd, &st, watch, content, error))
         return false;
     r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
     if (watch && watch->patience > 0 && (!S_ISREG(st.st_mode) || made_up(&st, watch)))
-        r.until = clock_ns() + watch->patience;
+        r.deadline = clock_ns() + watch->patience;
     if (r.size > limit)
         return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read",
                          safe_name(text_of(path), name), r.size, limit);
-    if (content->len - r.before > limit)
+    if (content->len - r.old_len > limit)
         return too_long(path, limit, error);
     if (!read_pieces(*fd, &r, content, error))
         return false;
     if (watch)
-        watch->grew = r.size > 0 && fstat(*fd, &after) == 0 && (uintmax_t)after.st_size > r.size;
+        watch->grew = r.size > 0 && fstat(*fd, &final_status) == 0 &&
+                      (uintmax_t)final_status.st_size > r.size;
     buffer_put(content, TEXT("")); /* an empty file gives "", not NULL */
     return !content->failed || error_memory(error);
 }
@@ -224,15 +226,15 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error)
 {
-    const size_t before = content->len;
+    const size_t old_len = content->len;
     int fd = -1;
     const bool done = read_all(path, limit, watch, content, &fd, error);
     /* nothing was written: nothing can be lost */
     if (fd >= 0)
         close(fd);
     if (!done && content->data) {
-        content->len = before;
-        content->data[before] = '\0';
+        content->len = old_len;
+        content->data[old_len] = '\0';
     }
     return done;
 }

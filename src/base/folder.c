@@ -74,12 +74,13 @@ void folder_empty(int fd, folder_owns *own)
 /* The folder of the hidden name goes, if there is nothing foreign in it. */
 static void remove_hidden(struct folder *folder, const char *name)
 {
-    const int fd = openat(folder->at.folder, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    const int fd =
+        openat(folder->writer.folder, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     if (fd < 0)
         return;
     folder_empty(fd, folder->own);
     close(fd);
-    unlinkat(folder->at.folder, name, AT_REMOVEDIR);
+    unlinkat(folder->writer.folder, name, AT_REMOVEDIR);
 }
 
 /* ---- opening ---- */
@@ -87,79 +88,81 @@ static void remove_hidden(struct folder *folder, const char *name)
 /* Returns true if the name is free, or is a folder that force may replace. */
 static bool target_allows(const struct folder *folder, bool *exists, struct error *error)
 {
-    const struct writer *at = &folder->at;
+    const struct writer *writer = &folder->writer;
     struct stat st;
     char foreign[NAME_MAX_SIZE], shown[SAFE_NAME_SIZE], path[SAFE_NAME_SIZE];
-    *exists = fstatat(at->folder, at->base, &st, AT_SYMLINK_NOFOLLOW) == 0;
+    *exists = fstatat(writer->folder, writer->base, &st, AT_SYMLINK_NOFOLLOW) == 0;
     if (!*exists)
-        return errno == ENOENT || writer_refuse(at, error, system_message(errno));
+        return errno == ENOENT || writer_refuse(writer, error, system_message(errno));
     if (!S_ISDIR(st.st_mode))
-        return writer_refuse(at, error, "there is something of that name that is not a folder");
-    if (!at->force)
-        return writer_refuse_existing(at, error);
-    const int fd = openat(at->folder, at->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+        return writer_refuse(writer, error, "there is something of that name that is not a folder");
+    if (!writer->force)
+        return writer_refuse_existing(writer, error);
+    const int fd =
+        openat(writer->folder, writer->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     const bool read = fd >= 0 && each_entry(fd, is_own_file, folder->own, foreign);
     const int number = errno;
     if (fd >= 0)
         close(fd);
     if (!read)
-        return writer_refuse(at, error, system_message(number));
+        return writer_refuse(writer, error, system_message(number));
     if (!foreign[0])
         return true;
     error_set(error, ERROR_IO, "cannot replace %s: it also holds %s, which would be lost",
-              safe_name(text_of(at->path), path), safe_name(text_of(foreign), shown));
+              safe_name(text_of(writer->path), path), safe_name(text_of(foreign), shown));
     return error_hint(error, "choose another name, or move that elsewhere");
 }
 
 static bool make_hidden(struct folder *folder, mode_t mode)
 {
-    struct writer *at = &folder->at;
-    for (int i = 0; i < NAME_ATTEMPTS && stray_name(at->temporary, at->base, STRAY_NEW); i++) {
-        if (mkdirat(at->folder, at->temporary, mode) != 0) {
+    struct writer *writer = &folder->writer;
+    for (int i = 0; i < NAME_ATTEMPTS && stray_name(writer->temporary, writer->base, STRAY_NEW);
+         i++) {
+        if (mkdirat(writer->folder, writer->temporary, mode) != 0) {
             if (errno == EEXIST)
                 continue;
             break;
         }
-        folder->fd =
-            openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+        folder->fd = openat(writer->folder, writer->temporary,
+                            O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
         if (folder->fd < 0 && errno != ENOENT)
             return false;
-        if (folder->fd >= 0 && stray_is_held(at->folder, at->temporary, folder->fd))
+        if (folder->fd >= 0 && stray_is_held(writer->folder, writer->temporary, folder->fd))
             return true;
         if (folder->fd >= 0) /* taken for a stray before it was locked */
             close(folder->fd);
         folder->fd = -1;
     }
-    at->temporary[0] = '\0';
+    writer->temporary[0] = '\0';
     return false;
 }
 
 static bool open_all(struct folder *folder, struct write_policy policy, struct error *error)
 {
-    struct writer *at = &folder->at;
+    struct writer *writer = &folder->writer;
     bool exists;
-    if (!at->path)
+    if (!writer->path)
         return error_memory(error);
-    size_t len = strlen(at->path);
-    while (len > 1 && at->path[len - 1] == '/')
-        at->path[--len] = '\0';
-    if (!writer_open_folder(at, policy.confine, error))
+    size_t len = strlen(writer->path);
+    while (len > 1 && writer->path[len - 1] == '/')
+        writer->path[--len] = '\0';
+    if (!writer_open_folder(writer, policy.confine, error))
         return false;
-    if (is_self(at->base))
-        return writer_refuse(at, error, "a folder needs a name of its own");
+    if (is_self(writer->base))
+        return writer_refuse(writer, error, "a folder needs a name of its own");
     return target_allows(folder, &exists, error) &&
            (make_hidden(folder, policy.secret ? 0700 : 0777) ||
-            writer_refuse(at, error, system_message(errno)));
+            writer_refuse(writer, error, system_message(errno)));
 }
 
 bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
                  folder_owns *own, struct error *error)
 {
     *folder = (struct folder){
-        .at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
-    folder->at.path = strdup(path);
-    if (policy.refuse && folder->at.path)
-        writer_refuse(&folder->at, error, WRITER_REFUSED);
+        .writer = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
+    folder->writer.path = strdup(path);
+    if (policy.refuse && folder->writer.path)
+        writer_refuse(&folder->writer, error, WRITER_REFUSED);
     else if (open_all(folder, policy, error))
         return true;
     folder_abandon(folder);
@@ -172,7 +175,7 @@ bool folder_file_open(const struct folder *folder, const char *name, struct writ
                       struct error *error)
 {
     *file = (struct writer){.fd = -1, .folder = -1};
-    if (asprintf(&file->path, "%s/%s", folder->at.path, name) < 0)
+    if (asprintf(&file->path, "%s/%s", folder->writer.path, name) < 0)
         file->path = NULL;
     file->chunk = malloc(WRITER_CHUNK);
     if (!file->path || !file->chunk) {
@@ -198,30 +201,32 @@ bool folder_put(struct folder *folder, const char *name, struct text content, st
 
 /* ---- putting in place: each step returns 0 or an errno ---- */
 
-static int move(const struct writer *at, const char *from, const char *to, unsigned flags)
+static int writer_rename(const struct writer *writer, const char *old_name, const char *new_name,
+                         unsigned flags)
 {
-    return renameat2(at->folder, from, at->folder, to, flags) == 0 ? 0 : errno;
+    return renameat2(writer->folder, old_name, writer->folder, new_name, flags) == 0 ? 0 : errno;
 }
 
 /* Replaces a folder in two steps, where names cannot be exchanged (NFS, FAT): the old folder is
  * moved aside first. */
 static int replace_in_turn(struct folder *folder)
 {
-    struct writer *at = &folder->at;
-    char fresh[sizeof at->temporary];
-    const int old = openat(at->folder, at->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    struct writer *writer = &folder->writer;
+    char fresh[sizeof writer->temporary];
+    const int old =
+        openat(writer->folder, writer->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     int number = old < 0 ? errno : EEXIST;
-    memcpy(fresh, at->temporary, sizeof fresh);
+    memcpy(fresh, writer->temporary, sizeof fresh);
     if (old >= 0)
         file_lock(old, false); /* or it would be taken for a stray */
     for (int i = 0; i < NAME_ATTEMPTS && (number == EEXIST || number == ENOTEMPTY); i++)
-        number = stray_name(at->temporary, at->base, STRAY_OLD)
-                     ? move(at, at->base, at->temporary, 0)
+        number = stray_name(writer->temporary, writer->base, STRAY_OLD)
+                     ? writer_rename(writer, writer->base, writer->temporary, 0)
                      : errno;
-    if (number == 0 && (number = move(at, fresh, at->base, 0)) != 0)
-        move(at, at->temporary, at->base, 0);
+    if (number == 0 && (number = writer_rename(writer, fresh, writer->base, 0)) != 0)
+        writer_rename(writer, writer->temporary, writer->base, 0);
     if (number != 0)
-        memcpy(at->temporary, fresh, sizeof fresh);
+        memcpy(writer->temporary, fresh, sizeof fresh);
     if (old >= 0)
         close(old);
     return number;
@@ -229,49 +234,49 @@ static int replace_in_turn(struct folder *folder)
 
 static int publish(struct folder *folder, bool exists)
 {
-    struct writer *at = &folder->at;
+    struct writer *writer = &folder->writer;
     if (exists) {
-        const int number = move(at, at->temporary, at->base, RENAME_EXCHANGE);
+        const int number = writer_rename(writer, writer->temporary, writer->base, RENAME_EXCHANGE);
         return number == EINVAL || number == ENOSYS ? replace_in_turn(folder) : number;
     }
-    const int number = move(at, at->temporary, at->base, 0);
+    const int number = writer_rename(writer, writer->temporary, writer->base, 0);
     if (number == 0)
-        at->temporary[0] = '\0';
+        writer->temporary[0] = '\0';
     return number;
 }
 
 bool folder_commit(struct folder *folder, struct error *error)
 {
-    struct writer *at = &folder->at;
+    struct writer *writer = &folder->writer;
     bool exists, done = false;
     int number = file_synced(folder->fd);
     number = number == EINVAL ? 0 : number; /* a folder that cannot be synced */
     if (number == 0 && target_allows(folder, &exists, error)) {
         number = publish(folder, exists);
         if (number == 0) {
-            number = file_synced(at->folder);
+            number = file_synced(writer->folder);
             if (number == EINVAL || number == EBADF) /* or was opened by O_PATH */
                 number = 0;
         }
         done = number == 0;
     }
     if (number == EEXIST || number == ENOTEMPTY)
-        writer_refuse_existing(at, error);
+        writer_refuse_existing(writer, error);
     else if (number != 0)
-        writer_refuse(at, error, system_message(number));
+        writer_refuse(writer, error, system_message(number));
     folder_abandon(folder);
     return done;
 }
 
 void folder_abandon(struct folder *folder)
 {
-    if (!folder->at.path) /* not open, or all zeros */
+    if (!folder->writer.path) /* not open, or all zeros */
         folder->fd = -1;
-    if (folder->at.temporary[0] != '\0')
-        remove_hidden(folder, folder->at.temporary);
-    folder->at.temporary[0] = '\0';
+    if (folder->writer.temporary[0] != '\0')
+        remove_hidden(folder, folder->writer.temporary);
+    folder->writer.temporary[0] = '\0';
     if (folder->fd >= 0)
         close(folder->fd);
     folder->fd = -1;
-    writer_abandon(&folder->at);
+    writer_abandon(&folder->writer);
 }

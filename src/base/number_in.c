@@ -56,44 +56,44 @@ struct scanned {
     size_t first, mantissa_end, used; /* [byte] */
 };
 
-static bool is_digit(char c)
+static bool is_number_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-/* The exponent part at text[at], if there is a whole one; *at moves behind it. */
-static int64_t scan_exponent(struct text text, size_t *at)
+/* The exponent part at text[at], if there is a whole one; *position moves behind it. */
+static int64_t scan_exponent(struct text text, size_t *position)
 {
-    size_t i = *at;
-    if (i >= text.len || (text.at[i] != 'e' && text.at[i] != 'E'))
+    size_t i = *position;
+    if (i >= text.len || (text.data[i] != 'e' && text.data[i] != 'E'))
         return 0;
     i++;
-    bool negative = i < text.len && text.at[i] == '-';
-    if (i < text.len && (text.at[i] == '-' || text.at[i] == '+'))
+    bool negative = i < text.len && text.data[i] == '-';
+    if (i < text.len && (text.data[i] == '-' || text.data[i] == '+'))
         i++;
-    if (i >= text.len || !is_digit(text.at[i]))
+    if (i >= text.len || !is_number_digit(text.data[i]))
         return 0;
     int64_t value = 0;
-    for (; i < text.len && is_digit(text.at[i]); i++)
-        value = value < EXPONENT_MAX ? value * 10 + (text.at[i] - '0') : value;
-    *at = i;
+    for (; i < text.len && is_number_digit(text.data[i]); i++)
+        value = value < EXPONENT_MAX ? value * 10 + (text.data[i] - '0') : value;
+    *position = i;
     return negative ? -value : value;
 }
 
-static bool scan(struct text text, char decimal, struct scanned *s)
+static bool number_scan(struct text text, char decimal, struct scanned *s)
 {
     *s = (struct scanned){0};
     size_t i = 0;
-    if (text.len > 0 && (text.at[0] == '-' || text.at[0] == '+'))
-        s->negative = text.at[i++] == '-';
+    if (text.len > 0 && (text.data[0] == '-' || text.data[0] == '+'))
+        s->negative = text.data[i++] == '-';
     bool point = false, any = false;
     for (s->first = i; i < text.len; i++) {
-        char c = text.at[i];
+        char c = text.data[i];
         if (c == decimal && !point) {
             point = true;
             continue;
         }
-        if (!is_digit(c))
+        if (!is_number_digit(c))
             break;
         any = true;
         s->exponent -= point;
@@ -144,8 +144,8 @@ static double by_library(struct text text, const struct scanned *s)
     size_t len = 0, seen = 0;
     bool more = false;
     for (size_t i = s->first; i < s->mantissa_end; i++) {
-        char c = text.at[i];
-        if (!is_digit(c) || (seen == 0 && c == '0'))
+        char c = text.data[i];
+        if (!is_number_digit(c) || (seen == 0 && c == '0'))
             continue;
         if (seen++ < DIGITS_MAX)
             z[len++] = c;
@@ -187,7 +187,7 @@ enum real_status real_scan(struct text text, char decimal, double *value, size_t
     *used = 0;
     if (text.len == 0)
         return REAL_EMPTY;
-    if (!scan(text, decimal, &s))
+    if (!number_scan(text, decimal, &s))
         return REAL_MALFORMED;
     double size = magnitude(text, &s);
     *value = s.negative ? -size : size;

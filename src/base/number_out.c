@@ -67,12 +67,13 @@ static struct decimal shortest_exact(double value)
     const int p = 16 - decade;
 
     const wide u = decimal_power5[p];
-    const int up = e + p > 2 ? e + p - 2 : 0, shift = e + p > 2 ? 0 : 2 - e - p;
-    const wide v = (4 * u * m) << up, above = (2 * u) << up, below = (fraction ? 2 * u : u) << up;
+    const int left_shift = e + p > 2 ? e + p - 2 : 0, shift = e + p > 2 ? 0 : 2 - e - p;
+    const wide v = (4 * u * m) << left_shift, upper_margin = (2 * u) << left_shift,
+               lower_margin = (fraction ? 2 * u : u) << left_shift;
     const wide one = (wide)1 << shift;
     const wide closed = (m & 1) == 0; /* a tie reads as the even mantissa */
-    uint64_t low = (uint64_t)((v - below + one - closed) >> shift);
-    uint64_t high = (uint64_t)((v + above - 1 + closed) >> shift);
+    uint64_t low = (uint64_t)((v - lower_margin + one - closed) >> shift);
+    uint64_t high = (uint64_t)((v + upper_margin - 1 + closed) >> shift);
 
     struct decimal d = {.exponent = -p};
     uint64_t scale = 1;
@@ -157,15 +158,15 @@ static char *decimal_digits(char *end, uint64_t n)
     return end;
 }
 
-char *decimal_power(char *at, int exponent)
+char *decimal_power(char *cursor, int exponent)
 {
     char digits[20], *const end = digits + sizeof digits;
     const char *first = decimal_digits(end, (uint64_t)(exponent < 0 ? -exponent : exponent));
-    *at++ = 'e';
+    *cursor++ = 'e';
     if (exponent < 0)
-        *at++ = '-';
-    memcpy(at, first, (size_t)(end - first));
-    return at + (end - first);
+        *cursor++ = '-';
+    memcpy(cursor, first, (size_t)(end - first));
+    return cursor + (end - first);
 }
 
 /* Power of ten of the first digit: 0 for 1..9; for zero, that of its last place. */
@@ -177,49 +178,51 @@ static int decimal_decade(struct decimal decimal)
     return decade;
 }
 
-size_t decimal_write(struct decimal decimal, int low, int high, char out[REAL_TEXT_SIZE])
+size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE])
 {
     char digits[20], *const end = digits + sizeof digits,
-                            *first = decimal_digits(end, decimal.digits), *at = out;
+                            *first = decimal_digits(end, decimal.digits), *cursor = output;
     const int count = (int)(end - first), point = count + decimal.exponent, decade = point - 1;
     const bool plain = low <= decade && decade < high;
     /* Digits before the point; what is missing there or between the point and the first digit is
      * zeros. */
-    const int before = plain ? point : 1, whole = before < 0 ? 0 : before < count ? before : count;
+    const int integer_digits = plain ? point : 1, whole = integer_digits < 0       ? 0
+                                                          : integer_digits < count ? integer_digits
+                                                                                   : count;
     if (decimal.negative)
-        *at++ = '-';
-    if (before <= 0)
-        *at++ = '0';
-    memcpy(at, first, (size_t)whole);
-    at += whole;
-    for (int i = count; i < before; i++)
-        *at++ = '0';
+        *cursor++ = '-';
+    if (integer_digits <= 0)
+        *cursor++ = '0';
+    memcpy(cursor, first, (size_t)whole);
+    cursor += whole;
+    for (int i = count; i < integer_digits; i++)
+        *cursor++ = '0';
     if (whole < count)
-        *at++ = '.';
-    for (int i = before; i < 0; i++)
-        *at++ = '0';
-    memcpy(at, first + whole, (size_t)(count - whole));
-    at += count - whole;
+        *cursor++ = '.';
+    for (int i = integer_digits; i < 0; i++)
+        *cursor++ = '0';
+    memcpy(cursor, first + whole, (size_t)(count - whole));
+    cursor += count - whole;
     if (!plain && decimal.digits)
-        at = decimal_power(at, decade);
-    *at = '\0';
-    return (size_t)(at - out);
+        cursor = decimal_power(cursor, decade);
+    *cursor = '\0';
+    return (size_t)(cursor - output);
 }
 
 /* The text of what is no decimal; 0 when `value` is finite. */
-static size_t write_nonfinite(double value, char out[REAL_TEXT_SIZE])
+static size_t write_nonfinite(double value, char output[REAL_TEXT_SIZE])
 {
     if (isfinite(value))
         return 0;
     struct text name = isnan(value) ? TEXT("nan") : value < 0 ? TEXT("-inf") : TEXT("inf");
-    memcpy(out, name.at, name.len + 1);
+    memcpy(output, name.data, name.len + 1);
     return name.len;
 }
 
-size_t real_format(double value, char out[REAL_TEXT_SIZE])
+size_t real_format(double value, char output[REAL_TEXT_SIZE])
 {
-    size_t len = write_nonfinite(value, out);
-    return len ? len : decimal_write(decimal_shortest(value), -4, 17, out);
+    size_t len = write_nonfinite(value, output);
+    return len ? len : decimal_write(decimal_shortest(value), -4, 17, output);
 }
 
 void buffer_real(struct buffer *buffer, double value)
@@ -262,8 +265,9 @@ static struct decimal rounded_to(double value, int index)
     struct decimal d = rounded(value, 17);
     const int digits = value != 0 ? decimal_decade(d) - index + 1 : 0;
     if (digits < 1) {
-        bool up = digits == 0 && d.digits >= 50000000000000000u;
-        return (struct decimal){d.negative && up, up, up || index < 0 ? index : 0}; /* 0, not 00 */
+        bool rounds_up = digits == 0 && d.digits >= 50000000000000000u;
+        return (struct decimal){d.negative && rounds_up, rounds_up,
+                                rounds_up || index < 0 ? index : 0}; /* 0, not 00 */
     }
     d = rounded(value, digits);
     for (; d.exponent > index; d.exponent--) /* 9.996 became 10.00 */
@@ -298,14 +302,14 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
     buffer_put(buffer, (struct text){z, len});
 }
 
-void buffer_parenthesis(struct buffer *out, double value, double uncertainty)
+void buffer_parenthesis(struct buffer *output, double value, double uncertainty)
 {
     const int decimals_max = 6;
     const int decimals = uncertainty > 0 && uncertainty < 9.5
                              ? (int)fmax(-floor(log10(uncertainty * 1.0526)), 0)
                              : decimals_max + 1;
     if (decimals > decimals_max) /* 1.0526: 9.5 rounds to 10 */
-        buffer_format(out, "%.*f", decimals_max, value);
+        buffer_format(output, "%.*f", decimals_max, value);
     else
-        buffer_format(out, "%.*f(%.0f)", decimals, value, uncertainty * pow(10, decimals));
+        buffer_format(output, "%.*f(%.0f)", decimals, value, uncertainty * pow(10, decimals));
 }

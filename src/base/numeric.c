@@ -55,7 +55,7 @@ static bool radix_offsets(uint32_t count[RADIX_SIZE], size_t n)
 bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel)
 {
     uint32_t count[RADIX_PASSES][RADIX_SIZE];
-    double *in = values, *out = scratch;
+    double *source = values, *target = scratch;
     if (cancelled(cancel))
         return false;
     if (n <= RADIX_SIZE || n > UINT32_MAX) {
@@ -72,13 +72,13 @@ bool sort_values(double *values, size_t n, double *scratch, const struct cancel 
         if (!radix_offsets(count[pass], n))
             continue;
         for (size_t i = 0; i < n; i++)
-            out[count[pass][radix_digit(in[i], pass)]++] = in[i];
-        double *const sorted = out;
-        out = in;
-        in = sorted;
+            target[count[pass][radix_digit(source[i], pass)]++] = source[i];
+        double *const sorted = target;
+        target = source;
+        source = sorted;
     }
-    if (in != values)
-        memcpy(values, in, n * sizeof *values);
+    if (source != values)
+        memcpy(values, source, n * sizeof *values);
     return true;
 }
 

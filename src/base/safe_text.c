@@ -30,44 +30,44 @@ bool codepoint_hidden(uint32_t codepoint)
 static struct text visible(struct text text, bool keep_layout, char piece[16], size_t *used)
 {
     const uint32_t codepoint = text_codepoint(text, used);
-    const unsigned char byte = (unsigned char)text.at[0];
+    const unsigned char byte = (unsigned char)text.data[0];
     const bool invalid = codepoint == CODEPOINT_INVALID && *used == 1;
     int len;
     if (keep_layout && (byte == '\n' || byte == '\t'))
-        return (struct text){text.at, 1};
+        return (struct text){text.data, 1};
     if (invalid || codepoint < 0x20 || codepoint == 0x7F)
         len = snprintf(piece, 16, "\\x%02x", byte);
     else if (codepoint_hidden(codepoint))
         len = snprintf(piece, 16, "<U+%04X>", (unsigned)codepoint);
     else
-        return (struct text){text.at, *used};
+        return (struct text){text.data, *used};
     return (struct text){piece, (size_t)len};
 }
 
-void safe_text(struct buffer *out, struct text text, bool keep_layout)
+void safe_text(struct buffer *output, struct text text, bool keep_layout)
 {
     char piece[16];
-    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
-        for (used = 0; used < text.len && text.at[used] >= ' ' && text.at[used] < 0x7F;)
+    for (size_t used; text.len > 0; text.data += used, text.len -= used) {
+        for (used = 0; used < text.len && text.data[used] >= ' ' && text.data[used] < 0x7F;)
             used++;
-        buffer_put(out, used > 0 ? (struct text){text.at, used}
-                                 : visible(text, keep_layout, piece, &used));
+        buffer_put(output, used > 0 ? (struct text){text.data, used}
+                                    : visible(text, keep_layout, piece, &used));
     }
 }
 
-const char *safe_name(struct text name, char out[SAFE_NAME_SIZE])
+const char *safe_name(struct text name, char output[SAFE_NAME_SIZE])
 {
     char piece[16];
     size_t len = 0;
-    for (size_t used; name.len > 0; name.at += used, name.len -= used) {
+    for (size_t used; name.len > 0; name.data += used, name.len -= used) {
         struct text shown = visible(name, false, piece, &used);
         if (len + shown.len > SAFE_NAME_SIZE - 4) {
             shown = TEXT("...");
             used = name.len;
         }
-        memcpy(out + len, shown.at, shown.len);
+        memcpy(output + len, shown.data, shown.len);
         len += shown.len;
     }
-    out[len] = '\0';
-    return out;
+    output[len] = '\0';
+    return output;
 }

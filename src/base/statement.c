@@ -21,15 +21,15 @@ static bool is_blank(char c)
 
 struct text text_behind(struct text text, size_t count)
 {
-    struct text rest = {text.at + count, text.len - count};
+    struct text rest = {text.data + count, text.len - count};
     text_skip_blanks(&rest);
     return rest;
 }
 
 void text_skip_blanks(struct text *text)
 {
-    while (text->len > 0 && is_blank(text->at[0])) {
-        text->at++;
+    while (text->len > 0 && is_blank(text->data[0])) {
+        text->data++;
         text->len--;
     }
 }
@@ -37,11 +37,11 @@ void text_skip_blanks(struct text *text)
 /* Bytes of the string that starts at text.at[0], both quotes included; 0 if it does not end. */
 size_t text_quoted(struct text text)
 {
-    const char quote = text.at[0];
+    const char quote = text.data[0];
     for (size_t i = 1; i < text.len; i++) {
-        if (quote == '"' && text.at[i] == '\\')
+        if (quote == '"' && text.data[i] == '\\')
             i++;
-        else if (text.at[i] == quote)
+        else if (text.data[i] == quote)
             return i + 1;
     }
     return 0;
@@ -50,37 +50,38 @@ size_t text_quoted(struct text text)
 /* A ' directly after a name is a derivative mark or an apostrophe, not a quote. */
 static bool opens_string(struct text text, size_t i)
 {
-    return text.at[i] == '"' || (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) ||
-                                                                    text.at[i - 1] == '\'')));
+    return text.data[i] == '"' ||
+           (text.data[i] == '\'' &&
+            (i == 0 || !(is_name_char(text.data[i - 1]) || text.data[i - 1] == '\'')));
 }
 
 bool next_statement(struct text *line, struct text *statement, struct error *error)
 {
     size_t i = 0;
     const struct text all = *line;
-    while (i < all.len && all.at[i] != ';') {
+    while (i < all.len && all.data[i] != ';') {
         if (opens_string(all, i)) {
-            const struct text rest = {all.at + i, all.len - i};
+            const struct text rest = {all.data + i, all.len - i};
             const size_t used = text_quoted(rest);
             if (used == 0) {
-                error_at(error, (struct text){rest.at, 1},
+                error_at(error, (struct text){rest.data, 1},
                          "the string that begins here has no end");
-                error_hint(error, "close it with %c", rest.at[0]);
+                error_hint(error, "close it with %c", rest.data[0]);
                 return false;
             }
             i += used;
-        } else if (all.at[i] == '#' && (i == 0 || is_blank(all.at[i - 1]))) {
+        } else if (all.data[i] == '#' && (i == 0 || is_blank(all.data[i - 1]))) {
             break;
         } else {
             i++;
         }
     }
-    *statement = (struct text){all.at, i};
-    const bool comment = i < all.len && all.at[i] == '#';
+    *statement = (struct text){all.data, i};
+    const bool comment = i < all.len && all.data[i] == '#';
     const size_t cut = comment ? all.len : i < all.len ? i + 1 : i;
-    *line = (struct text){all.at + cut, all.len - cut};
+    *line = (struct text){all.data + cut, all.len - cut};
     text_skip_blanks(statement);
-    while (statement->len > 0 && is_blank(statement->at[statement->len - 1]))
+    while (statement->len > 0 && is_blank(statement->data[statement->len - 1]))
         statement->len--;
     return true;
 }
@@ -88,19 +89,19 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
 struct text peek_word(struct text text, const char *stops)
 {
     size_t i = 0;
-    while (i < text.len && !is_blank(text.at[i]) && text.at[i] != ';' && !opens_string(text, i) &&
-           !strchr(stops, text.at[i]))
+    while (i < text.len && !is_blank(text.data[i]) && text.data[i] != ';' &&
+           !opens_string(text, i) && !strchr(stops, text.data[i]))
         i++;
-    return (struct text){text.at, i};
+    return (struct text){text.data, i};
 }
 
 struct text peek_name(struct text text)
 {
     size_t i = 0;
-    if (text.len > 0 && is_name_start(text.at[0]))
+    if (text.len > 0 && is_name_start(text.data[0]))
         while (i < text.len &&
-               (is_name_char(text.at[i]) ||
-                (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
+               (is_name_char(text.data[i]) ||
+                (text.data[i] == '-' && i + 1 < text.len && is_name_start(text.data[i + 1]))))
             i++;
-    return (struct text){text.at, i};
+    return (struct text){text.data, i};
 }

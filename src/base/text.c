@@ -12,19 +12,19 @@ struct text text_of(const char *z)
 
 bool text_equal(struct text a, struct text b)
 {
-    return a.len == b.len && (a.len == 0 || memcmp(a.at, b.at, a.len) == 0);
+    return a.len == b.len && (a.len == 0 || memcmp(a.data, b.data, a.len) == 0);
 }
 
 bool text_is(struct text a, const char *z)
 {
-    if (z && a.len > 0 && *z != *a.at) /* as most names do, which takes less than their length */
+    if (z && a.len > 0 && *z != *a.data) /* as most names do, which takes less than their length */
         return false;
     return text_equal(a, text_of(z));
 }
 
 bool text_starts(struct text a, struct text prefix)
 {
-    return a.len >= prefix.len && text_equal((struct text){a.at, prefix.len}, prefix);
+    return a.len >= prefix.len && text_equal((struct text){a.data, prefix.len}, prefix);
 }
 
 static bool is_blank(char c)
@@ -34,27 +34,27 @@ static bool is_blank(char c)
 
 struct text text_last_component(struct text path)
 {
-    size_t at = path.len;
-    while (at > 0 && path.at[at - 1] != '/')
-        at--;
-    return (struct text){path.at + at, path.len - at};
+    size_t begin = path.len;
+    while (begin > 0 && path.data[begin - 1] != '/')
+        begin--;
+    return (struct text){path.data + begin, path.len - begin};
 }
 
 struct text text_ending(struct text path)
 {
     const struct text name = text_last_component(path);
     size_t dot = name.len;
-    while (dot > 0 && name.at[dot - 1] != '.')
+    while (dot > 0 && name.data[dot - 1] != '.')
         dot--;
-    return dot > 1 ? (struct text){name.at + dot, name.len - dot} : TEXT("");
+    return dot > 1 ? (struct text){name.data + dot, name.len - dot} : TEXT("");
 }
 
 struct text text_trim(struct text a)
 {
-    while (a.len > 0 && is_blank(a.at[a.len - 1]))
+    while (a.len > 0 && is_blank(a.data[a.len - 1]))
         a.len--;
-    while (a.len > 0 && is_blank(a.at[0])) {
-        a.at++;
+    while (a.len > 0 && is_blank(a.data[0])) {
+        a.data++;
         a.len--;
     }
     return a;
@@ -62,11 +62,11 @@ struct text text_trim(struct text a)
 
 bool text_split(struct text *rest, char separator, struct text *head)
 {
-    if (rest->at == NULL)
+    if (rest->data == NULL)
         return false;
-    const char *cut = rest->len ? memchr(rest->at, separator, rest->len) : NULL;
+    const char *cut = rest->len ? memchr(rest->data, separator, rest->len) : NULL;
     if (cut) {
-        *head = (struct text){rest->at, (size_t)(cut - rest->at)};
+        *head = (struct text){rest->data, (size_t)(cut - rest->data)};
         *rest = (struct text){cut + 1, rest->len - head->len - 1};
     } else {
         *head = *rest;
@@ -75,7 +75,7 @@ bool text_split(struct text *rest, char separator, struct text *head)
     return true;
 }
 
-static int min(int a, int b)
+static int int_min(int a, int b)
 {
     return a < b ? a : b;
 }
@@ -92,14 +92,14 @@ int text_distance(struct text a, struct text b)
     for (size_t j = 0; j <= b.len; j++)
         rows[0][j] = (int)j;
     for (size_t i = 1; i <= a.len; i++) {
-        const int *before = rows[(i + 1) % 3], *above = rows[(i - 1) % 3];
+        const int *transposition_row = rows[(i + 1) % 3], *previous_row = rows[(i - 1) % 3];
         int *row = rows[i % 3];
         row[0] = (int)i;
         for (size_t j = 1; j <= b.len; j++) {
-            int replaced = above[j - 1] + (a.at[i - 1] != b.at[j - 1]);
-            row[j] = min(replaced, min(above[j], row[j - 1]) + 1);
-            if (i > 1 && j > 1 && a.at[i - 1] == b.at[j - 2] && a.at[i - 2] == b.at[j - 1])
-                row[j] = min(row[j], before[j - 2] + 1);
+            int replaced = previous_row[j - 1] + (a.data[i - 1] != b.data[j - 1]);
+            row[j] = int_min(replaced, int_min(previous_row[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && a.data[i - 1] == b.data[j - 2] && a.data[i - 2] == b.data[j - 1])
+                row[j] = int_min(row[j], transposition_row[j - 2] + 1);
         }
     }
     return rows[a.len % 3][b.len];

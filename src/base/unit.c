@@ -184,11 +184,11 @@ const struct unit *unit_match(struct text text)
     const struct unit *best = NULL;
     size_t longest = 0;
     for (size_t i = 0; i < COUNT_OF(units) && text.len > 0; i++) {
-        if (units[i].row.name[0] != text.at[0])
+        if (units[i].row.name[0] != text.data[0])
             continue;
         struct text name = text_of(units[i].row.name);
         if (name.len > longest && text_starts(text, name) &&
-            (name.len == text.len || !continues_word(text.at[name.len]))) {
+            (name.len == text.len || !continues_word(text.data[name.len]))) {
             best = &units[i];
             longest = name.len;
         }
@@ -221,14 +221,14 @@ const struct unit *unit_display(enum quantity quantity, double value)
 
 /* The shortest decimal of `value` in this unit, by moving the point; false if it does not read back
  * exactly. */
-static bool shown_exactly(double value, const struct unit *unit, char out[REAL_TEXT_SIZE])
+static bool shown_exactly(double value, const struct unit *unit, char output[REAL_TEXT_SIZE])
 {
     struct decimal d = decimal_shortest(value);
     if (d.digits != 0)
         d.exponent -= (int)lround(log10(unit->factor));
-    decimal_write(d, -4, 17, out);
+    decimal_write(d, -4, 17, output);
     double number, si;
-    return real_parse(text_of(out), &number) == REAL_OK &&
+    return real_parse(text_of(output), &number) == REAL_OK &&
            unit_convert(unit, unit->quantity, number, &si) && si == value;
 }
 

@@ -9,7 +9,7 @@ uint32_t text_codepoint(struct text text, size_t *used)
     *used = text.len > 0;
     if (text.len == 0)
         return 0;
-    const unsigned char first = (unsigned char)text.at[0];
+    const unsigned char first = (unsigned char)text.data[0];
     if (first < 0x80)
         return first;
     const size_t len = first >= 0xF8   ? 0
@@ -21,7 +21,7 @@ uint32_t text_codepoint(struct text text, size_t *used)
         return CODEPOINT_INVALID;
     uint32_t codepoint = first & (0x7Fu >> len);
     for (size_t i = 1; i < len; i++) {
-        const unsigned char next = (unsigned char)text.at[i];
+        const unsigned char next = (unsigned char)text.data[i];
         if ((next & 0xC0) != 0x80)
             return CODEPOINT_INVALID;
         codepoint = codepoint << 6 | (next & 0x3F);
@@ -36,7 +36,7 @@ uint32_t text_codepoint(struct text text, size_t *used)
 int text_width(struct text text)
 {
     int width = 0;
-    for (size_t used; text.len > 0; text.at += used, text.len -= used)
+    for (size_t used; text.len > 0; text.data += used, text.len -= used)
         width += codepoint_width(text_codepoint(text, &used));
     return width;
 }
@@ -58,10 +58,10 @@ void buffer_folded(struct buffer *buffer, struct text text, int width)
 /* [byte] of the separator of items that begins there; 0 if there is none. */
 static size_t separator(struct text rest, int depth)
 {
-    static const char *const between[] = {"  ", ", ", "; ", ": ", " | ", " ("};
-    for (size_t i = 0; i < COUNT_OF(between) && depth == 0; i++)
-        if (text_starts(rest, text_of(between[i])))
-            return strlen(between[i]);
+    static const char *const separators[] = {"  ", ", ", "; ", ": ", " | ", " ("};
+    for (size_t i = 0; i < COUNT_OF(separators) && depth == 0; i++)
+        if (text_starts(rest, text_of(separators[i])))
+            return strlen(separators[i]);
     return 0;
 }
 
@@ -72,22 +72,22 @@ struct text text_in_room(struct text text, int width, bool *cut)
     *cut = false;
     if (text_width(text) <= width)
         return text;
-    for (size_t at = 0, used; at < text.len && column <= width; at += used) {
-        const struct text rest = {text.at + at, text.len - at};
-        if (at > 0 && rest.at[-1] != ' ' && separator(rest, depth)) {
-            items = at;
+    for (size_t position = 0, used; position < text.len && column <= width; position += used) {
+        const struct text rest = {text.data + position, text.len - position};
+        if (position > 0 && rest.data[-1] != ' ' && separator(rest, depth)) {
+            items = position;
             item_columns = column;
         }
-        if (at > 0 && rest.at[0] == ' ' && column <= width - 2)
-            words = at;
+        if (position > 0 && rest.data[0] == ' ' && column <= width - 2)
+            words = position;
         if (column <= width - 1)
-            letters = at;
-        depth += rest.at[0] == '(' || rest.at[0] == '[';
-        depth -= depth > 0 && (rest.at[0] == ')' || rest.at[0] == ']');
+            letters = position;
+        depth += rest.data[0] == '(' || rest.data[0] == '[';
+        depth -= depth > 0 && (rest.data[0] == ')' || rest.data[0] == ']');
         column += codepoint_width(text_codepoint(rest, &used));
     }
     if (items > 0 && 2 * item_columns >= width)
-        return (struct text){text.at, items};
+        return (struct text){text.data, items};
     *cut = true;
-    return (struct text){text.at, words ? words : letters};
+    return (struct text){text.data, words ? words : letters};
 }

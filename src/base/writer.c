@@ -43,20 +43,21 @@ static bool same_file(const struct stat *a, const struct stat *b)
  * deceive. */
 static bool folder_is_below_here(int folder)
 {
-    struct stat here, at, above;
+    struct stat here, current, parent_status;
     int fd = openat(folder, ".", O_PATH | O_DIRECTORY | O_CLOEXEC);
-    bool below = false, climbing = fd >= 0 && stat(".", &here) == 0 && fstat(fd, &at) == 0;
-    while (climbing && !below) {
-        below = same_file(&at, &here);
+    bool is_below = false, climbing = fd >= 0 && stat(".", &here) == 0 && fstat(fd, &current) == 0;
+    while (climbing && !is_below) {
+        is_below = same_file(&current, &here);
         const int parent = openat(fd, "..", O_PATH | O_DIRECTORY | O_CLOEXEC);
-        climbing = parent >= 0 && fstat(parent, &above) == 0 && !same_file(&above, &at);
-        at = above;
+        climbing = parent >= 0 && fstat(parent, &parent_status) == 0 &&
+                   !same_file(&parent_status, &current);
+        current = parent_status;
         close(fd);
         fd = parent;
     }
     if (fd >= 0)
         close(fd);
-    return below;
+    return is_below;
 }
 
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error)
@@ -106,9 +107,9 @@ bool writer_allows(const struct writer *writer, mode_t *mode, struct error *erro
     return writer->force || writer_refuse_existing(writer, error);
 }
 
-static void proc_name(const struct writer *writer, char out[32])
+static void proc_name(const struct writer *writer, char output[32])
 {
-    snprintf(out, 32, "/proc/self/fd/%d", writer->fd);
+    snprintf(output, 32, "/proc/self/fd/%d", writer->fd);
 }
 
 /* Unnamed where the file system and /proc allow it, else under a temporary name. */
@@ -176,9 +177,9 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 int file_put(int fd, struct text *text)
 {
     while (text->len > 0) {
-        const ssize_t done = write(fd, text->at, text->len);
+        const ssize_t done = write(fd, text->data, text->len);
         if (done > 0) {
-            text->at += done;
+            text->data += done;
             text->len -= (size_t)done;
         } else if (done == 0 || errno != EINTR) {
             return done == 0 ? ENOSPC : errno;
@@ -209,7 +210,7 @@ void writer_put(struct writer *writer, struct text text)
     if (text.len > WRITER_CHUNK) {
         writer_write(writer, text);
     } else if (text.len > 0) {
-        memcpy(writer->chunk + writer->used, text.at, text.len);
+        memcpy(writer->chunk + writer->used, text.data, text.len);
         writer->used += text.len;
     }
 }

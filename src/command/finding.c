@@ -51,12 +51,12 @@ static bool is_kind(const char *kind, const char *wanted)
 
 static void put_use(const char *use, struct text name, struct buffer *text)
 {
-    for (const char *at = use; *at; at++)
-        if (at[0] == '%' && at[1] == '1') {
+    for (const char *cursor = use; *cursor; cursor++)
+        if (cursor[0] == '%' && cursor[1] == '1') {
             buffer_put(text, name);
-            at++;
+            cursor++;
         } else {
-            buffer_char(text, *at);
+            buffer_char(text, *cursor);
         }
 }
 
@@ -90,8 +90,8 @@ static void put_setting(const struct session *session, struct text name, struct 
 
 bool text_mentions(const char *where, struct text word)
 {
-    for (const char *at = where; at && *at; at++)
-        if (strncasecmp(at, word.at, word.len) == 0)
+    for (const char *cursor = where; cursor && *cursor; cursor++)
+        if (strncasecmp(cursor, word.data, word.len) == 0)
             return true;
     return false;
 }
@@ -99,10 +99,11 @@ bool text_mentions(const char *where, struct text word)
 /* Returns true if the text contains the word between blanks. */
 static bool mentions_whole(const char *where, struct text word)
 {
-    const char *at = strchr(where, ' ');
-    while (at && !(strncmp(at + 1, word.at, word.len) == 0 && at[1 + word.len] == ' '))
-        at = strchr(at + 1, ' ');
-    return at;
+    const char *cursor = strchr(where, ' ');
+    while (cursor &&
+           !(strncmp(cursor + 1, word.data, word.len) == 0 && cursor[1 + word.len] == ' '))
+        cursor = strchr(cursor + 1, ' ');
+    return cursor;
 }
 
 /* Returns true if the description of any row mentions the word. */
@@ -118,10 +119,10 @@ static bool is_mentioned(struct text word)
 /* The whole of what was typed there: dE/E0, symplectic-euler. */
 static struct text whole_word(struct text statement, struct text where)
 {
-    size_t len = (size_t)(where.at - statement.at);
-    while (len < statement.len && !memchr(" \t=,;()'\"", statement.at[len], 9))
+    size_t len = (size_t)(where.data - statement.data);
+    while (len < statement.len && !memchr(" \t=,;()'\"", statement.data[len], 9))
         len++;
-    return (struct text){where.at, len - (size_t)(where.at - statement.at)};
+    return (struct text){where.data, len - (size_t)(where.data - statement.data)};
 }
 
 #define SENTENCE_MIN 3 /* blanks in what is no misspelt command */
@@ -131,12 +132,12 @@ static struct text whole_word(struct text statement, struct text where)
 /* Returns the form in which the word was typed. */
 static enum argument_form form_of(struct text statement, struct text where)
 {
-    struct text rest = {where.at + where.len,
-                        (size_t)(statement.at + statement.len - where.at) - where.len};
+    struct text rest = {where.data + where.len,
+                        (size_t)(statement.data + statement.len - where.data) - where.len};
     text_skip_blanks(&rest);
-    if (where.at - statement.at >= 2 && where.at[-1] == '-' && where.at[-2] == '-')
+    if (where.data - statement.data >= 2 && where.data[-1] == '-' && where.data[-2] == '-')
         return FORM_OPTION;
-    return rest.len > 0 && rest.at[0] == '=' ? FORM_KEY : FORM_WORD;
+    return rest.len > 0 && rest.data[0] == '=' ? FORM_KEY : FORM_WORD;
 }
 
 /* Returns true if the command has an argument of that name, in whatever form. */
@@ -175,7 +176,7 @@ static void put_meanings(const struct session *session, const struct command *co
             if (row)
                 put_filled(row->brief, is_kind(kind, "command") ? statement : TEXT(""), text);
         }
-    if (!command || where.at == statement.at)
+    if (!command || where.data == statement.data)
         return;
     const enum argument_form form = form_of(statement, where);
     if (form == FORM_OPTION && text_is(where, "force") && overwrites_nothing(command))
@@ -205,22 +206,24 @@ static bool put_misplaced(const struct session *session, const char *kind, struc
                           struct text where, struct buffer *text)
 {
     static const char fillers[] = " for with using the a an at by in ";
-    const char *end = statement.at + statement.len, *next = where.at + where.len;
+    const char *end = statement.data + statement.len, *next = where.data + where.len;
     const struct text rest = {next, (size_t)(end - next)}, called = called_word(where);
-    if (is_kind(kind, "name") && rest.len > 1 && rest.at[0] == '.' && is_name_start(rest.at[1])) {
+    if (is_kind(kind, "name") && rest.len > 1 && rest.data[0] == '.' &&
+        is_name_start(rest.data[1])) {
         const struct text name = peek_name((struct text){next + 1, rest.len - 1});
-        buffer_format(text, "names stand alone: '%.*s'", (int)name.len, name.at);
-    } else if (is_kind(kind, "name") && where.len < 6 && where.at > statement.at &&
-               where.at[-1] == ' ' && mentions_whole(fillers, where) && text_trim(rest).len > 0) {
-        const struct text before =
-            text_trim((struct text){statement.at, (size_t)(where.at - statement.at)});
-        const struct text after = text_trim(rest);
-        buffer_format(text, "'%.*s %.*s'", (int)before.len, before.at, (int)after.len, after.at);
+        buffer_format(text, "names stand alone: '%.*s'", (int)name.len, name.data);
+    } else if (is_kind(kind, "name") && where.len < 6 && where.data > statement.data &&
+               where.data[-1] == ' ' && mentions_whole(fillers, where) && text_trim(rest).len > 0) {
+        const struct text preceding =
+            text_trim((struct text){statement.data, (size_t)(where.data - statement.data)});
+        const struct text following = text_trim(rest);
+        buffer_format(text, "'%.*s %.*s'", (int)preceding.len, preceding.data, (int)following.len,
+                      following.data);
     } else if (is_kind(kind, "plot") && called.len > 0 &&
                (model_variable(session->setup.scene.model, called) >= 0 ||
                 catalog_find(&observable_catalog, called))) {
-        buffer_format(text, "'plot %.*s'", (int)called.len, called.at);
-    } else if (is_kind(kind, "plot") && where.len > 2 && memchr(where.at, '.', where.len)) {
+        buffer_format(text, "'plot %.*s'", (int)called.len, called.data);
+    } else if (is_kind(kind, "plot") && where.len > 2 && memchr(where.data, '.', where.len)) {
         buffer_put(text, text_of(catalog_find(&word_catalog, TEXT("open"))->brief));
     }
     return text->len > 0;
@@ -234,7 +237,7 @@ static bool is_law(const struct command *command, struct text statement)
     return command ? strcmp(command->group, "EQUATIONS") == 0 &&
                          command->completes != COMPLETES_VARIABLE &&
                          command->completes != COMPLETES_PARAMETER
-                   : name.len < statement.len && name.at[name.len] == '\'';
+                   : name.len < statement.len && name.data[name.len] == '\'';
 }
 
 /* Appends hints about at most two other words of a sentence such as "i have a spring and a
@@ -244,18 +247,18 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     struct text rest = statement;
     int blanks = 0;
     for (size_t i = 0; i < statement.len; i++)
-        blanks += statement.at[i] == ' ';
+        blanks += statement.data[i] == ' ';
     if (guessed && blanks < SENTENCE_MIN)
         return;
     for (int count = 0; rest.len > 0 && count < 2;) {
         const struct text word = peek_word(rest, ",;?.!");
         struct buffer use = {0};
-        if (word.len > 2 && word.at > statement.at && put_uses(word, "", false, &use) &&
+        if (word.len > 2 && word.data > statement.data && put_uses(word, "", false, &use) &&
             !(text->len > 0 && strstr(buffer_view(text), buffer_view(&use)))) {
             buffer_format(text, "%s%s", count++ ? "; " : "", buffer_view(&use));
         }
         buffer_free(&use);
-        rest.at += word.len + (word.len < rest.len);
+        rest.data += word.len + (word.len < rest.len);
         rest.len -= word.len + (word.len < rest.len);
         text_skip_blanks(&rest);
     }
@@ -300,7 +303,7 @@ static void explain(const struct session *session, struct text statement, struct
         if (text.len > 0)
             error_hint(error, "%s", buffer_view(&text));
     } else if (kind && error->hint_kind <= HINT_LIST && where.len > 2 && is_mentioned(where)) {
-        error_hint(error, "'apropos %.*s' finds where it is spoken of", (int)where.len, where.at);
+        error_hint(error, "'apropos %.*s' finds where it is spoken of", (int)where.len, where.data);
     }
     buffer_free(&text);
 }
@@ -308,7 +311,7 @@ static void explain(const struct session *session, struct text statement, struct
 void explain_unknown(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;
-    if (!where.at || where.at < statement.at || where.at > statement.at + statement.len ||
+    if (!where.data || where.data < statement.data || where.data > statement.data + statement.len ||
         error->code != ERROR_COMMAND)
         return;
     text_skip_blanks(&statement);

@@ -9,6 +9,6 @@
 bool writes_file(const struct arguments *arguments);
 /* Writes the statement without abbreviations, with the consent that was given. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
-                       struct text statement, struct buffer *out);
+                       struct text statement, struct buffer *output);
 
 #endif

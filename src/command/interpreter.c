@@ -21,38 +21,38 @@
 static bool is_assignment(struct text statement)
 {
     struct text name = peek_name(statement);
-    struct text rest = {statement.at + name.len, statement.len - name.len};
+    struct text rest = {statement.data + name.len, statement.len - name.len};
     text_skip_blanks(&rest);
-    return name.len > 0 && rest.len > 0 && rest.at[0] == '=' &&
-           (rest.len == 1 || rest.at[1] != '=');
+    return name.len > 0 && rest.len > 0 && rest.data[0] == '=' &&
+           (rest.len == 1 || rest.data[1] != '=');
 }
 
 /* NAME' = …, NAME'' = … */
 static bool is_equation(struct text statement)
 {
     const struct text name = peek_name(statement);
-    struct text rest = {statement.at + name.len, statement.len - name.len};
+    struct text rest = {statement.data + name.len, statement.len - name.len};
     const size_t marked = rest.len;
-    while (rest.len > 0 && rest.at[0] == '\'')
-        rest = (struct text){rest.at + 1, rest.len - 1};
+    while (rest.len > 0 && rest.data[0] == '\'')
+        rest = (struct text){rest.data + 1, rest.len - 1};
     const bool marks = rest.len < marked;
     text_skip_blanks(&rest);
-    return name.len > 0 && marks && rest.len > 0 && rest.at[0] == '=';
+    return name.len > 0 && marks && rest.len > 0 && rest.data[0] == '=';
 }
 
 static bool unknown_command(const struct session *session, struct text word, struct error *error)
 {
     struct named_value value;
     char name[LIMIT_NAME + 1];
-    snprintf(name, sizeof name, "%.*s", (int)word.len, word.at);
+    snprintf(name, sizeof name, "%.*s", (int)word.len, word.data);
     if (!module_is_in(name, word, error))
         return false;
     catalog_unknown(&command_catalog, word, error);
-    if (memmem(word.at, word.len, "\xe2\x80\x99", 3))
+    if (memmem(word.data, word.len, "\xe2\x80\x99", 3))
         return error_hint(error, "a derivative is marked with the ASCII sign: x' or x''");
     if (names_value(session, word, &value))
         return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len,
-                          word.at, (int)word.len, word.at);
+                          word.data, (int)word.len, word.data);
     if (error->hint[0])
         return error_hint(error, "('help' lists the commands)");
     error_hint(error, "'help' lists the commands");
@@ -74,7 +74,7 @@ static bool find_command(struct session *session, struct parser *parser,
     const struct text word = peek_word(parser->rest, "");
     *command =
         (const struct command *)(const void *)catalog_choose(session, &command_catalog, word);
-    parser->rest = (struct text){word.at + word.len, parser->rest.len - word.len};
+    parser->rest = (struct text){word.data + word.len, parser->rest.len - word.len};
     return *command || unknown_command(session, word, error);
 }
 
@@ -83,11 +83,12 @@ static bool run_handler(struct session *session, const struct arguments *argumen
                         struct reply *reply, struct error *error)
 {
     const struct command *command = arguments->command;
-    struct snapshot *before = NULL;
-    session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
+    struct snapshot *previous = NULL;
+    session->setup.scene.steps_across_kinks = session->setup.settings.turning == TURNING_OFF;
     /* Changes during a run, or by its events, are undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
-        !session->execution.reacting && !session->growing && !(before = snapshot_take(session, "")))
+        !session->execution.reacting && !session->growing &&
+        !(previous = snapshot_take(session, "")))
         return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
@@ -98,10 +99,10 @@ static bool run_handler(struct session *session, const struct arguments *argumen
         if (module_list[i]->statement_ended)
             module_list[i]->statement_ended(session);
     /* A run that diverged is an error, and a change all the same. */
-    if (before && session->changes != changes && undo_matters(session, before))
-        undo_push(session, before, entry);
+    if (previous && session->changes != changes && undo_matters(session, previous))
+        undo_push(session, previous, entry);
     else
-        snapshot_free(before);
+        snapshot_free(previous);
     return ok;
 }
 
@@ -146,7 +147,8 @@ static bool run_collected(struct session *session, const struct arguments *argum
     short_form_end(&form, reply);
     reply->store = outer;
     reply->muted = muted;
-    const struct row *of = session_keep_results(session, &said, arguments->command->row.name);
+    const struct row *table_row =
+        session_keep_results(session, &said, arguments->command->row.name);
     if (!redirected)
         return ok;
     if (!ok || redirect->plot)
@@ -157,7 +159,7 @@ static bool run_collected(struct session *session, const struct arguments *argum
     reply->recorded &= !redirect->plot; /* what the study says is not shown */
     if (redirect->plot)
         return draw_redirected(session, arguments, redirect, reply, error);
-    return redirect_finish(session, redirect, of, reply, error);
+    return redirect_finish(session, redirect, table_row, reply, error);
 }
 
 /* A setting that no file can set is in none that is written. */
@@ -215,7 +217,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     arguments->where = where;
     if (!find_command(session, &parser, &arguments->command, error))
         return false;
-    arguments->word = (struct text){statement.at, (size_t)(parser.rest.at - statement.at)};
+    arguments->word = (struct text){statement.data, (size_t)(parser.rest.data - statement.data)};
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
         error_set(error, ERROR_COMMAND, "%s has to wait: run %d is still in progress",
@@ -238,7 +240,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     const struct text typed = statement;
     struct redirect redirect;
     redirect_take(arguments->command, &statement, &redirect);
-    parser.rest.len = (size_t)(statement.at + statement.len - parser.rest.at);
+    parser.rest.len = (size_t)(statement.data + statement.len - parser.rest.data);
     if (!parse_arguments(&parser, arguments->command, arguments, error)) {
         redirect_explain(arguments->command, typed, error);
         return false;
@@ -255,10 +257,10 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     session->execution.confirmed = false;
     free(session->execution.meant);
     session->execution.meant = NULL;
-    const struct scene before = session->setup.scene;
+    const struct scene previous = session->setup.scene;
     const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
     if (!session->execution.reacting && !(arguments->command->flags & COMMAND_NESTS))
-        session_trace(session, &before, entry + 1);
+        session_trace(session, &previous, entry + 1);
     const unsigned flags =
         (ok ? ENTRY_DONE : 0) | (session->changes != changes ? ENTRY_CHANGED : 0) |
         (running || (session->growing && session->execution.nesting > 1) ? ENTRY_WITHIN : 0);
@@ -295,7 +297,7 @@ static void note_left_out(struct text rest, struct reply *reply)
     next_statement(&rest, &statement, &ignored);
     if (statement.len > 0)
         reply_note(reply, "not executed, because the run was paused: %.*s%s",
-                   (int)(statement.len < 80 ? statement.len : 80), statement.at,
+                   (int)(statement.len < 80 ? statement.len : 80), statement.data,
                    rest.len > 0 ? "; ..." : "");
 }
 
@@ -315,8 +317,8 @@ static bool exec_line(struct session *session, struct text line, const struct so
     size_t entry = 0;
     if (line.len > LIMIT_LINE)
         ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
-    else if (memchr(line.at, 0, line.len))
-        ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1},
+    else if (memchr(line.data, 0, line.len))
+        ok = error_at(&error, (struct text){memchr(line.data, 0, line.len), 1},
                       "a NUL byte in a command");
     else if (!session->execution.reacting)
         ok = history_line(session, line, where && where->parent, &entry, &error);
@@ -331,7 +333,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
             reply->format = (enum output_format)session->setup.settings.format;
             explain_unknown(session, statement, &error);
             /* several statements are on the line: name the one that failed */
-            if (!error.where.at && statement.len < line.len)
+            if (!error.where.data && statement.len < line.len)
                 error.where = statement;
             reply_error(reply, &error, where, line);
             note_failure(session, &error);
@@ -343,7 +345,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
     if (session->execution.halted && !session->execution.quit) {
         note_left_out(rest, reply);
     } else if (!ok) {
-        reply_error(reply, &error, where, error.where.at ? line : (struct text){NULL, 0});
+        reply_error(reply, &error, where, error.where.data ? line : (struct text){NULL, 0});
         note_failure(session, &error);
     }
     return ok;

@@ -15,13 +15,13 @@ static struct text behind_sign(struct text statement)
     struct text found = {NULL, 0};
     char quote = 0;
     for (size_t i = 0; i < statement.len; i++) {
-        const char c = statement.at[i];
+        const char c = statement.data[i];
         if (quote)
             quote = c == quote ? 0 : quote;
         else if (c == '\'' || c == '"')
             quote = c;
         else if (c == '>')
-            found = (struct text){statement.at + i + 1, statement.len - i - 1};
+            found = (struct text){statement.data + i + 1, statement.len - i - 1};
     }
     return found;
 }
@@ -30,7 +30,7 @@ bool refuse_ending(struct text file, struct error *error)
 {
     struct buffer list = {0};
     char what[32];
-    snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len, text_ending(file).at);
+    snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len, text_ending(file).data);
     if (!module_is_in(what, file, error))
         return false;
     for (size_t i = 0; i < table_format_catalog.count; i++)
@@ -44,11 +44,11 @@ bool refuse_ending(struct text file, struct error *error)
 static const struct row *ending_row(const struct catalog *catalog, struct text file)
 {
     size_t dot = file.len;
-    while (dot > 0 && file.at[dot - 1] != '.' && file.at[dot - 1] != '/')
+    while (dot > 0 && file.data[dot - 1] != '.' && file.data[dot - 1] != '/')
         dot--;
-    if (dot < 2 || file.at[dot - 1] != '.')
+    if (dot < 2 || file.data[dot - 1] != '.')
         return NULL;
-    return catalog_find(catalog, (struct text){file.at + dot, file.len - dot});
+    return catalog_find(catalog, (struct text){file.data + dot, file.len - dot});
 }
 
 /* Returns the name of the plot that shows what the command finds, or NULL if there is none. */
@@ -80,13 +80,13 @@ static bool read_file(struct text rest, struct redirect *redirect)
 {
     rest = text_trim(rest);
     struct text file = peek_word(rest, "");
-    const char quote = rest.len > 1 && strchr("'\"", rest.at[0]) ? rest.at[0] : 0;
-    const char *end = quote ? memchr(rest.at + 1, quote, rest.len - 1) : NULL;
+    const char quote = rest.len > 1 && strchr("'\"", rest.data[0]) ? rest.data[0] : 0;
+    const char *end = quote ? memchr(rest.data + 1, quote, rest.len - 1) : NULL;
     if (end)
-        file = (struct text){rest.at, (size_t)(end - rest.at) + 1};
-    const struct text left = text_trim((struct text){file.at + file.len, rest.len - file.len});
+        file = (struct text){rest.data, (size_t)(end - rest.data) + 1};
+    const struct text left = text_trim((struct text){file.data + file.len, rest.len - file.len});
     redirect->force = text_is(left, "--force");
-    redirect->file = end ? (struct text){file.at + 1, file.len - 2} : file;
+    redirect->file = end ? (struct text){file.data + 1, file.len - 2} : file;
     return redirect->file.len > 0 && (left.len == 0 || redirect->force);
 }
 
@@ -94,7 +94,7 @@ void redirect_take(const struct command *command, struct text *statement, struct
 {
     const struct text rest = behind_sign(*statement);
     *redirect = (struct redirect){.file = {NULL, 0}};
-    if (!(command->flags & COMMAND_TABLES) || !rest.at || !read_file(rest, redirect)) {
+    if (!(command->flags & COMMAND_TABLES) || !rest.data || !read_file(rest, redirect)) {
         redirect->file = (struct text){NULL, 0};
         return;
     }
@@ -102,15 +102,16 @@ void redirect_take(const struct command *command, struct text *statement, struct
         redirect->file = (struct text){NULL, 0};
         return;
     }
-    statement->len = (size_t)(rest.at - 1 - statement->at);
+    statement->len = (size_t)(rest.data - 1 - statement->data);
 }
 
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
     const struct text rest = behind_sign(statement);
     struct redirect redirect;
-    if (!(command->flags & COMMAND_TABLES) || !rest.at || !read_file(rest, &redirect) ||
-        !(error->where.at >= rest.at - 1 && error->where.at <= statement.at + statement.len))
+    if (!(command->flags & COMMAND_TABLES) || !rest.data || !read_file(rest, &redirect) ||
+        !(error->where.data >= rest.data - 1 &&
+          error->where.data <= statement.data + statement.len))
         return;
     *error = (struct error){.code = ERROR_NONE};
     refuse_ending(redirect.file, error);
@@ -136,18 +137,18 @@ bool redirect_open(const struct session *session, struct redirect *redirect, str
 
 void redirect_put_plot(const struct redirect *redirect, struct buffer *statement)
 {
-    const char *quote = memchr(redirect->file.at, '\'', redirect->file.len) ? "\"" : "'";
+    const char *quote = memchr(redirect->file.data, '\'', redirect->file.len) ? "\"" : "'";
     buffer_format(statement, "plot %s > %s%.*s%s%s", redirect->plot, quote, (int)redirect->file.len,
-                  redirect->file.at, quote, redirect->force ? " --force" : "");
+                  redirect->file.data, quote, redirect->force ? " --force" : "");
 }
 
-bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,
-                     struct reply *reply, struct error *error)
+bool redirect_finish(struct session *session, struct redirect *redirect,
+                     const struct row *table_row, struct reply *reply, struct error *error)
 {
     struct arena arena = {0};
     struct export export = {.arena = &arena};
-    bool ok = of ? export_result(session, of, &export, error)
-                 : error_at(error, redirect->file, "this found nothing that is a table");
+    bool ok = table_row ? export_result(session, table_row, &export, error)
+                        : error_at(error, redirect->file, "this found nothing that is a table");
     export.table.cancel = session->front.cancel;
     if (ok)
         ok = table_send(&export.table, redirect->format, &redirect->writer, error);
@@ -155,7 +156,7 @@ bool redirect_finish(struct session *session, struct redirect *redirect, const s
         writer_abandon(&redirect->writer);
     if (ok)
         reply_exported(reply, redirect->file, &export.table);
-    else if (!error->where.at)
+    else if (!error->where.data)
         error->where = redirect->file;
     arena_reset(&arena);
     return ok;

@@ -25,9 +25,9 @@ void redirect_take(const struct command *command, struct text *statement,
 /* Opens the file before anything is computed: one that exists is refused. */
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
                    struct error *error);
-/* Writes the result `of` that the statement has found, NULL if there is none, as a table. */
-bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,
-                     struct reply *reply, struct error *error);
+/* Writes the result `table_row` that the statement has found, NULL if there is none, as a table. */
+bool redirect_finish(struct session *session, struct redirect *redirect,
+                     const struct row *table_row, struct reply *reply, struct error *error);
 /* Appends the statement that draws the picture. */
 void redirect_put_plot(const struct redirect *redirect, struct buffer *statement);
 /* Lists the possible endings if a statement that cannot be read ends in the name of a file with

@@ -19,7 +19,7 @@ static struct text behind_sign(struct text text, const char *sign)
 static void put_suggested(struct buffer *text, const char *name, struct text value)
 {
     value = text_trim(value);
-    buffer_format(text, "'%s%s%.*s'", name, value.len ? " = " : "", (int)value.len, value.at);
+    buffer_format(text, "'%s%s%.*s'", name, value.len ? " = " : "", (int)value.len, value.data);
 }
 
 /* Returns the name of a number that `NAME = VALUE` can set, or NULL. */
@@ -39,16 +39,16 @@ const char *start_of(const struct session *session, struct text name)
     const struct scene *scene = &session->setup.scene;
     const struct model *model = scene->model;
     char parameter[LIMIT_NAME + 4];
-    const bool primed = name.len > 1 && name.at[name.len - 1] == '\'';
+    const bool primed = name.len > 1 && name.data[name.len - 1] == '\'';
     name.len -= primed;
-    if (name.len == 1 && strchr("xyzqu", name.at[0]) && model_variable(model, name) < 0 &&
+    if (name.len == 1 && strchr("xyzqu", name.data[0]) && model_variable(model, name) < 0 &&
         model->n > 0)
         name = text_of(model->variable[0].name);
     if (name.len > LIMIT_NAME || model_variable(model, name) < 0)
         return NULL;
     for (int i = 0; i < 2; i++) {
-        snprintf(parameter, sizeof parameter, "%s%.*s%s", primed ? "v" : "", (int)name.len, name.at,
-                 i == 0 ? "0" : "_0");
+        snprintf(parameter, sizeof parameter, "%s%.*s%s", primed ? "v" : "", (int)name.len,
+                 name.data, i == 0 ? "0" : "_0");
         const int index = scene_param(scene, parameter);
         if (index >= 0)
             return param_at(scene, index)->row.name;
@@ -61,15 +61,15 @@ const char *start_of(const struct session *session, struct text name)
 static bool put_start(const struct session *session, struct text statement, struct buffer *text)
 {
     struct text name = peek_name(statement);
-    if (name.len < statement.len && statement.at[name.len] == '\'')
+    if (name.len < statement.len && statement.data[name.len] == '\'')
         name.len++;
     struct text rest = text_behind(statement, name.len);
-    rest = rest.len > 0 && strchr("([", rest.at[0]) ? behind_sign(text_behind(rest, 1), "0")
-                                                    : (struct text){NULL, 0};
-    if (!rest.at || rest.len == 0 || !strchr(")]", rest.at[0]))
+    rest = rest.len > 0 && strchr("([", rest.data[0]) ? behind_sign(text_behind(rest, 1), "0")
+                                                      : (struct text){NULL, 0};
+    if (!rest.data || rest.len == 0 || !strchr(")]", rest.data[0]))
         return false;
     const struct text value = behind_sign(text_behind(rest, 1), "=");
-    const char *start = value.at ? start_of(session, name) : NULL;
+    const char *start = value.data ? start_of(session, name) : NULL;
     if (start)
         put_suggested(text, start, value);
     return start;
@@ -82,30 +82,30 @@ static bool put_assignment(const struct session *session, struct text statement,
     const struct text word = peek_word(statement, ":="), name = peek_name(word),
                       rest = text_behind(statement, word.len);
     struct text value = rest, inner = peek_name(rest);
-    while (value.len > 0 && strchr(":= \t", value.at[0]))
+    while (value.len > 0 && strchr(":= \t", value.data[0]))
         value = text_behind(value, 1);
     const char *known = settable(session, name);
-    if (known && name.len == word.len && value.len > 0 && strchr("0123456789.+-", value.at[0])) {
+    if (known && name.len == word.len && value.len > 0 && strchr("0123456789.+-", value.data[0])) {
         put_suggested(text, known, value);
         return true;
     }
     value = inner.len ? behind_sign(text_behind(rest, inner.len), "=") : (struct text){NULL, 0};
-    known = value.at ? settable(session, inner) : NULL;
-    if (value.at && !known)
+    known = value.data ? settable(session, inner) : NULL;
+    if (value.data && !known)
         known = start_of(session, inner);
     if (known)
         put_suggested(text, known, value);
-    const struct row *row = known || !value.at || catalog_find(&word_catalog, word)
+    const struct row *row = known || !value.data || catalog_find(&word_catalog, word)
                                 ? NULL
                                 : catalog_find(&word_catalog, inner);
     buffer_put(text, row ? text_of(row->brief) : TEXT(""));
     return known || row;
 }
 
-static size_t span(struct text text, size_t from, const char *of)
+static size_t text_span_length(struct text text, size_t begin, const char *characters)
 {
     size_t len = 0;
-    while (from + len < text.len && strchr(of, text.at[from + len]))
+    while (begin + len < text.len && strchr(characters, text.data[begin + len]))
         len++;
     return len;
 }
@@ -115,27 +115,28 @@ static bool put_equation(struct text statement, struct buffer *text)
 {
     const struct text word = peek_word(statement, "=");
     struct text name = peek_name(statement);
-    const size_t primes = span(statement, name.len, "'");
-    if (name.len > 0 && (primes == 1 || primes == 2) && memchr(statement.at, '=', statement.len)) {
+    const size_t primes = text_span_length(statement, name.len, "'");
+    if (name.len > 0 && (primes == 1 || primes == 2) &&
+        memchr(statement.data, '=', statement.len)) {
         const int shown = (int)(name.len + primes);
-        buffer_format(text, "%.*s stands alone on the left: %.*s = EXPR", shown, name.at, shown,
-                      name.at);
+        buffer_format(text, "%.*s stands alone on the left: %.*s = EXPR", shown, name.data, shown,
+                      name.data);
         return true;
     }
-    const char *over = memchr(word.at, '/', word.len);
-    const size_t power = span(word, 1, "^2");
-    if (!over || word.at[0] != 'd' || over + 2 >= word.at + word.len || over[1] != 'd' ||
-        over <= word.at + 1 + power)
+    const char *slash = memchr(word.data, '/', word.len);
+    const size_t power = text_span_length(word, 1, "^2");
+    if (!slash || word.data[0] != 'd' || slash + 2 >= word.data + word.len || slash[1] != 'd' ||
+        slash <= word.data + 1 + power)
         return false;
-    name = (struct text){word.at + 1 + power, (size_t)(over - word.at) - 1 - power};
+    name = (struct text){word.data + 1 + power, (size_t)(slash - word.data) - 1 - power};
     const struct text value = behind_sign(text_behind(statement, word.len), "=");
     const int shown = (int)name.len;
     const char *marks = power ? "\'\'" : "\'";
     if (peek_name(name).len < name.len)
         return false;
-    buffer_format(text, "an equation is written %.*s%s = EXPR", shown, name.at, marks);
+    buffer_format(text, "an equation is written %.*s%s = EXPR", shown, name.data, marks);
     if (value.len > 0)
-        buffer_format(text, ": %.*s%s = %.*s", shown, name.at, marks, (int)value.len, value.at);
+        buffer_format(text, ": %.*s%s = %.*s", shown, name.data, marks, (int)value.len, value.data);
     return true;
 }
 
@@ -143,24 +144,25 @@ static bool put_equation(struct text statement, struct buffer *text)
  * ode45(..), and sets *arguments to the text in its parentheses. */
 static struct text called(struct text statement, struct text *whole, struct text *arguments)
 {
-    const char *end =
-        statement.len && statement.at[0] == '[' ? memchr(statement.at, ']', statement.len) : NULL;
+    const char *end = statement.len && statement.data[0] == '['
+                          ? memchr(statement.data, ']', statement.len)
+                          : NULL;
     if (end)
-        statement = behind_sign(text_behind(statement, (size_t)(end + 1 - statement.at)), "=");
-    struct text name = statement.at ? peek_name(statement) : (struct text){NULL, 0};
+        statement = behind_sign(text_behind(statement, (size_t)(end + 1 - statement.data)), "=");
+    struct text name = statement.data ? peek_name(statement) : (struct text){NULL, 0};
     struct text rest = name.len ? text_behind(statement, name.len) : name;
-    while (name.len > 0 && rest.len > 1 && rest.at[0] == '.' && is_name_start(rest.at[1])) {
+    while (name.len > 0 && rest.len > 1 && rest.data[0] == '.' && is_name_start(rest.data[1])) {
         name = peek_name(text_behind(rest, 1));
-        rest = (struct text){name.at + name.len,
-                             (size_t)(statement.at + statement.len - name.at) - name.len};
+        rest = (struct text){name.data + name.len,
+                             (size_t)(statement.data + statement.len - name.data) - name.len};
     }
     size_t close = rest.len;
-    while (close > 0 && rest.at[close - 1] != ')')
+    while (close > 0 && rest.data[close - 1] != ')')
         close--;
-    if (name.len == 0 || rest.len == 0 || rest.at[0] != '(' || close < 2)
+    if (name.len == 0 || rest.len == 0 || rest.data[0] != '(' || close < 2)
         return (struct text){NULL, 0};
-    *arguments = text_trim((struct text){rest.at + 1, close - 2});
-    *whole = (struct text){name.at, (size_t)(rest.at + close - name.at)};
+    *arguments = text_trim((struct text){rest.data + 1, close - 2});
+    *whole = (struct text){name.data, (size_t)(rest.data + close - name.data)};
     return name;
 }
 
@@ -171,17 +173,18 @@ static bool put_call(struct text statement, struct buffer *text)
     const struct text name = called(statement, &whole, &arguments);
     const struct row *command = name.len ? catalog_find(&command_catalog, name) : NULL;
     if (name.len && !command && catalog_find(&function_catalog, name))
-        buffer_format(text, "'print %.*s'", (int)whole.len, whole.at);
+        buffer_format(text, "'print %.*s'", (int)whole.len, whole.data);
     if (!command)
         return text->len > 0;
-    const struct text across = peek_name(arguments),
-                      up = behind_sign(text_behind(arguments, across.len), ",");
-    if (strcmp(command->name, "plot") == 0 && across.len && up.at && peek_name(up).len)
-        buffer_format(text, "'plot %.*s against %.*s'", (int)peek_name(up).len, up.at,
-                      (int)across.len, across.at);
+    const struct text horizontal = peek_name(arguments),
+                      vertical = behind_sign(text_behind(arguments, horizontal.len), ",");
+    if (strcmp(command->name, "plot") == 0 && horizontal.len && vertical.data &&
+        peek_name(vertical).len)
+        buffer_format(text, "'plot %.*s against %.*s'", (int)peek_name(vertical).len, vertical.data,
+                      (int)horizontal.len, horizontal.data);
     else
         buffer_format(text, "'%s%s%.*s'", command->name, arguments.len ? " " : "",
-                      (int)arguments.len, arguments.at);
+                      (int)arguments.len, arguments.data);
     return true;
 }
 
@@ -196,10 +199,10 @@ static bool put_command(struct text statement, struct buffer *text)
 {
     const struct text name = peek_name(statement), rest = text_behind(statement, name.len);
     const struct row *row = name.len ? catalog_find(&command_catalog, name) : NULL;
-    if (!row || rest.len < 2 || rest.at[0] != ':')
+    if (!row || rest.len < 2 || rest.data[0] != ':')
         return false;
-    const struct text value = text_behind(rest, 1 + span(rest, 1, "="));
-    buffer_format(text, "'%s %.*s'", row->name, (int)value.len, value.at);
+    const struct text value = text_behind(rest, 1 + text_span_length(rest, 1, "="));
+    buffer_format(text, "'%s %.*s'", row->name, (int)value.len, value.data);
     return true;
 }
 
@@ -224,7 +227,7 @@ void put_named(const struct session *session, bool law, struct text name, struct
                             (struct measured){setup->let[i].value, setup->let[i].uncertainty},
                             setup->let[i].quantity, setup->settings.digits);
     buffer_format(text, "'%s %.*s = %s' makes it known %s", law ? "param" : "let", (int)name.len,
-                  name.at, value.len ? buffer_view(&value) : "VALUE",
+                  name.data, value.len ? buffer_view(&value) : "VALUE",
                   law ? "to equations" : "here");
     buffer_free(&value);
 }
@@ -238,8 +241,8 @@ void put_filled(const char *brief, struct text statement, struct buffer *text)
         name = peek_name(rest);
         value = name.len ? behind_sign(text_behind(rest, name.len), "=") : value;
     }
-    const struct text fill[] = {value.at ? name : value, value,
-                                arguments.len && arguments.at[0] != '"' ? arguments : value};
+    const struct text fill[] = {value.data ? name : value, value,
+                                arguments.len && arguments.data[0] != '"' ? arguments : value};
     while (*brief) {
         size_t used = 0;
         for (size_t i = 0; i < COUNT_OF(words) && used == 0; i++)

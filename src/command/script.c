@@ -30,7 +30,7 @@ static void execute(struct script *script, struct session *session, struct text 
                       session->execution.halted;
 }
 
-static void show(const struct session *session, struct text line, struct reply *reply)
+static void script_line_show(const struct session *session, struct text line, struct reply *reply)
 {
     struct buffer safe = {0};
     safe_text(&safe, line, false);
@@ -46,22 +46,22 @@ bool script_feed(struct script *script, struct session *session, struct text lin
         return false;
     script->where.line++;
     if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
-        line = (struct text){line.at + 3, line.len - 3};
-    show(session, line, reply);
+        line = (struct text){line.data + 3, line.len - 3};
+    script_line_show(session, line, reply);
     const struct text whole = line;
     line = text_trim(line);
-    const bool comment = line.len > 0 && line.at[0] == '#';
-    const bool joins = line.len > 0 && line.at[line.len - 1] == '\\' && !comment;
+    const bool comment = line.len > 0 && line.data[0] == '#';
+    const bool joins = line.len > 0 && line.data[line.len - 1] == '\\' && !comment;
     struct buffer *pending = &script->pending;
     if (script->pieces < (int)COUNT_OF(script->piece))
         script->piece[script->pieces++] =
-            (struct source_piece){pending->len, script->where.line, (int)(line.at - whole.at)};
+            (struct source_piece){pending->len, script->where.line, (int)(line.data - whole.data)};
     if (!joins && pending->len == 0) {
         execute(script, session, line, reply);
     } else {
         /* An endless joined line grows to just above the limit, where it is refused. */
         if (pending->len <= LIMIT_LINE)
-            buffer_put(pending, (struct text){line.at, joins ? line.len - 1 : line.len});
+            buffer_put(pending, (struct text){line.data, joins ? line.len - 1 : line.len});
         buffer_char(pending, ' ');
         if (!joins) {
             execute(script, session, text_trim(buffer_text(pending)), reply);
@@ -110,12 +110,12 @@ char *script_path(const struct source *where, struct text name, struct arena *ar
     if (!path || !slash || *path == '/' || access(path, F_OK) == 0)
         return path;
     const size_t folder = (size_t)(slash + 1 - where->name);
-    char *beside = arena_alloc(arena, folder + name.len + 1);
-    if (!beside)
+    char *sibling_path = arena_alloc(arena, folder + name.len + 1);
+    if (!sibling_path)
         return NULL;
-    memcpy(beside, where->name, folder);
-    memcpy(beside + folder, path, name.len + 1);
-    return access(beside, F_OK) == 0 ? beside : path;
+    memcpy(sibling_path, where->name, folder);
+    memcpy(sibling_path + folder, path, name.len + 1);
+    return access(sibling_path, F_OK) == 0 ? sibling_path : path;
 }
 
 static bool check_nesting(const char *path, const struct source *parent, struct error *error)
@@ -142,9 +142,9 @@ static bool check_nesting(const char *path, const struct source *parent, struct 
 
 static bool check_content(const char *path, struct text content, struct error *error)
 {
-    const char *nul = content.len ? memchr(content.at, 0, content.len) : NULL;
+    const char *nul = content.len ? memchr(content.data, 0, content.len) : NULL;
     int line = 1;
-    for (const char *c = content.at; nul && c < nul; c++)
+    for (const char *c = content.data; nul && c < nul; c++)
         line += *c == '\n';
     return !nul || error_set(error, ERROR_USAGE,
                              "%s: a NUL byte in line %d: this is not a command file", path, line);

@@ -32,7 +32,7 @@ bool asks_full(const struct arguments *arguments)
     for (int i = 0; i < command->arguments; i++) {
         const struct argument *argument = &command->argument[i];
         if (argument->form == FORM_OPTION && strcmp(argument->name, "full") == 0 &&
-            has(arguments, i))
+            has_argument_at(arguments, i))
             return true;
         if (type_is(argument, TYPE_TAKES_REST) && rest_has_full(&arguments->value[i]))
             return true;
@@ -72,7 +72,7 @@ static bool hold_message(void *context, struct text text)
         form->rows_max -= text_rows(text, form->width);
         return form->outer.err(form->outer.context, text);
     }
-    form->message[form->messages].at = form->text.len;
+    form->message[form->messages].begin = form->text.len;
     form->message[form->messages++].len = text.len;
     buffer_put(&form->text, text);
     return true;
@@ -95,30 +95,30 @@ void short_form_begin(struct short_form *form, const struct session *session,
 
 /* ---- what is left out ---- */
 
-/* The line at *at, with its newline, and whether it belongs to a message. */
-static struct text form_next_line(const struct short_form *form, size_t *at, int *message)
+/* The line at *position, with its newline, and whether it belongs to a message. */
+static struct text form_next_line(const struct short_form *form, size_t *position, int *message)
 {
     const struct text all = buffer_text(&form->text);
-    size_t end = *at;
+    size_t end = *position;
     while (*message < form->messages &&
-           *at >= form->message[*message].at + form->message[*message].len)
+           *position >= form->message[*message].begin + form->message[*message].len)
         ++*message;
-    while (end < all.len && all.at[end] != '\n')
+    while (end < all.len && all.data[end] != '\n')
         end++;
     end += end < all.len;
-    const struct text line = {all.at + *at, end - *at};
-    *at = end;
+    const struct text line = {all.data + *position, end - *position};
+    *position = end;
     return line;
 }
 
 static bool is_message(const struct short_form *form, int message, struct text line)
 {
-    return message < form->messages && line.at >= form->text.data + form->message[message].at;
+    return message < form->messages && line.data >= form->text.data + form->message[message].begin;
 }
 
 static bool write_line(const struct short_form *form, bool message, struct text line)
 {
-    return (message ? form->outer.err : form->outer.out)(form->outer.context, line);
+    return (message ? form->outer.err : form->outer.output)(form->outer.context, line);
 }
 
 void short_form_end(struct short_form *form, struct reply *reply)
@@ -126,9 +126,9 @@ void short_form_end(struct short_form *form, struct reply *reply)
     if (!form->active)
         return;
     reply->sink = form->outer;
-    int total = 0, said = 0, before = 0, at_message = 0, left_out = 0;
-    for (size_t at = 0; at < form->text.len;) {
-        const struct text line = form_next_line(form, &at, &at_message);
+    int total = 0, said = 0, rows_before = 0, at_message = 0, left_out = 0;
+    for (size_t position = 0; position < form->text.len;) {
+        const struct text line = form_next_line(form, &position, &at_message);
         *(is_message(form, at_message, line) ? &said : &total) += text_rows(line, form->width);
     }
     enum { RESULT_ROWS_MIN = 6 };
@@ -137,14 +137,14 @@ void short_form_end(struct short_form *form, struct reply *reply)
     const int tail = room / 3, head = total <= room ? total : room - 1 - tail;
     bool ok = !form->text.failed;
     at_message = 0;
-    for (size_t at = 0; at < form->text.len && ok;) {
-        const struct text line = form_next_line(form, &at, &at_message);
+    for (size_t position = 0; position < form->text.len && ok;) {
+        const struct text line = form_next_line(form, &position, &at_message);
         const bool message = is_message(form, at_message, line);
         const int rows = text_rows(line, form->width);
-        const bool cut = !message && before + rows > head && total - before > tail;
-        before += message ? 0 : rows;
+        const bool cut = !message && rows_before + rows > head && total - rows_before > tail;
+        rows_before += message ? 0 : rows;
         left_out += cut;
-        if (left_out > 0 && !message && (!cut || total - before <= 0)) {
+        if (left_out > 0 && !message && (!cut || total - rows_before <= 0)) {
             struct buffer words = {0};
             buffer_format(&words, "... %d more row%s: --full\n", left_out, plural_s(left_out));
             ok = write_line(form, false, buffer_text(&words));

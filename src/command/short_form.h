@@ -15,7 +15,7 @@ struct short_form {
     bool active;         /* false if the statement shows everything and nothing is held back */
     struct buffer text;  /* results, and messages at their places */
     struct {
-        size_t at, len;
+        size_t begin, len;
     } message[SHORT_FORM_MESSAGES];
     int messages;
 };

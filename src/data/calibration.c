@@ -15,13 +15,13 @@ int calibration_values(struct text *rest, double *value, const struct unit **uni
     size_t used = 0;
     for (text_skip_blanks(rest);
          n < max && real_scan(*rest, '.', &value[n], &used) == REAL_OK && used > 0; n++) {
-        *rest = (struct text){rest->at + used, rest->len - used};
+        *rest = (struct text){rest->data + used, rest->len - used};
         text_skip_blanks(rest);
         size_t len = 0;
-        while (len < rest->len && rest->at[len] != ' ' && rest->at[len] != '\t')
+        while (len < rest->len && rest->data[len] != ' ' && rest->data[len] != '\t')
             len++;
-        unit[n] = unit_find((struct text){rest->at, len});
-        *rest = unit[n] ? (struct text){rest->at + len, rest->len - len} : *rest;
+        unit[n] = unit_find((struct text){rest->data, len});
+        *rest = unit[n] ? (struct text){rest->data + len, rest->len - len} : *rest;
         text_skip_blanks(rest);
     }
     return n;
@@ -32,13 +32,14 @@ int calibration_values(struct text *rest, double *value, const struct unit **uni
 static bool same_unit(const struct unit *const unit[2], double value[2], char name[16],
                       struct error *error)
 {
-    const struct unit *of = unit[0] ? unit[0] : unit[1];
+    const struct unit *reference_unit = unit[0] ? unit[0] : unit[1];
     if (unit[0] && unit[1] && unit[0]->quantity != unit[1]->quantity)
         return error_set(error, ERROR_COMMAND, "%s and %s are of different kinds",
                          unit[0]->row.name, unit[1]->row.name);
-    if (unit[1] && unit[1] != of)
-        value[1] *= unit[1]->factor / of->factor;
-    snprintf(name, sizeof((struct calibration *)0)->unit[0], "%s", of ? of->row.name : "");
+    if (unit[1] && unit[1] != reference_unit)
+        value[1] *= unit[1]->factor / reference_unit->factor;
+    snprintf(name, sizeof((struct calibration *)0)->unit[0], "%s",
+             reference_unit ? reference_unit->row.name : "");
     return true;
 }
 

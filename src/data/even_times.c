@@ -79,8 +79,8 @@ static double line_through(const struct stamps *s, const struct stamp_rounding *
                 xx += weight * (x - wx / w) * (x - wx / w);
                 xt += weight * (x - wx / w) * (t - wt / w);
             } else {
-                const double off = t - wt / w - xt / xx * (x - wx / w);
-                square += weight * off * off;
+                const double deviation = t - wt / w - xt / xx * (x - wx / w);
+                square += weight * deviation * deviation;
             }
         }
     *step = xt / xx;
@@ -137,13 +137,13 @@ static double slope_miss(const struct stamps *s, const struct stamp_rounding *ro
     size_t low_at = 0, high_at = 0;
     for (size_t i = 0; i < s->n; i++) {
         const double half = (0.5 + 1e-6) * stamp_resolution(rounding, s->t[i]),
-                     above = s->t[i] - s->t[0] - step * (double)i;
-        if (above - half > low) {
-            low = above - half;
+                     deviation = s->t[i] - s->t[0] - step * (double)i;
+        if (deviation - half > low) {
+            low = deviation - half;
             low_at = i;
         }
-        if (above + half < high) {
-            high = above + half;
+        if (deviation + half < high) {
+            high = deviation + half;
             high_at = i;
         }
     }
@@ -203,7 +203,7 @@ static bool rows_are_lost(const struct stamps *s, double resolution)
 {
     static const double even[5] = {0, 1, 2, 3, 4}, smoother = 0.25;
     double printed_sum = 0, even_sum = 0;
-    size_t beside = 0;
+    size_t compared_rows = 0;
     for (size_t i = 1; i < s->n; i++) {
         const double units = (s->t[i] - s->t[i - 1]) / resolution;
         if (!s->y || !(fabs(units - 1) < 0.1 || fabs(units - 2) < 0.1) ||
@@ -218,12 +218,12 @@ static bool rows_are_lost(const struct stamps *s, double resolution)
             continue;
         printed_sum += printed;
         even_sum += at_even;
-        beside++;
+        compared_rows++;
     }
-    return beside >= 2 * STAMPS_DIFFERENT_MIN && printed_sum < smoother * even_sum;
+    return compared_rows >= 2 * STAMPS_DIFFERENT_MIN && printed_sum < smoother * even_sum;
 }
 
-static void fit_rounded(const struct stamps *s, struct even_times *out)
+static void fit_rounded(const struct stamps *s, struct even_times *result)
 {
     struct stamp_rounding rounding;
     double first, step;
@@ -235,47 +235,47 @@ static void fit_rounded(const struct stamps *s, struct even_times *out)
         const double r = stamp_resolution(&rounding, s->t[i]);
         if (!(fabs(s->t[i] - (first + (double)i * step)) <= (1 + rounding_tolerance) * r))
             return;
-        out->resolution = fmax(out->resolution, r);
+        result->resolution = fmax(result->resolution, r);
     }
     const double low = slope_limit(s, &rounding, step, -1),
                  high = slope_limit(s, &rounding, step, 1);
     const bool possible = isfinite(low) && isfinite(high); /* else there is jitter, too */
-    if (out->resolution > dropped_row_deviation * step * (possible ? 2 : 1) &&
-        (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, out->resolution))))
+    if (result->resolution > dropped_row_deviation * step * (possible ? 2 : 1) &&
+        (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, result->resolution))))
         return;
-    if (rounding.decimal > 0 && rows_are_lost(s, out->resolution))
+    if (rounding.decimal > 0 && rows_are_lost(s, result->resolution))
         return;
-    out->even = true;
+    result->even = true;
     /* Half a digit more or less for all of them means nothing: the first stamp stays. */
-    out->first = s->t[0];
-    out->step = step;
-    out->pace = sqrt(variance) / step;
+    result->first = s->t[0];
+    result->step = step;
+    result->pace = sqrt(variance) / step;
     if (possible) {
-        out->step = 0.5 * (low + high);
+        result->step = 0.5 * (low + high);
         /* that of a triangle over the interval: towards its ends fewer lines are left */
-        out->pace = 0.5 * (high - low) / sqrt(6) / out->step;
+        result->pace = 0.5 * (high - low) / sqrt(6) / result->step;
     }
 }
 
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
-                     struct even_times *out)
+                     struct even_times *result)
 {
-    *out = (struct even_times){.first = n > 0 ? t[0] : NAN, .step = NAN};
+    *result = (struct even_times){.first = n > 0 ? t[0] : NAN, .step = NAN};
     if (n < 2)
         return;
     const struct stamps stamps = {t, y, n, cancel};
-    out->step = (t[n - 1] - t[0]) / (double)(n - 1);
-    if (!(out->step > 0) || !isfinite(out->step))
+    result->step = (t[n - 1] - t[0]) / (double)(n - 1);
+    if (!(result->step > 0) || !isfinite(result->step))
         return;
     double odd = 0;
     for (size_t i = 0; i < n; i++)
         odd += t[i] - t[i]; /* not 0 where one is not finite */
     if (odd != 0 || cancelled(cancel))
         return;
-    const double deviation = largest_deviation(&stamps, t[0], out->step);
-    out->even = deviation <= exact_deviation * out->step + 4e-16 * fabs(t[n - 1]);
-    if (!out->even && n > STAMPS_DIFFERENT_MIN)
-        fit_rounded(&stamps, out);
+    const double deviation = largest_deviation(&stamps, t[0], result->step);
+    result->even = deviation <= exact_deviation * result->step + 4e-16 * fabs(t[n - 1]);
+    if (!result->even && n > STAMPS_DIFFERENT_MIN)
+        fit_rounded(&stamps, result);
     if (cancelled(cancel))
-        out->even = false;
+        result->even = false;
 }

@@ -31,18 +31,19 @@ void recording_restore(struct recording *recording)
     recording->velocity[0] = 0;
 }
 
-bool recording_window(struct recording *recording, double from, double to, struct error *error)
+bool recording_window(struct recording *recording, double t_begin, double t_end,
+                      struct error *error)
 {
     const double first = recording->t[0], last = recording->t[recording->rows - 1];
-    from = isnan(from) || from < first ? first : from;
-    to = isnan(to) || to > last ? last : to;
-    size_t row = first_from(recording->t, recording->rows, from);
-    if (!(from < to) || row >= recording->rows || recording->t[row] > to)
+    t_begin = isnan(t_begin) || t_begin < first ? first : t_begin;
+    t_end = isnan(t_end) || t_end > last ? last : t_end;
+    size_t row = first_from(recording->t, recording->rows, t_begin);
+    if (!(t_begin < t_end) || row >= recording->rows || recording->t[row] > t_end)
         return error_set(error, ERROR_COMMAND,
                          "no samples of %s in this window; it spans %.6g to %.6g s",
                          recording->name, first, last);
-    recording->window[0] = from;
-    recording->window[1] = to;
+    recording->window[0] = t_begin;
+    recording->window[1] = t_end;
     return true;
 }
 

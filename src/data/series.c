@@ -10,10 +10,11 @@
 
 #define NOISE_OUTLIER_SIGMAS 6.0 /* standard deviations: a spike is no noise */
 
-struct series series_window(struct series series, double from, double to)
+struct series series_window(struct series series, double t_begin, double t_end)
 {
-    size_t first = first_from(series.t, series.n, from), last = first_from(series.t, series.n, to);
-    while (last < series.n && series.t[last] <= to) {
+    size_t first = first_from(series.t, series.n, t_begin),
+           last = first_from(series.t, series.n, t_end);
+    while (last < series.n && series.t[last] <= t_end) {
         last++;
     }
     series.t += first;
@@ -22,7 +23,8 @@ struct series series_window(struct series series, double from, double to)
     return series;
 }
 
-double series_fill_grid(const struct series *s, double t0, double dt, size_t length, double *out)
+double series_fill_grid(const struct series *s, double t0, double dt, size_t length,
+                        double *samples)
 {
     double sum = 0;
     size_t row = first_from(s->t, s->n, t0);
@@ -32,8 +34,8 @@ double series_fill_grid(const struct series *s, double t0, double dt, size_t len
         while (row + 2 < s->n && s->t[row + 1] < t)
             row++;
         const double part = (t - s->t[row]) / (s->t[row + 1] - s->t[row]);
-        out[i] = s->y[row] + fmin(fmax(part, 0), 1) * (s->y[row + 1] - s->y[row]);
-        sum += out[i];
+        samples[i] = s->y[row] + fmin(fmax(part, 0), 1) * (s->y[row + 1] - s->y[row]);
+        sum += samples[i];
     }
     return sum;
 }

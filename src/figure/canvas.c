@@ -65,13 +65,13 @@ int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum styl
         if (width) /* a cell holds one code point: combining marks are left out */
             canvas_put(canvas, x, y, codepoint, style);
         x += width;
-        text.at += used;
+        text.data += used;
         text.len -= used;
     }
     return x;
 }
 
-void canvas_print(const struct canvas *canvas, bool color, struct buffer *out)
+void canvas_print(const struct canvas *canvas, bool color, struct buffer *output)
 {
     /* The terminal's own palette; backgrounds are never painted. */
     static const char *const escape[] = {
@@ -91,14 +91,14 @@ void canvas_print(const struct canvas *canvas, bool color, struct buffer *out)
                 continue;
             if (color && row[x].codepoint != ' ' && row[x].style != style) {
                 if (style != STYLE_PLAIN)
-                    buffer_put(out, TEXT("\033[0m"));
+                    buffer_put(output, TEXT("\033[0m"));
                 style = row[x].style;
-                buffer_put(out, text_of(escape[style]));
+                buffer_put(output, text_of(escape[style]));
             }
-            buffer_codepoint(out, row[x].codepoint);
+            buffer_codepoint(output, row[x].codepoint);
         }
         if (style != STYLE_PLAIN)
-            buffer_put(out, TEXT("\033[0m"));
-        buffer_char(out, '\n');
+            buffer_put(output, TEXT("\033[0m"));
+        buffer_char(output, '\n');
     }
 }

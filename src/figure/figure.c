@@ -8,8 +8,8 @@
 /* Characters that lines are drawn with. Box characters are code points: alternate character sets
  * break in captures and mosh. */
 struct strokes {
-    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin,
-        zero, point, band;
+    uint32_t top_left, top_right, bottom_left, bottom_right, horizontal, vertical, x_tick, y_tick,
+        origin, zero, point, band;
 };
 
 static const struct strokes *strokes_of(const struct charset *charset)
@@ -35,17 +35,17 @@ char figure_mark(const struct figure *figure, int i)
 {
     static const char lines[] = "#x+%", points[] = "o*&=";
     const struct curve *curve = &figure->curve[i];
-    size_t before = 0;
+    size_t earlier_curves = 0;
 
     if (curve->mark)
         return curve->mark;
     for (int c = 0; c < i; c++)
-        before += figure->curve[c].points == curve->points && !figure->curve[c].mark;
+        earlier_curves += figure->curve[c].points == curve->points && !figure->curve[c].mark;
     if (curve->cloud)
         return '.';
     if (curve->points)
-        return points[before % (sizeof points - 1)];
-    return before ? lines[(before - 1) % (sizeof lines - 1)] : 0;
+        return points[earlier_curves % (sizeof points - 1)];
+    return earlier_curves ? lines[(earlier_curves - 1) % (sizeof lines - 1)] : 0;
 }
 
 static enum style style_of(const struct figure *figure, int i)
@@ -60,12 +60,12 @@ static void draw_frame(const struct text_sheet *sheet)
     int right = sheet->x + sheet->width - 1, bottom = sheet->y + sheet->height - 1;
 
     for (int x = sheet->x; x <= right; x++) {
-        canvas_put(sheet->canvas, x, sheet->y, s->across, STYLE_DIM);
-        canvas_put(sheet->canvas, x, bottom, s->across, STYLE_DIM);
+        canvas_put(sheet->canvas, x, sheet->y, s->horizontal, STYLE_DIM);
+        canvas_put(sheet->canvas, x, bottom, s->horizontal, STYLE_DIM);
     }
     for (int y = sheet->y; y <= bottom; y++) {
-        canvas_put(sheet->canvas, sheet->x, y, s->down, STYLE_DIM);
-        canvas_put(sheet->canvas, right, y, s->down, STYLE_DIM);
+        canvas_put(sheet->canvas, sheet->x, y, s->vertical, STYLE_DIM);
+        canvas_put(sheet->canvas, right, y, s->vertical, STYLE_DIM);
     }
     canvas_put(sheet->canvas, sheet->x, sheet->y, s->top_left, STYLE_DIM);
     canvas_put(sheet->canvas, right, sheet->y, s->top_right, STYLE_DIM);
@@ -89,7 +89,7 @@ static int frame_text(const struct text_sheet *sheet, int x, int end, int y, str
 
 /* "title y [1e-6 m]"; with an offset "title y - 2.2326 m [1e-6 m]" */
 static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title,
-                       char *out, size_t size)
+                       char *title_text, size_t size)
 {
     const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
     char power[16] = "", offset[TICK_TEXT_SIZE] = "";
@@ -106,7 +106,7 @@ static void axis_title(const struct axis *axis, const struct ticks *ticks, const
         buffer_format(&text, "%s%s%s%s", text.len ? " " : "", offset, *unit ? " " : "", unit);
     if (*power || *unit)
         buffer_format(&text, "%s[%s%s]", text.len ? " " : "", power, unit);
-    snprintf(out, size, "%s", text.len && !text.failed ? text.data : "");
+    snprintf(title_text, size, "%s", text.len && !text.failed ? text.data : "");
     buffer_free(&text);
 }
 
@@ -139,11 +139,12 @@ static int legend_width(const struct figure *figure)
 }
 
 /* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit
- * right of column `from`. */
-static void draw_legend(const struct text_sheet *sheet, int from)
+ * right of column `min_column`. */
+static void draw_legend(const struct text_sheet *sheet, int min_column)
 {
     const struct figure *figure = sheet->figure;
-    int right = sheet->x + sheet->width - 2, available = right - from - 3, used = 0, shown = 0;
+    int right = sheet->x + sheet->width - 2, available = right - min_column - 3, used = 0,
+        shown = 0;
     struct text caption = text_of(figure->caption);
 
     for (; shown < figure->curves; shown++) {
@@ -167,8 +168,8 @@ static void draw_legend(const struct text_sheet *sheet, int from)
 
     int x = right - used - 1, y = sheet->y;
     canvas_put(sheet->canvas, x - 1, y, ' ', STYLE_PLAIN);
-    for (int end = right - 1, at = x; at <= end; at++)
-        canvas_put(sheet->canvas, at, y, ' ', STYLE_PLAIN);
+    for (int end = right - 1, column = x; column <= end; column++)
+        canvas_put(sheet->canvas, column, y, ' ', STYLE_PLAIN);
     for (int i = 0; i < shown; i++) {
         const struct curve *curve = &figure->curve[i];
         char mark = figure_mark(figure, i);
@@ -203,12 +204,12 @@ static void draw_titles(const struct text_sheet *sheet)
     bool cut;
     const struct text fits = text_in_room(text_of(text), right - left - 2, &cut);
     buffer_put(&title,
-               cut && figure->title && fits.at[fits.len] != ' ' ? text_of(figure->title) : fits);
+               cut && figure->title && fits.data[fits.len] != ' ' ? text_of(figure->title) : fits);
     if (figure->part &&
         sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
         const struct scale *y = &sheet->layout->y;
         const double factor = axis_factor(&figure->y);
-        buffer_format(&title, " %.2g..%.2g", y->from / factor, y->to / factor);
+        buffer_format(&title, " %.2g..%.2g", y->first_value / factor, y->last_value / factor);
     }
     draw_legend(sheet, frame_text(sheet, left, right, sheet->y, buffer_text(&title), STYLE_PLAIN));
     buffer_free(&title);
@@ -229,7 +230,7 @@ static void draw_x_axis(const struct text_sheet *sheet)
 
     for (int column = layout->y_labels ? -1 : 0; column < layout->columns; column++)
         canvas_put(sheet->canvas, x + column, y,
-                   column < 0 ? sheet->strokes->origin : sheet->strokes->across, STYLE_DIM);
+                   column < 0 ? sheet->strokes->origin : sheet->strokes->horizontal, STYLE_DIM);
     for (int i = 0; i < layout->x_ticks.count; i++) {
         int column = x_tick_column(sheet->figure, layout, i);
         int len = tick_text(&layout->x_ticks, i, layout->x_decades, text);
@@ -246,12 +247,12 @@ static void draw_y_axis(const struct text_sheet *sheet)
     char text[TICK_TEXT_SIZE];
 
     for (row = 0; row < layout->rows; row++)
-        canvas_put(sheet->canvas, x, y + row, sheet->strokes->down, STYLE_DIM);
+        canvas_put(sheet->canvas, x, y + row, sheet->strokes->vertical, STYLE_DIM);
     for (int i = 0; i < layout->y_ticks.count; i++) {
         double value =
             tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&sheet->figure->y);
         int len = tick_text(&layout->y_ticks, i, layout->y_decades, text);
-        if (!figure_cell(layout, layout->x.from, value, &column, &row))
+        if (!figure_cell(layout, layout->x.first_value, value, &column, &row))
             continue;
         canvas_put(sheet->canvas, x, y + row, sheet->strokes->y_tick, STYLE_DIM);
         canvas_text(sheet->canvas, x - len, y + row, text_of(text), STYLE_PLAIN);
@@ -314,7 +315,7 @@ static void draw_curves(const struct text_sheet *sheet)
         if (curve_drawn(figure, i) && figure->curve[i].spread)
             raster_band(&raster, &figure->curve[i]);
 
-    if (figure->zero_line && figure_cell(layout, layout->x.from, 0, &column, &row))
+    if (figure->zero_line && figure_cell(layout, layout->x.first_value, 0, &column, &row))
         for (column = 0; column < layout->columns; column += 2)
             raster_put(&raster, column, row, sheet->strokes->zero);
     raster.style = STYLE_DIM;
@@ -413,16 +414,16 @@ bool figure_stopped(const struct figure *figure)
 }
 
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
-                  bool color, struct buffer *out)
+                  bool color, struct buffer *output)
 {
     struct canvas canvas;
 
     if (charset->words)
-        return charset->words->print(figure, width, out);
+        return charset->words->print(figure, width, output);
     if (!canvas_init(&canvas, width, height))
         return false;
     bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);
-    canvas_print(&canvas, color, out);
+    canvas_print(&canvas, color, output);
     canvas_free(&canvas);
-    return done && !out->failed && !figure_stopped(figure);
+    return done && !output->failed && !figure_stopped(figure);
 }

@@ -6,7 +6,7 @@
 #include <hooke/figure/layout.h>
 
 /* The best ticks for [from, to]; when `loose`, the outermost may lie beyond it. */
-struct ticks ticks_search(double from, double to, int want, int max, bool loose);
+struct ticks ticks_search(double range_begin, double range_end, int want, int max, bool loose);
 
 #define RANGE_VALUE_MAX 1e300 /* Ranges end here, so that differences stay finite. */
 

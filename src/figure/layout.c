@@ -24,33 +24,35 @@ static int cell_of(double fraction, int cells, int dots)
 
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row)
 {
-    double across = scale_fraction(&layout->x, x), up = scale_fraction(&layout->y, y);
+    double x_fraction = scale_fraction(&layout->x, x), y_fraction = scale_fraction(&layout->y, y);
     double edge = 1e-9; /* allowance for rounding */
     struct dot_grid grid = layout->charset->dots;
 
-    if (!(across >= -edge && across <= 1 + edge && up >= -edge && up <= 1 + edge))
+    if (!(x_fraction >= -edge && x_fraction <= 1 + edge && y_fraction >= -edge &&
+          y_fraction <= 1 + edge))
         return false;
-    *column = cell_of(across, layout->columns, grid.across);
-    *row = cell_of(1 - up, layout->rows, grid.down);
+    *column = cell_of(x_fraction, layout->columns, grid.dots_horizontal);
+    *row = cell_of(1 - y_fraction, layout->rows, grid.dots_vertical);
     return true;
 }
 
 /* Powers of ten where the range has two of them, else ordinary numbers. */
 static bool has_decades(const struct scale *scale, const struct axis *axis)
 {
-    return scale->log &&
-           ticks_log(scale->from / axis_factor(axis), scale->to / axis_factor(axis), 1000).count >
-               1;
+    return scale->log && ticks_log(scale->first_value / axis_factor(axis),
+                                   scale->last_value / axis_factor(axis), 1000)
+                                 .count > 1;
 }
 
 static struct ticks axis_ticks(const struct scale *scale, const struct axis *axis, bool decades,
                                int want, int max)
 {
-    double from = scale->from / axis_factor(axis), to = scale->to / axis_factor(axis);
-    if (scale->log && !(from > 0)) /* the factor took it out of range */
+    double low = scale->first_value / axis_factor(axis),
+           high = scale->last_value / axis_factor(axis);
+    if (scale->log && !(low > 0)) /* the factor took it out of range */
         return (struct ticks){0};
-    return decades ? ticks_log(from, to, max)
-                   : ticks_linear(from, to, want < max ? want : max, max);
+    return decades ? ticks_log(low, high, max)
+                   : ticks_linear(low, high, want < max ? want : max, max);
 }
 
 static int widest(const struct ticks *ticks, bool decades)
@@ -66,7 +68,7 @@ int x_tick_column(const struct figure *figure, const struct figure_layout *layou
 {
     double value = tick_value(&layout->x_ticks, i, layout->x_decades) * axis_factor(&figure->x);
     return cell_of(scale_fraction(&layout->x, value), layout->columns,
-                   layout->charset->dots.across);
+                   layout->charset->dots.dots_horizontal);
 }
 
 int x_label_start(const struct figure_layout *layout, int column, int len)
@@ -90,12 +92,13 @@ static bool x_labels_fit(const struct figure *figure, const struct figure_layout
 
 static bool y_labels_fit(const struct figure *figure, const struct figure_layout *layout)
 {
-    int column, row, above = layout->rows;
+    int column, row, previous_row = layout->rows;
     for (int i = 0; i < layout->y_ticks.count; i++) {
         double value = tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&figure->y);
-        if (!figure_cell(layout, layout->x.from, value, &column, &row) || row >= above)
+        if (!figure_cell(layout, layout->x.first_value, value, &column, &row) ||
+            row >= previous_row)
             return false;
-        above = row;
+        previous_row = row;
     }
     return true;
 }
@@ -127,14 +130,14 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
 {
     struct dot_grid grid = layout->charset->dots;
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
-    double width = fmax(layout->columns - 1.0 / grid.across, 0.5);
-    double height = aspect * fmax(layout->rows - 1.0 / grid.down, 0.5);
+    double width = fmax(layout->columns - 1.0 / grid.dots_horizontal, 0.5);
+    double height = aspect * fmax(layout->rows - 1.0 / grid.dots_vertical, 0.5);
     double x_factor = axis_factor(&figure->x), y_factor = axis_factor(&figure->y);
-    double x_half = layout->x.to / 2 - layout->x.from / 2,
-           y_half = layout->y.to / 2 - layout->y.from / 2;
+    double x_half = layout->x.last_value / 2 - layout->x.first_value / 2,
+           y_half = layout->y.last_value / 2 - layout->y.first_value / 2;
     double unit = fmax(x_half / x_factor / width, y_half / y_factor / height);
-    double x_middle = layout->x.from / 2 + layout->x.to / 2,
-           y_middle = layout->y.from / 2 + layout->y.to / 2;
+    double x_middle = layout->x.first_value / 2 + layout->x.last_value / 2,
+           y_middle = layout->y.first_value / 2 + layout->y.last_value / 2;
 
     x_half = unit * width * x_factor;
     y_half = unit * height * y_factor;
@@ -204,15 +207,15 @@ void figure_layout(const struct figure *figure, int width, int height,
 static bool stack_panels(const struct figure *figure, int width, int height,
                          const struct charset *charset, struct figure_panel panel[PANELS_MAX])
 {
-    int below = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - below;
+    int label_rows = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - label_rows;
     if (rows < PANELS_MAX) { /* rather without labels */
-        below = 0;
+        label_rows = 0;
         rows = height - FRAME_ROWS - 1;
     }
     if (rows < PANELS_MAX || width < 8)
         return false;
     int upper = (rows + 1) / 2, gutter = figure->gutter;
-    panel[0].height = 1 + upper + below + 1;
+    panel[0].height = 1 + upper + label_rows + 1;
     panel[1].y = 1 + upper;
     panel[1].height = height - panel[1].y;
     for (int i = 0; i < PANELS_MAX; i++) {
@@ -239,14 +242,14 @@ bool planes_across(const struct figure *figure, int width, int height)
 static bool place_planes(const struct figure *figure, int width, int height,
                          struct figure_panel panel[PANELS_MAX])
 {
-    bool across = planes_across(figure, width, height);
-    if ((across ? width / 2 : width) < LABEL_CELLS ||
-        (across ? height : height / 2) < FRAME_ROWS + 1)
+    bool side_by_side = planes_across(figure, width, height);
+    if ((side_by_side ? width / 2 : width) < LABEL_CELLS ||
+        (side_by_side ? height : height / 2) < FRAME_ROWS + 1)
         return false;
-    panel[0].width = across ? width - width / 2 : width;
-    panel[0].height = across ? height : height - height / 2;
-    panel[1].x = across ? panel[0].width : 0;
-    panel[1].y = across ? 0 : panel[0].height;
+    panel[0].width = side_by_side ? width - width / 2 : width;
+    panel[0].height = side_by_side ? height : height - height / 2;
+    panel[1].x = side_by_side ? panel[0].width : 0;
+    panel[1].y = side_by_side ? 0 : panel[0].height;
     panel[1].width = width - panel[1].x;
     panel[1].height = height - panel[1].y;
     return true;

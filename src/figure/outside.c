@@ -9,7 +9,7 @@
 
 /* Returns how far a fraction of an axis lies beyond its ends, as a part of its length, or 0 if it
  * is inside, or outside by FRAME_MARGIN at most. */
-static double beyond(double fraction)
+static double fraction_excess(double fraction)
 {
     return fraction < -FRAME_MARGIN ? -fraction : fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
 }
@@ -22,25 +22,26 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
     bool inside = false;
     double farthest = 0;
 
-    *outside = (struct curve_outside){.at = NAN};
+    *outside = (struct curve_outside){.position = NAN};
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
-        if (isnan(x) || isnan(y) || (!figure->plane && beyond(x) > 0) ||
+        if (isnan(x) || isnan(y) || (!figure->plane && fraction_excess(x) > 0) ||
             (figure->y.log && curve->y[i] < figure->y.min))
             continue;
-        double across = figure->plane ? beyond(x) : 0, up = beyond(y), far = fmax(across, up);
+        double x_excess = figure->plane ? fraction_excess(x) : 0, y_excess = fraction_excess(y),
+               far = fmax(x_excess, y_excess);
         outside->total++;
         outside->count += far > 0;
         if (far > 0 && inside && !outside->leaves) {
             outside->leaves = true;
-            outside->at = when ? when[i] : NAN;
+            outside->position = when ? when[i] : NAN;
         }
         inside |= !(far > 0);
         if (far > farthest) {
             farthest = far;
-            outside->along_x = across > up;
+            outside->along_x = x_excess > y_excess;
             outside->farthest = outside->along_x ? curve->x[i] : curve->y[i];
-            outside->above = (outside->along_x ? x : y) > 0.5;
+            outside->is_beyond_upper = (outside->along_x ? x : y) > 0.5;
         }
     }
 }
@@ -50,24 +51,24 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
 /* Digits that tell values on this axis apart. */
 static int digits_on(const struct scale *scale)
 {
-    double size = fmax(fabs(scale->from), fabs(scale->to)),
-           span = scale->to / size - scale->from / size;
+    double size = fmax(fabs(scale->first_value), fabs(scale->last_value)),
+           span = scale->last_value / size - scale->first_value / size;
     return scale->log || !(span > 0) ? 3 : (int)fmin(3 + fmax(floor(-log10(span)), 0), 12);
 }
 
 /* A value of an axis in the unit that suits it. */
-static void axis_value_put(struct buffer *out, const struct axis *axis, double value, int digits)
+static void axis_value_put(struct buffer *output, const struct axis *axis, double value, int digits)
 {
     const struct unit *unit = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
     const struct unit *suited = unit ? unit_display(unit->quantity, fabs(value)) : NULL;
     if (suited)
-        buffer_format(out, "%.*g %s", digits, value / suited->factor, suited->row.name);
+        buffer_format(output, "%.*g %s", digits, value / suited->factor, suited->row.name);
     else
-        buffer_format(out, "%.*g%s%s", digits, value / axis_factor(axis),
+        buffer_format(output, "%.*g%s%s", digits, value / axis_factor(axis),
                       axis->unit && *axis->unit ? " " : "", axis->unit ? axis->unit : "");
 }
 
-static void outside_curve_put(struct buffer *out, const struct figure *figure,
+static void outside_curve_put(struct buffer *output, const struct figure *figure,
                               const struct figure_layout *layout, int index,
                               const struct curve_outside *outside, int detail)
 {
@@ -75,27 +76,27 @@ static void outside_curve_put(struct buffer *out, const struct figure *figure,
     const struct axis *axis = outside->along_x ? &figure->x : &figure->y;
     const char mark[2] = {figure_mark(figure, index), '\0'};
 
-    buffer_put(out, text_of(curve->label && *curve->label ? curve->label
-                            : *mark                       ? mark
-                                                          : "the curve"));
-    buffer_put(out, text_of(!outside->leaves ? " is outside" : " leaves"));
-    if (isfinite(outside->at)) {
+    buffer_put(output, text_of(curve->label && *curve->label ? curve->label
+                               : *mark                       ? mark
+                                                             : "the curve"));
+    buffer_put(output, text_of(!outside->leaves ? " is outside" : " leaves"));
+    if (isfinite(outside->position)) {
         const struct axis time = {.unit = "s"};
-        buffer_put(out, TEXT(" at "));
-        axis_value_put(out, figure->plane ? &time : &figure->x, outside->at,
+        buffer_put(output, TEXT(" at "));
+        axis_value_put(output, figure->plane ? &time : &figure->x, outside->position,
                        figure->plane ? 3 : digits_on(&layout->x));
     }
     if (detail > 0) {
-        buffer_put(out, text_of(outside->above ? ", up to " : ", down to "));
-        axis_value_put(out, axis, outside->farthest,
+        buffer_put(output, text_of(outside->is_beyond_upper ? ", up to " : ", down to "));
+        axis_value_put(output, axis, outside->farthest,
                        digits_on(outside->along_x ? &layout->x : &layout->y));
     }
     if (detail > 1 && !curve->thinned)
-        buffer_format(out, " (%zu of %zu samples)", outside->count, outside->total);
+        buffer_format(output, " (%zu of %zu samples)", outside->count, outside->total);
 }
 
 /* All curves that leave; "" for none. With detail -1 only how many. */
-static void put_outside(struct buffer *out, const struct figure *figure,
+static void put_outside(struct buffer *output, const struct figure *figure,
                         const struct figure_layout *layout, int detail)
 {
     struct curve_outside outside;
@@ -108,13 +109,13 @@ static void put_outside(struct buffer *out, const struct figure *figure,
         if (!outside.count)
             continue;
         if (detail >= 0) {
-            buffer_put(out, count ? TEXT("; ") : TEXT(""));
-            outside_curve_put(out, figure, layout, i, &outside, detail);
+            buffer_put(output, count ? TEXT("; ") : TEXT(""));
+            outside_curve_put(output, figure, layout, i, &outside, detail);
         }
         count++;
     }
     if (detail < 0 && count)
-        buffer_format(out, "%d curve%s outside", count, count == 1 ? "" : "s");
+        buffer_format(output, "%d curve%s outside", count, count == 1 ? "" : "s");
 }
 
 static bool is_thinned(const struct figure *figure)
@@ -125,42 +126,42 @@ static bool is_thinned(const struct figure *figure)
     return false;
 }
 
-static void put_hidden(struct buffer *out, const struct figure *figure,
+static void put_hidden(struct buffer *output, const struct figure *figure,
                        const struct figure_layout *layout)
 {
     if (!layout->hidden)
         return;
-    buffer_put(out, out->len ? TEXT(", ") : TEXT(""));
+    buffer_put(output, output->len ? TEXT(", ") : TEXT(""));
     if (is_thinned(figure)) /* their count would be one of points, not of samples */
-        buffer_put(out, TEXT("values "));
+        buffer_put(output, TEXT("values "));
     else
-        buffer_format(out, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
+        buffer_format(output, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
     if (figure->y.log && figure->y.min > 0) {
-        buffer_put(out, TEXT("below "));
-        axis_value_put(out, &figure->y, figure->y.min, 3);
+        buffer_put(output, TEXT("below "));
+        axis_value_put(output, &figure->y, figure->y.min, 3);
     } else {
-        buffer_put(out, TEXT("<= 0"));
+        buffer_put(output, TEXT("<= 0"));
     }
-    buffer_put(out, TEXT(" not shown"));
+    buffer_put(output, TEXT(" not shown"));
 }
 
 /* The last ones, until the rest fits: no sentence ends in the middle. */
-static void drop_clauses(struct buffer *out, int available)
+static void drop_clauses(struct buffer *output, int available)
 {
-    while (text_width(buffer_text(out)) > available) {
-        size_t end = out->len;
-        while (end > 0 &&
-               !((out->data[end - 1] == ',' || out->data[end - 1] == ';') && out->data[end] == ' '))
+    while (text_width(buffer_text(output)) > available) {
+        size_t end = output->len;
+        while (end > 0 && !((output->data[end - 1] == ',' || output->data[end - 1] == ';') &&
+                            output->data[end] == ' '))
             end--;
         if (end == 0)
             return;
-        out->len = end - 1;
-        out->data[out->len] = '\0';
+        output->len = end - 1;
+        output->data[output->len] = '\0';
     }
 }
 
 void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
-                 struct buffer *out)
+                 struct buffer *output)
 {
     static const struct {
         int detail;
@@ -171,18 +172,18 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
     buffer_put(&other, text_of(figure->note));
     put_hidden(&other, figure, layout);
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
-        buffer_clear(out);
+        buffer_clear(output);
         buffer_clear(&leaving);
         put_outside(&leaving, figure, layout, ways[i].detail);
-        buffer_put(out, buffer_text(&leaving));
+        buffer_put(output, buffer_text(&leaving));
         if (!leaving.len || ways[i].note) {
-            buffer_put(out, leaving.len && other.len ? TEXT(", ") : TEXT(""));
-            buffer_put(out, buffer_text(&other));
+            buffer_put(output, leaving.len && other.len ? TEXT(", ") : TEXT(""));
+            buffer_put(output, buffer_text(&other));
         }
-        if (!leaving.len || text_width(buffer_text(out)) <= available)
+        if (!leaving.len || text_width(buffer_text(output)) <= available)
             break;
     }
-    drop_clauses(out, available);
+    drop_clauses(output, available);
     buffer_free(&leaving);
     buffer_free(&other);
 }

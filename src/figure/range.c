@@ -4,18 +4,18 @@
 
 #include <float.h>
 
-struct scale scale_of(double from, double to, bool log)
+struct scale scale_of(double first, double last, bool log)
 {
     if (log) {
-        double low = log10(from);
-        return (struct scale){from, to, true, 1, low, 1 / (log10(to) - low)};
+        double low = log10(first);
+        return (struct scale){first, last, true, 1, low, 1 / (log10(last) - low)};
     }
     /* Computes in units of about the larger end, so that to - from cannot overflow. The unit is a
      * power of two, so that nothing is rounded where both ends are nearly the same. */
     int exponent;
-    frexp(fmax(fabs(from), fabs(to)), &exponent);
-    double unit = ldexp(1, -exponent), origin = from * unit;
-    return (struct scale){from, to, false, unit, origin, 1 / (to * unit - origin)};
+    frexp(fmax(fabs(first), fabs(last)), &exponent);
+    double unit = ldexp(1, -exponent), origin = first * unit;
+    return (struct scale){first, last, false, unit, origin, 1 / (last * unit - origin)};
 }
 
 double scale_fraction(const struct scale *scale, double value)
@@ -25,9 +25,10 @@ double scale_fraction(const struct scale *scale, double value)
 
 static bool fixed_range(const struct axis *axis)
 {
-    double size = fmax(fabs(axis->from), fabs(axis->to));
+    double size = fmax(fabs(axis->first_value), fabs(axis->last_value));
     return axis->fixed && size > 1 / RANGE_VALUE_MAX && size <= RANGE_VALUE_MAX &&
-           axis->to / size - axis->from / size > 1e-13 && (!axis->log || axis->from > 0);
+           axis->last_value / size - axis->first_value / size > 1e-13 &&
+           (!axis->log || axis->first_value > 0);
 }
 
 static double min_of(const struct axis *axis)
@@ -39,16 +40,18 @@ struct extent curves_extent(const struct curve *curve, int curves,
                             const struct extent_window *window)
 {
     struct extent extent = {INFINITY, -INFINITY, 0};
-    const double *ends = window->across;
+    const double *ends = window->other_range;
     for (int c = 0; c < curves; c++) {
         const bool y = window->vertical,
                    counts = !window->panel || window->panel == curve[c].panel + 1;
-        const double *value = y ? curve[c].y : curve[c].x, *across = y ? curve[c].x : curve[c].y;
+        const double *value = y ? curve[c].y : curve[c].x,
+                     *other_value = y ? curve[c].x : curve[c].y;
         const double *band = window->bands ? curve[c].spread : NULL,
                      *bar = window->bars ? curve[c].bar : NULL;
         for (size_t i = 0; counts && curve_goes_on(&curve[c], i); i++) {
             if (!isfinite(value[i]) || (window->min > 0 && value[i] < window->min) ||
-                (ends && (isnan(across[i]) || across[i] < ends[0] || across[i] > ends[1])))
+                (ends &&
+                 (isnan(other_value[i]) || other_value[i] < ends[0] || other_value[i] > ends[1])))
                 continue;
             const double half = fmax(band ? band[i] : 0, bar && isfinite(bar[i]) ? bar[i] : 0);
             extent.low = fmin(extent.low, value[i] - half);
@@ -63,7 +66,7 @@ static bool is_beside(const struct figure *figure, const struct curve *curve, bo
                       size_t i)
 {
     return vertical && fixed_range(&figure->x) &&
-           !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
+           !(curve->x[i] >= figure->x.first_value && curve->x[i] <= figure->x.last_value);
 }
 
 static size_t count_hidden(const struct figure *figure, bool vertical)
@@ -148,9 +151,10 @@ struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
                       *other = vertical ? &figure->x : &figure->y;
     const bool follows = vertical && fixed_range(other), wide = vertical && !axis->log,
                whole = !vertical && !figure->plane;
-    const double across[2] = {follows ? other->from : min_of(other), follows ? other->to : NAN};
+    const double other_range[2] = {follows ? other->first_value : min_of(other),
+                                   follows ? other->last_value : NAN};
     const struct extent_window window = {.vertical = vertical,
-                                         .across = across,
+                                         .other_range = other_range,
                                          .min = axis->log ? min_of(axis) : 0,
                                          .panel = whole ? 0 : figure->panel + 1,
                                          .bands = wide,
@@ -167,7 +171,7 @@ struct scale axis_scale(const struct figure *figure, bool vertical, struct exten
     const struct axis *axis = vertical ? &figure->y : &figure->x;
 
     if (fixed_range(axis))
-        return scale_of(axis->from, axis->to, axis->log);
+        return scale_of(axis->first_value, axis->last_value, axis->log);
     if (axis->log)
         return log_scale(extent, axis);
     return linear_scale(figure, vertical, extent, want, max);

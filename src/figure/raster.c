@@ -40,20 +40,20 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
     static const uint32_t quadrant[16] = {' ',    0x2598, 0x259D, 0x2580, 0x2596, 0x258C,
                                           0x259E, 0x259B, 0x2597, 0x259A, 0x2590, 0x259C,
                                           0x2584, 0x2599, 0x259F, 0x2588};
-    int x = column / grid.across, y = row / grid.down, across = column % grid.across,
-        down = row % grid.down;
+    int x = column / grid.dots_horizontal, y = row / grid.dots_vertical,
+        dot_column = column % grid.dots_horizontal, dot_row = row % grid.dots_vertical;
     uint32_t old = raster_get(raster, x, y);
 
-    if (grid.down == 4) {
+    if (grid.dots_vertical == 4) {
         raster_put(raster, x, y,
-                   (old >= 0x2800 && old <= 0x28FF ? old : 0x2800) | bit[down][across]);
+                   (old >= 0x2800 && old <= 0x28FF ? old : 0x2800) | bit[dot_row][dot_column]);
         return;
     }
     unsigned mask = 0;
     for (unsigned i = 0; i < COUNT_OF(quadrant); i++)
         if (quadrant[i] == old)
             mask = i;
-    raster_put(raster, x, y, quadrant[mask | 1U << (2 * down + across)]);
+    raster_put(raster, x, y, quadrant[mask | 1U << (2 * dot_row + dot_column)]);
 }
 
 /* The dots low..high of a column; `slope` is the way the curve goes there: -1 up, 1 down to the
@@ -61,34 +61,37 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
 static void put_span(const struct raster *raster, int column, int low, int high, int slope)
 {
     struct dot_grid grid = raster->layout->charset->dots;
-    int last = raster->layout->rows * grid.down - 1, span = high - low + 1;
-    int from = low < 0 ? 0 : low, to = high > last ? last : high;
+    int last = raster->layout->rows * grid.dots_vertical - 1, span = high - low + 1;
+    int first_dot = low < 0 ? 0 : low, last_dot = high > last ? last : high;
 
-    if (raster->mark || grid.across == 1) {
+    if (raster->mark || grid.dots_horizontal == 1) {
         static const char level[] = "'-._";
         char stroke = span > 6 || !slope ? '|' : slope < 0 ? '/' : '\\';
-        for (int row = from / grid.down; from <= to && row <= to / grid.down; row++) {
-            int first = from > row * grid.down ? from : row * grid.down;
-            int final = to < row * grid.down + grid.down - 1 ? to : row * grid.down + grid.down - 1;
+        for (int row = first_dot / grid.dots_vertical;
+             first_dot <= last_dot && row <= last_dot / grid.dots_vertical; row++) {
+            int first = first_dot > row * grid.dots_vertical ? first_dot : row * grid.dots_vertical;
+            int final = last_dot < row * grid.dots_vertical + grid.dots_vertical - 1
+                            ? last_dot
+                            : row * grid.dots_vertical + grid.dots_vertical - 1;
             char glyph = final - first < 2 ? level[(first + final) / 2 % 4] : stroke;
-            raster_put(raster, column / grid.across, row,
+            raster_put(raster, column / grid.dots_horizontal, row,
                        (uint32_t)(raster->mark ? raster->mark : glyph));
         }
         return;
     }
-    for (int row = from; row <= to; row++)
+    for (int row = first_dot; row <= last_dot; row++)
         put_dot(raster, grid, column, row);
 }
 
 struct cell_pen {
     const struct raster *raster;
-    int columns;       /* dots across */
-    bool down, starts; /* the pen is on the paper; the curve begins in this column */
-    int column;        /* -1 and `columns` stand for everything left and right of the plot */
-    int heading;       /* sign of the way along x */
-    double enter;      /* [dot] where the curve came into the column, or starts */
-    double low, high;  /* [dot] extremes in this column */
-    double x, y;       /* [dot] last point */
+    int columns;             /* dots across */
+    bool is_drawing, starts; /* the pen is on the paper; the curve begins in this column */
+    int column;              /* -1 and `columns` stand for everything left and right of the plot */
+    int heading;             /* sign of the way along x */
+    double enter;            /* [dot] where the curve came into the column, or starts */
+    double low, high;        /* [dot] extremes in this column */
+    double x, y;             /* [dot] last point */
 };
 
 static int pen_column(const struct cell_pen *pen, double x)
@@ -99,12 +102,13 @@ static int pen_column(const struct cell_pen *pen, double x)
 /* Leaves the column at height y, or ends there. */
 static void pen_leave(struct cell_pen *pen, double y, bool ends)
 {
-    double in = pen->starts ? NAN : pen->enter, out = ends ? NAN : y;
-    double from = fmin(in, out), to = fmax(in, out); /* heights where the borders are crossed */
+    double y_enter = pen->starts ? NAN : pen->enter, y_leave = ends ? NAN : y;
+    double border_min = fmin(y_enter, y_leave),
+           border_max = fmax(y_enter, y_leave); /* heights where the borders are crossed */
     /* Draws the dots in the interval between the ways in and out. An extreme beyond them is rounded
      * to its dot. */
-    double low = from <= pen->low ? ceil(from) : floor(pen->low + 0.5);
-    double high = to >= pen->high ? floor(to) : floor(pen->high + 0.5);
+    double low = border_min <= pen->low ? ceil(border_min) : floor(pen->low + 0.5);
+    double high = border_max >= pen->high ? floor(border_max) : floor(pen->high + 0.5);
 
     if (pen->column < 0 || pen->column >= pen->columns)
         return;
@@ -119,20 +123,20 @@ static void pen_enter(struct cell_pen *pen, int column, double y)
 {
     pen->column = column;
     pen->enter = pen->low = pen->high = y;
-    pen->starts = !pen->down;
-    pen->down = true;
+    pen->starts = !pen->is_drawing;
+    pen->is_drawing = true;
 }
 
 static void pen_up(struct cell_pen *pen)
 {
-    if (pen->down)
+    if (pen->is_drawing)
         pen_leave(pen, pen->y, true);
-    pen->down = false;
+    pen->is_drawing = false;
 }
 
 static void pen_to(struct cell_pen *pen, double x, double y)
 {
-    if (!pen->down) {
+    if (!pen->is_drawing) {
         pen_enter(pen, pen_column(pen, x), y);
     } else {
         int target = pen_column(pen, x);
@@ -156,16 +160,17 @@ void raster_line(const struct raster *raster, const struct curve *curve)
 {
     const struct figure_layout *layout = raster->layout;
     struct dot_grid grid = layout->charset->dots;
-    double across = layout->columns * grid.across - 1, down = layout->rows * grid.down - 1;
+    double width = layout->columns * grid.dots_horizontal - 1,
+           height = layout->rows * grid.dots_vertical - 1;
     struct cell_pen pen = {
-        .raster = raster, .columns = layout->columns * grid.across, .heading = 1};
+        .raster = raster, .columns = layout->columns * grid.dots_horizontal, .heading = 1};
 
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         if (isnan(x) || isnan(y))
             pen_up(&pen);
         else
-            pen_to(&pen, x * across, (1 - y) * down);
+            pen_to(&pen, x * width, (1 - y) * height);
         if (curve->cloud)
             pen_up(&pen);
     }
@@ -177,39 +182,40 @@ static void band_edges(const struct raster *raster, const struct curve *curve, s
                        double edge[2])
 {
     const struct figure_layout *layout = raster->layout;
-    const double down = layout->rows * layout->charset->dots.down - 1;
-    edge[0] = (1 - fraction_of(&layout->y, curve->y[i] + curve->spread[i])) * down;
-    edge[1] = (1 - fraction_of(&layout->y, curve->y[i] - curve->spread[i])) * down;
+    const double height = layout->rows * layout->charset->dots.dots_vertical - 1;
+    edge[0] = (1 - fraction_of(&layout->y, curve->y[i] + curve->spread[i])) * height;
+    edge[1] = (1 - fraction_of(&layout->y, curve->y[i] - curve->spread[i])) * height;
 }
 
 static void fill_cells(const struct raster *raster, int column, double low, double high)
 {
     const struct figure_layout *layout = raster->layout;
-    const int down = layout->charset->dots.down;
-    const double last = layout->rows * down - 1;
+    const int dots_per_cell = layout->charset->dots.dots_vertical;
+    const double last = layout->rows * dots_per_cell - 1;
     if (!(low <= last && high >= 0 && high - low >= 1)) /* thinner than the line: that says it */
         return;
-    for (int row = (int)(fmax(low, 0) + 0.5) / down; row <= (int)(fmin(high, last) + 0.5) / down;
-         row++)
+    for (int row = (int)(fmax(low, 0) + 0.5) / dots_per_cell;
+         row <= (int)(fmin(high, last) + 0.5) / dots_per_cell; row++)
         raster_put(raster, column, row, raster->fill);
 }
 
 void raster_band(const struct raster *raster, const struct curve *curve)
 {
-    const double across = raster->layout->columns - 1;
-    double before = NAN, from[2] = {NAN, NAN}, to[2];
+    const double width = raster->layout->columns - 1;
+    double previous_x = NAN, previous_edge[2] = {NAN, NAN}, edge[2];
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
-        const double x = fraction_of(&raster->layout->x, curve->x[i]) * across;
-        band_edges(raster, curve, i, to);
-        if (isfinite(x + before + to[0] + to[1] + from[0] + from[1]))
-            for (int c = (int)fmax(ceil(before - 0.5), 0); c <= (int)fmin(floor(x + 0.5), across);
-                 c++) {
-                const double part = x > before ? fmin(fmax((c - before) / (x - before), 0), 1) : 1;
-                fill_cells(raster, c, from[0] + part * (to[0] - from[0]),
-                           from[1] + part * (to[1] - from[1]));
+        const double x = fraction_of(&raster->layout->x, curve->x[i]) * width;
+        band_edges(raster, curve, i, edge);
+        if (isfinite(x + previous_x + edge[0] + edge[1] + previous_edge[0] + previous_edge[1]))
+            for (int c = (int)fmax(ceil(previous_x - 0.5), 0);
+                 c <= (int)fmin(floor(x + 0.5), width); c++) {
+                const double part =
+                    x > previous_x ? fmin(fmax((c - previous_x) / (x - previous_x), 0), 1) : 1;
+                fill_cells(raster, c, previous_edge[0] + part * (edge[0] - previous_edge[0]),
+                           previous_edge[1] + part * (edge[1] - previous_edge[1]));
             }
-        before = isfinite(x) ? x : NAN;
-        memcpy(from, to, sizeof from);
+        previous_x = isfinite(x) ? x : NAN;
+        memcpy(previous_edge, edge, sizeof previous_edge);
     }
 }
 
@@ -237,9 +243,9 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         if (!figure_cell(raster->layout, curve->x[i], curve->y[i], &column, &row))
             continue;
-        int across = column > last_column ? column - last_column : last_column - column;
-        int down = row > last_row ? row - last_row : last_row - row;
-        if (seen++ && across + 2 * down < apart)
+        int columns_apart = column > last_column ? column - last_column : last_column - column;
+        int rows_apart = row > last_row ? row - last_row : last_row - row;
+        if (seen++ && columns_apart + 2 * rows_apart < apart)
             continue;
         last_column = column;
         last_row = row;
@@ -267,8 +273,8 @@ void raster_arrows(const struct raster *raster, const struct curve *curve)
                          fraction_of(&layout->y, curve->y[i]);
         const double turn = atan2(2 * layout->rows * y, layout->columns * x) / eighth;
         const bool lines = layout->charset->plain;
-        const int at = (int)floor((lines ? turn / 2 : turn) + 0.5) & (lines ? 3 : 7);
-        raster_put(raster, column, row, lines ? (uint32_t)plain[at] : arrow[at]);
+        const int arrow_index = (int)floor((lines ? turn / 2 : turn) + 0.5) & (lines ? 3 : 7);
+        raster_put(raster, column, row, lines ? (uint32_t)plain[arrow_index] : arrow[arrow_index]);
     }
 }
 
@@ -286,13 +292,13 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
         return false;
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
-        double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
-               after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
+        double old_excess[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
+               excess[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
         int side = -1;
         double part = 2; /* part of the way to the first border that is crossed */
         for (int s = 0; s < 4 && inside && !isnan(x + y); s++) {
-            if (after[s] > 0 && before[s] / (before[s] - after[s]) < part) {
-                part = before[s] / (before[s] - after[s]);
+            if (excess[s] > 0 && old_excess[s] / (old_excess[s] - excess[s]) < part) {
+                part = old_excess[s] / (old_excess[s] - excess[s]);
                 side = s;
             }
         }

@@ -37,16 +37,16 @@ static double score_of(size_t q, double low, double high, int count, double a, d
     return 0.25 * simplicity + 0.2 * coverage + 0.5 * density + 0.05 * legibility;
 }
 
-struct ticks ticks_search(double from, double to, int want, int max, bool loose)
+struct ticks ticks_search(double range_begin, double range_end, int want, int max, bool loose)
 {
     struct ticks ticks = {0};
-    double largest = fmax(fabs(from), fabs(to));
+    double largest = fmax(fabs(range_begin), fabs(range_end));
 
-    if (!(from < to) || !isfinite(largest) || largest < 1e-300)
+    if (!(range_begin < range_end) || !isfinite(largest) || largest < 1e-300)
         return ticks;
     int magnitude = (int)floor(log10(largest) + 1e-12);
     int exponent = magnitude >= 5 || magnitude <= -4 ? 3 * (int)floor(magnitude / 3.0) : 0;
-    double scale = pow(10, magnitude), a = from / scale, b = to / scale;
+    double scale = pow(10, magnitude), a = range_begin / scale, b = range_end / scale;
     double best = -INFINITY;
 
     if (!(b - a > 1e-14))
@@ -122,20 +122,20 @@ int tick_parts(const struct ticks *ticks)
                                                                           : 5;
 }
 
-struct ticks ticks_linear(double from, double to, int want, int max)
+struct ticks ticks_linear(double range_begin, double range_end, int want, int max)
 {
-    struct ticks ticks = ticks_search(from, to, want, max, false);
+    struct ticks ticks = ticks_search(range_begin, range_end, want, max, false);
     take_offset(&ticks);
     return ticks;
 }
 
-struct ticks ticks_log(double from, double to, int max)
+struct ticks ticks_log(double range_begin, double range_end, int max)
 {
     static const int steps[] = {1, 2, 3, 5, 10, 20, 50, 100, 200, 500};
 
-    if (!(from > 0 && from < to) || !isfinite(to))
+    if (!(range_begin > 0 && range_begin < range_end) || !isfinite(range_end))
         return (struct ticks){0};
-    double low = log10(from) - 1e-9, high = log10(to) + 1e-9;
+    double low = log10(range_begin) - 1e-9, high = log10(range_end) + 1e-9;
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
         double first = ceil(low / steps[i]), last = floor(high / steps[i]);
         if (last >= first && last - first < max)
@@ -154,7 +154,7 @@ double tick_value(const struct ticks *ticks, int i, bool log)
 }
 
 /* Goes through an integer, because printf's %f would follow the locale. */
-static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
+static int decimal_text(double value, int decimals, char output[TICK_TEXT_SIZE])
 {
     long long unit = 1;
     for (int d = 0; d < decimals; d++)
@@ -162,12 +162,12 @@ static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
     long long digits = llround(fabs(value) * (double)unit);
     const char *sign = value < 0 && digits ? "-" : "";
     if (!decimals)
-        return snprintf(out, TICK_TEXT_SIZE, "%s%lld", sign, digits);
-    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals,
+        return snprintf(output, TICK_TEXT_SIZE, "%s%lld", sign, digits);
+    return snprintf(output, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals,
                     digits % unit);
 }
 
-int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE])
+int offset_text(const struct ticks *ticks, char output[TICK_TEXT_SIZE])
 {
     char text[TICK_TEXT_SIZE];
     const int power = ticks->offset_power;
@@ -180,11 +180,11 @@ int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE])
     }
     if (power != 0)
         snprintf(text + length, sizeof text - (size_t)length, "e%d", power);
-    return snprintf(out, TICK_TEXT_SIZE, "%c %.*s", ticks->offset < 0 ? '+' : '-',
+    return snprintf(output, TICK_TEXT_SIZE, "%c %.*s", ticks->offset < 0 ? '+' : '-',
                     TICK_TEXT_SIZE - 3, text);
 }
 
-int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE])
+int tick_text(const struct ticks *ticks, int i, bool log, char output[TICK_TEXT_SIZE])
 {
     double value = (tick_value(ticks, i, log) - ticks->offset) / pow(10, ticks->exponent);
     int decimals = ticks->decimals;
@@ -193,8 +193,8 @@ int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZ
         int power = (int)lround(ticks->first + i * ticks->step);
         double last = ticks->first + (ticks->count - 1) * ticks->step;
         if (ticks->first < -3 || last > 4) /* all in the same style */
-            return snprintf(out, TICK_TEXT_SIZE, "1e%d", power);
+            return snprintf(output, TICK_TEXT_SIZE, "1e%d", power);
         decimals = power < 0 ? -power : 0;
     }
-    return decimal_text(value, decimals, out);
+    return decimal_text(value, decimals, output);
 }

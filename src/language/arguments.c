@@ -24,7 +24,7 @@ const struct argument_value *added_argument(const struct arguments *arguments, c
     const struct command *command = arguments->command;
     for (int i = 0; i < command->arguments; i++)
         if (strcmp(command->argument[i].name, name) == 0)
-            return has(arguments, i) ? &arguments->value[i] : NULL;
+            return has_argument_at(arguments, i) ? &arguments->value[i] : NULL;
     return NULL;
 }
 
@@ -70,10 +70,10 @@ static bool read_into(struct argument_progress *progress, int index, const char 
     struct argument_value *value = &progress->arguments->value[index];
     for (int i = 0; value->count == 0 && argument->group && i < progress->command->arguments; i++)
         if (i != index && progress->command->argument[i].group == argument->group &&
-            has(progress->arguments, i)) {
+            has_argument_at(progress->arguments, i)) {
             error_at(error,
-                     (struct text){start, (size_t)(parser->rest.at - start)
-                                              ? (size_t)(parser->rest.at - start)
+                     (struct text){start, (size_t)(parser->rest.data - start)
+                                              ? (size_t)(parser->rest.data - start)
                                               : 1},
                      "'%s' and '%s' exclude each other", progress->command->argument[i].name,
                      argument->name);
@@ -84,7 +84,7 @@ static bool read_into(struct argument_progress *progress, int index, const char 
     for (bool more = true; more;) {
         text_skip_blanks(&parser->rest);
         if (needs && parser->rest.len == 0) {
-            error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'",
+            error_at(error, (struct text){parser->rest.data, 0}, "%s needs a value after '%s'",
                      progress->command->row.name, argument->name);
             struct buffer usage = {0};
             command_usage(progress->command, &usage);
@@ -96,11 +96,11 @@ static bool read_into(struct argument_progress *progress, int index, const char 
         if (!item || !argument_type(argument)->read(parser, argument, many ? "," : "", item, error))
             return false;
         value->count++;
-        more = many && parser->rest.len > 0 && parser->rest.at[0] == ',';
+        more = many && parser->rest.len > 0 && parser->rest.data[0] == ',';
         if (more)
-            parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+            parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
     }
-    value->where = (struct text){start, (size_t)(parser->rest.at - start)};
+    value->where = (struct text){start, (size_t)(parser->rest.data - start)};
     progress->number = type_is(argument, TYPE_IS_NUMBER) ? &value->item[value->count - 1] : NULL;
     progress->open = many && argument->form == FORM_WORD ? index : -1;
     return true;
@@ -137,7 +137,7 @@ static bool argument_is_in(const struct command *command, enum argument_form for
 {
     char what[64];
     snprintf(what, sizeof what, form == FORM_OPTION ? "%s --%.*s" : "%s %.*s=", command->row.name,
-             (int)name.len, name.at);
+             (int)name.len, name.data);
     return module_is_in(what, name, error);
 }
 
@@ -148,12 +148,12 @@ static bool unknown_argument(const struct command *command, enum argument_form f
         return false;
     error_at(error, name, "%s has no %s '%.*s'", command->row.name,
              form == FORM_OPTION ? "option" : "argument", (int)(name.len < 64 ? name.len : 64),
-             name.at);
-    struct suggestion near = {.wanted = name};
+             name.data);
+    struct suggestion suggestion = {.wanted = name};
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form)
-            suggestion_offer(&near, command->argument[i].name);
-    suggestion_hint(&near, error);
+            suggestion_offer(&suggestion, command->argument[i].name);
+    suggestion_hint(&suggestion, error);
     struct buffer usage = {0};
     command_usage(command, &usage);
     error_usage(error, buffer_view(&usage));
@@ -164,11 +164,12 @@ static bool unknown_argument(const struct command *command, enum argument_form f
 /* The length of NAME and blanks and "=" at the start of text, 0 if it is not of this form. */
 static size_t key_length(struct text text, struct text name)
 {
-    struct text rest = {text.at + name.len, text.len - name.len};
+    struct text rest = {text.data + name.len, text.len - name.len};
     text_skip_blanks(&rest);
-    if (name.len == 0 || rest.len == 0 || rest.at[0] != '=' || (rest.len > 1 && rest.at[1] == '='))
+    if (name.len == 0 || rest.len == 0 || rest.data[0] != '=' ||
+        (rest.len > 1 && rest.data[1] == '='))
         return 0;
-    return (size_t)(rest.at + 1 - text.at);
+    return (size_t)(rest.data + 1 - text.data);
 }
 
 /* The place where an item without introduction goes, -1 if there is none. */
@@ -176,7 +177,7 @@ static int next_index(const struct argument_progress *progress, struct text word
 {
     const struct command *command = progress->command;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
-        ((word.at[0] >= '0' && word.at[0] <= '9') ||
+        ((word.data[0] >= '0' && word.data[0] <= '9') ||
          session_find_run(progress->parser->session, word) >= 0))
         return progress->open;
     if (progress->open >= 0 && type_is(&command->argument[progress->open], TYPE_IS_LIST))
@@ -184,14 +185,15 @@ static int next_index(const struct argument_progress *progress, struct text word
     int last = -1;
     for (int i = 0; i < command->arguments; i++) {
         if (command->argument[i].form != FORM_PLACE ||
-            (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
+            (has_argument_at(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
             continue;
         last = i;
         /* A word that is not a recording, or a name for a number, goes to the next place, if there
          * is one and none came before it. */
-        if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) || has(progress->arguments, i) ||
+        if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) ||
+            has_argument_at(progress->arguments, i) ||
             (command->argument[i].type == TYPE_INTEGER
-                 ? word.len == 0 || !is_name_start(word.at[0])
+                 ? word.len == 0 || !is_name_start(word.data[0])
                  : session_find_recording(progress->parser->session, word) >= 0))
             return i;
     }
@@ -207,18 +209,18 @@ static bool read_next(struct argument_progress *progress, struct error *error)
 {
     struct parser *parser = progress->parser;
     struct text *rest = &parser->rest;
-    const char *start = rest->at;
-    const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
+    const char *start = rest->data;
+    const struct text name = rest->data[0] == '>' ? (struct text){rest->data, 1} : peek_name(*rest);
     size_t used = 0;
-    int index = next_index(progress, (struct text){rest->at, 0});
+    int index = next_index(progress, (struct text){rest->data, 0});
     if (index >= 0 && takes_rest(&progress->command->argument[index]))
         return read_into(progress, index, start, error);
-    if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
-        const struct text option = peek_name((struct text){rest->at + 2, rest->len - 2});
+    if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->data[2])) {
+        const struct text option = peek_name((struct text){rest->data + 2, rest->len - 2});
         index = find_argument(progress->command, FORM_OPTION, option);
         if (index < 0)
             return unknown_argument(progress->command, FORM_OPTION, option, error);
-        used = key_length(*rest, (struct text){rest->at, option.len + 2});
+        used = key_length(*rest, (struct text){rest->data, option.len + 2});
         used = used ? used : option.len + 2;
     } else if ((used = key_length(*rest, name)) > 0) {
         index = find_argument(progress->command, FORM_KEY, name);
@@ -237,7 +239,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         if (index < 0)
             return unknown_argument(progress->command, FORM_KEY, name, error);
     } else if (index >= 0 && type_is(&progress->command->argument[index], TYPE_BEFORE_WORDS) &&
-               !has(progress->arguments, index) &&
+               !has_argument_at(progress->arguments, index) &&
                catalog_find(progress->command->argument[index].choices, name)) {
         /* A word that the place accepts, as in `measure energy`, has priority over a keyword of the
          * same name, as in `of energy`. */
@@ -246,7 +248,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
                peek_word(*rest, "").len == name.len) {
         used = name.len;
     } else if (is_lead(progress->command, name)) {
-        *rest = (struct text){rest->at + name.len, rest->len - name.len};
+        *rest = (struct text){rest->data + name.len, rest->len - name.len};
         return true;
     } else {
         index = next_index(progress, peek_word(*rest, ","));
@@ -254,10 +256,11 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         if (index < 0)
             return refuse_rest(parser, progress->number, error);
     }
-    if (has(progress->arguments, index) && !(progress->command->argument[index].flags & ARG_MANY))
+    if (has_argument_at(progress->arguments, index) &&
+        !(progress->command->argument[index].flags & ARG_MANY))
         return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice",
                         progress->command->argument[index].name);
-    *rest = (struct text){rest->at + used, rest->len - used};
+    *rest = (struct text){rest->data + used, rest->len - used};
     return read_into(progress, index, start, error);
 }
 
@@ -266,21 +269,21 @@ bool parse_arguments(struct parser *parser, const struct command *command,
 {
     struct argument_progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {
-        struct text before = parser->rest;
+        struct text previous = parser->rest;
         text_skip_blanks(&parser->rest);
         if (parser->rest.len == 0)
             break;
         /* Something glued to a number, as in 0,5 or 5cmm. */
-        if (progress.number && before.at == parser->rest.at)
+        if (progress.number && previous.data == parser->rest.data)
             return refuse_rest(parser, progress.number, error);
         if (!read_next(&progress, error))
             return false;
     }
     for (int i = 0; i < command->arguments; i++)
-        if ((command->argument[i].flags & ARG_REQUIRED) && !has(arguments, i)) {
+        if ((command->argument[i].flags & ARG_REQUIRED) && !has_argument_at(arguments, i)) {
             struct buffer usage = {0};
             command_usage(command, &usage);
-            error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name,
+            error_at(error, (struct text){parser->rest.data, 0}, "%s needs %s", command->row.name,
                      command->argument[i].name);
             error_usage(error, buffer_view(&usage));
             buffer_free(&usage);

@@ -78,6 +78,6 @@ const struct row *catalog_choose(const struct session *session, const struct cat
 bool choice_is_in(const struct catalog *catalog, struct text name, struct error *error)
 {
     char what[64];
-    snprintf(what, sizeof what, "%s %.*s", catalog->kind, (int)name.len, name.at);
+    snprintf(what, sizeof what, "%s %.*s", catalog->kind, (int)name.len, name.data);
     return module_is_in(what, name, error);
 }

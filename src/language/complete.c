@@ -25,11 +25,11 @@ void complete_catalog(struct completion *c, const struct catalog *catalog)
         complete_offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
 }
 
-void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
-                      const char *brief)
+void complete_affixed(struct completion *c, const char *prefix, const char *name,
+                      const char *suffix, const char *brief)
 {
     char z[LIMIT_NAME + 8];
-    snprintf(z, sizeof z, "%s%s%s", before, name, after);
+    snprintf(z, sizeof z, "%s%s%s", prefix, name, suffix);
     complete_offer(c, z, brief);
 }
 
@@ -68,10 +68,10 @@ void complete_operands(struct completion *c)
     complete_catalog(c, &function_catalog);
 }
 
-bool ends_in_digit(struct text before)
+bool ends_in_digit(struct text preceding)
 {
-    const struct text t = text_trim(before);
-    return t.len > 0 && t.at[t.len - 1] >= '0' && t.at[t.len - 1] <= '9';
+    const struct text t = text_trim(preceding);
+    return t.len > 0 && t.data[t.len - 1] >= '0' && t.data[t.len - 1] <= '9';
 }
 
 void complete_columns(struct completion *c, const struct catalog *besides)
@@ -104,7 +104,7 @@ void complete_events(struct completion *c)
 char last_letter(struct text text)
 {
     const struct text t = text_trim(text);
-    return t.len > 0 ? t.at[t.len - 1] : 0;
+    return t.len > 0 ? t.data[t.len - 1] : 0;
 }
 
 bool value_is_open(struct text value)
@@ -112,7 +112,7 @@ bool value_is_open(struct text value)
     const char last = last_letter(value);
     int depth = 0;
     for (size_t i = 0; i < value.len; i++)
-        depth += (value.at[i] == '(') - (value.at[i] == ')');
+        depth += (value.data[i] == '(') - (value.data[i] == ')');
     return depth > 0 || (last && strchr("+-*/^", last));
 }
 
@@ -134,19 +134,19 @@ static void count_offer(void *context, const char *candidate, const char *brief)
 static size_t operand(const struct completion *c, void (*names)(struct completion *c))
 {
     const struct text word = c->word;
-    size_t from = word.len;
-    while (from > 0 && !is_operator(word.at[from - 1]))
-        from--;
-    if (from < 2 || word.at[from - 1] != '-' || is_operator(word.at[from - 2]))
-        return from;
-    size_t first = from - 1;
+    size_t begin = word.len;
+    while (begin > 0 && !is_operator(word.data[begin - 1]))
+        begin--;
+    if (begin < 2 || word.data[begin - 1] != '-' || is_operator(word.data[begin - 2]))
+        return begin;
+    size_t first = begin - 1;
     int count = 0;
-    while (first > 0 && !is_operator(word.at[first - 1]))
+    while (first > 0 && !is_operator(word.data[first - 1]))
         first--;
     struct completion whole = {
-        c->session, {word.at + first, word.len - first}, count_offer, &count, false};
+        c->session, {word.data + first, word.len - first}, count_offer, &count, false};
     names(&whole);
-    return count > 0 ? first : from;
+    return count > 0 ? first : begin;
 }
 
 void complete_value(struct completion *c, struct text value, enum quantity quantity,
@@ -154,10 +154,10 @@ void complete_value(struct completion *c, struct text value, enum quantity quant
 {
     if (text_starts(c->word, TEXT("--"))) /* an option */
         return;
-    const size_t from = operand(c, names);
+    const size_t operand_begin = operand(c, names);
     const char last = last_letter(value);
-    c->word = (struct text){c->word.at + from, c->word.len - from};
-    if (from > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
+    c->word = (struct text){c->word.data + operand_begin, c->word.len - operand_begin};
+    if (operand_begin > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
         names(c);
     else if (last >= '0' && last <= '9')
         complete_units(c, quantity);

@@ -11,21 +11,21 @@ struct text next_key_argument(struct text *rest)
     text_skip_blanks(rest);
     size_t end = 1;
     for (; end < rest->len; end++) {
-        struct text after = {rest->at + end, rest->len - end};
-        if (!strchr(" \t", rest->at[end - 1]))
+        struct text following = {rest->data + end, rest->len - end};
+        if (!strchr(" \t", rest->data[end - 1]))
             continue;
-        const struct text name = peek_name(after);
-        if (text_starts(after, TEXT("--")) || text_is(name, "at"))
+        const struct text name = peek_name(following);
+        if (text_starts(following, TEXT("--")) || text_is(name, "at"))
             break;
-        struct text behind = {after.at + name.len, after.len - name.len};
-        text_skip_blanks(&behind);
-        if (name.len > 0 && text_starts(behind, TEXT("=")))
+        struct text remainder = {following.data + name.len, following.len - name.len};
+        text_skip_blanks(&remainder);
+        if (name.len > 0 && text_starts(remainder, TEXT("=")))
             break;
     }
     if (end > rest->len)
         end = rest->len;
-    const struct text argument = {rest->at, end};
-    *rest = (struct text){rest->at + end, rest->len - end};
+    const struct text argument = {rest->data, end};
+    *rest = (struct text){rest->data + end, rest->len - end};
     return text_trim(argument);
 }
 
@@ -45,7 +45,7 @@ static bool take_colon(struct parser *parser)
 {
     const bool there = text_starts(parser->rest, TEXT(":"));
     if (there)
-        parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+        parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
     text_skip_blanks(&parser->rest);
     return there;
 }
@@ -56,8 +56,8 @@ static bool count_values(struct value_grid *grid, double step, struct text where
                          struct error *error)
 {
     const double steps =
-        grid->log ? log(grid->to / grid->from) / log(step) : (grid->to - grid->from) / step;
-    if (grid->from == grid->to) {
+        grid->log ? log(grid->last / grid->first) / log(step) : (grid->last - grid->first) / step;
+    if (grid->first == grid->last) {
         grid->count = 1;
         return true;
     }
@@ -72,42 +72,42 @@ static bool count_values(struct value_grid *grid, double step, struct text where
         return error_at(error, where,
                         "%s: the first step already leads past the other end: only %s = %.6g is "
                         "left, which needs no sweep",
-                        grid->name, grid->name, grid->from) ||
+                        grid->name, grid->name, grid->first) ||
                (!grid->log && step >= 2 && step == floor(step) &&
                 error_hint(error, "for %.0f points: %s=%.6g:%.6g:%.12g", step, grid->name,
-                           grid->from, grid->to, (grid->to - grid->from) / (step - 1)));
+                           grid->first, grid->last, (grid->last - grid->first) / (step - 1)));
     if (fabs(steps - (grid->count - 1)) > 1e-6)
-        grid->to = grid->log ? grid->from * pow(step, grid->count - 1)
-                             : grid->from + step * (grid->count - 1);
+        grid->last = grid->log ? grid->first * pow(step, grid->count - 1)
+                               : grid->first + step * (grid->count - 1);
     return true;
 }
 
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error)
 {
     const struct text range = parser->rest;
-    if (!read_end(parser, grid, &grid->from, error))
+    if (!read_end(parser, grid, &grid->first, error))
         return false;
     if (!take_colon(parser)) {
         error_at(error, text_trim(range), "%s needs a range from:to", grid->name);
         return error_hint(error, "for example %s=1:10:0.5, or %s=1:100:x10 for factors of 10",
                           grid->name, grid->name);
     }
-    if (!read_end(parser, grid, &grid->to, error))
+    if (!read_end(parser, grid, &grid->last, error))
         return false;
     if (!take_colon(parser)) {
-        grid->count = grid->from == grid->to ? 1 : GRID_VALUES_USUAL;
+        grid->count = grid->first == grid->last ? 1 : GRID_VALUES_USUAL;
         return refuse_rest(parser, NULL, error);
     }
     struct item step = {0};
     grid->log = text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 &&
-                strchr("0123456789.", parser->rest.at[1]);
+                strchr("0123456789.", parser->rest.data[1]);
     if (grid->log)
-        parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+        parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
     if (!parse_value(parser, grid->name, grid->log ? QUANTITY_NUMBER : grid->quantity, &step,
                      error) ||
         !refuse_rest(parser, &step, error))
         return false;
-    if (grid->log && !(grid->from * grid->to > 0))
+    if (grid->log && !(grid->first * grid->last > 0))
         return error_at(error, text_trim(range),
                         "%s: factors lead from one end to the other only on one side of 0",
                         grid->name);

@@ -11,7 +11,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
     if (value.len == 0)
         return error_at(error, value, "%s needs a value", setting->row.name);
     if (setting->parse) {
-        parser->rest = (struct text){value.at + value.len, 0};
+        parser->rest = (struct text){value.data + value.len, 0};
         return setting->parse(settings, value, error);
     }
     if (setting->choices) {
@@ -30,7 +30,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
         }
         const int index = catalog_index(setting->choices, row);
         memcpy((char *)settings + setting->offset, &index, sizeof index);
-        parser->rest = (struct text){value.at + value.len, 0};
+        parser->rest = (struct text){value.data + value.len, 0};
         return true;
     }
     struct item item = {0};
@@ -39,7 +39,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
         return false;
     if (!(item.value.value > setting->min && item.value.value <= setting->max))
         return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name,
-                        (int)item.text.len, item.text.at);
+                        (int)item.text.len, item.text.data);
     if (item.value.uncertainty > 0)
         return error_at(error, item.text, "%s is exact: it takes no uncertainty",
                         setting->row.name);

@@ -105,7 +105,7 @@ static bool open_recording(const struct session *session, struct recording *reco
     subject->recording = recording;
     snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
     /* window= replaces the recording's own window, for this command only. */
-    const double before[2] = {recording->window[0], recording->window[1]};
+    const double old_window[2] = {recording->window[0], recording->window[1]};
     bool ok = true;
     if (window && window->count) {
         const double *range = window->item->range;
@@ -113,8 +113,8 @@ static bool open_recording(const struct session *session, struct recording *reco
                               isnan(range[1]) ? HUGE_VAL : range[1], error);
     }
     ok = ok && recording_series(recording, arena, min, &subject->series, error);
-    recording->window[0] = before[0];
-    recording->window[1] = before[1];
+    recording->window[0] = old_window[0];
+    recording->window[1] = old_window[1];
     if (!ok && window && window->count)
         error->where = window->where;
     return ok && (!energy || data_energy(session, arena, subject, error));
@@ -128,7 +128,7 @@ bool subject_column(struct subject *subject, const struct argument_value *column
     struct chosen_column chosen;
     if (!run)
         return error_at(error, column->where, "a recording has no column '%.*s'", (int)name.len,
-                        name.at);
+                        name.data);
     if (!chosen_find(run->system.model, name, &chosen, error))
         return false;
     const size_t n = trace_count(run->trace);
@@ -149,7 +149,7 @@ bool subject_column(struct subject *subject, const struct argument_value *column
                                  run->cancel, 0};
     subject->series = in_window(whole, window);
     subject->column = true;
-    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at,
+    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.data,
              run->number);
     return true;
 }

@@ -22,7 +22,7 @@
                      UNUSED_OK struct error *error)
 #define COMPLETE_ITEM(name)                                                                        \
     static void name(UNUSED_OK struct completion *c, UNUSED_OK const struct argument *argument,    \
-                     UNUSED_OK struct text before)
+                     UNUSED_OK struct text preceding)
 
 static bool in_range(const struct parser *parser, const struct argument *argument,
                      const struct item *item, struct error *error)
@@ -31,8 +31,8 @@ static bool in_range(const struct parser *parser, const struct argument *argumen
     if ((argument->flags & ARG_NEGATIVE) || item->value.value > 0)
         return true;
     error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name,
-             (int)item->text.len, item->text.at);
-    if (rest.len > 1 && rest.at[0] == ',' && rest.at[1] >= '0' && rest.at[1] <= '9')
+             (int)item->text.len, item->text.data);
+    if (rest.len > 1 && rest.data[0] == ',' && rest.data[1] >= '0' && rest.data[1] <= '9')
         error_hint(error, "the comma separates the values of a list; the decimal mark is a point");
     return false;
 }
@@ -73,12 +73,12 @@ READ_ITEM(read_scene)
     if (item->row || text_is(item->text, "new"))
         return true;
     catalog_unknown(&preset_catalog, item->text, error);
-    struct suggestion near = {.wanted = item->text};
-    suggestion_offer(&near, "new");
+    struct suggestion suggestion = {.wanted = item->text};
+    suggestion_offer(&suggestion, "new");
     for (int i = 0; i < setup->owns; i++)
-        suggestion_offer(&near, setup->own[i]->row.name);
+        suggestion_offer(&suggestion, setup->own[i]->row.name);
     if (!error->hint[0])
-        suggestion_hint(&near, error);
+        suggestion_hint(&suggestion, error);
     return error->hint[0]
                ? false
                : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
@@ -99,7 +99,7 @@ READ_ITEM(read_run)
         error_at(error, item->text, "there is no run yet");
     else
         error_at(error, item->text, "there is no run '%.*s'",
-                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.data);
     if (method)
         return error_hint(error, "'method %s' chooses the method", method->name);
     if (none)
@@ -138,11 +138,11 @@ READ_ITEM(read_recording)
     if (item->index >= 0)
         return true;
     error_at(error, item->text, "there is no recording '%.*s'",
-             (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
-    struct suggestion near = {.wanted = item->text};
+             (int)(item->text.len < 64 ? item->text.len : 64), item->text.data);
+    struct suggestion suggestion = {.wanted = item->text};
     for (int i = 0; i < session->recordings; i++)
-        suggestion_offer(&near, session->recording[i]->recording->name);
-    suggestion_hint(&near, error);
+        suggestion_offer(&suggestion, session->recording[i]->recording->name);
+    suggestion_hint(&suggestion, error);
     return session->recordings ? error_hint(error, "('data list' lists them)")
                                : error_hint(error, "type: load FILE");
 }
@@ -169,13 +169,13 @@ static bool is_of_table(struct text rest)
             return true;
         /* a string has no words: title="period of a spring" */
         size_t used = 0;
-        while (used < word.len && !strchr("'\"", rest.at[used]))
+        while (used < word.len && !strchr("'\"", rest.data[used]))
             used++;
-        const struct text string = {rest.at + used, rest.len - used};
-        if (string.len && strchr("'\"", string.at[0]))
+        const struct text string = {rest.data + used, rest.len - used};
+        if (string.len && strchr("'\"", string.data[0]))
             used += text_quoted(string);
         used = used ? used : 1;
-        rest = (struct text){rest.at + used, rest.len - used};
+        rest = (struct text){rest.data + used, rest.len - used};
     }
     return false;
 }
@@ -219,9 +219,9 @@ READ_ITEM(read_condition)
     if (!condition_compile(before_option(parser->rest), parser->scope, parser->arena, condition,
                            &used, error))
         return false;
-    item->text = (struct text){parser->rest.at, used};
+    item->text = (struct text){parser->rest.data, used};
     item->condition = condition;
-    parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
+    parser->rest = (struct text){parser->rest.data + used, parser->rest.len - used};
     return true;
 }
 
@@ -232,13 +232,13 @@ READ_ITEM(read_start)
     const struct text name = peek_name(parser->rest);
     if (name.len == 0 || name.len > LIMIT_NAME)
         return error_at(error, peek_word(parser->rest, ","), "NAME=VALUE is missing");
-    memcpy(what, name.at, name.len);
+    memcpy(what, name.data, name.len);
     what[name.len] = 0;
-    parser->rest = (struct text){name.at + name.len, parser->rest.len - name.len};
+    parser->rest = (struct text){name.data + name.len, parser->rest.len - name.len};
     text_skip_blanks(&parser->rest);
-    if (parser->rest.len == 0 || parser->rest.at[0] != '=')
+    if (parser->rest.len == 0 || parser->rest.data[0] != '=')
         return error_at(error, name, "'%s' needs a value: %s=VALUE", what, what);
-    parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
     if (!parse_value(parser, what, QUANTITY_OTHER, item, error))
         return false;
     item->text = name;
@@ -251,12 +251,12 @@ READ_ITEM(read_side)
     const struct text name = peek_name(parser->rest);
     if (name.len == 0 || name.len > LIMIT_NAME)
         return error_at(error, peek_word(parser->rest, ","), "NAME=FROM:TO is missing");
-    parser->rest = (struct text){name.at + name.len, parser->rest.len - name.len};
+    parser->rest = (struct text){name.data + name.len, parser->rest.len - name.len};
     text_skip_blanks(&parser->rest);
     if (!text_starts(parser->rest, TEXT("=")))
-        return error_at(error, name, "%.*s needs a range, as in %.*s=-1:1", (int)name.len, name.at,
-                        (int)name.len, name.at);
-    parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+        return error_at(error, name, "%.*s needs a range, as in %.*s=-1:1", (int)name.len,
+                        name.data, (int)name.len, name.data);
+    parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
     const int variable = model_state(parser->session->setup.scene.model, name);
     const char *known =
         variable < 0 ? "range" : parser->session->setup.scene.model->variable[variable].name;
@@ -271,20 +271,21 @@ READ_ITEM(read_model)
     struct error why = {0};
     size_t used = 0;
     const struct text rest = parser->rest, word = peek_word(rest, "");
-    if (strchr("'\"", rest.at[0]))
+    if (strchr("'\"", rest.data[0]))
         return parse_word(parser, stops, item, error);
-    struct text behind = {rest.at + word.len, rest.len - word.len};
-    text_skip_blanks(&behind);
+    struct text remainder = {rest.data + word.len, rest.len - word.len};
+    text_skip_blanks(&remainder);
     /* A lone name is no formula; a + b*t is one. */
     if (peek_name(rest).len == word.len &&
-        (behind.len == 0 || !strchr("+-*/^", behind.at[0]) || text_starts(behind, TEXT("--"))))
+        (remainder.len == 0 || !strchr("+-*/^", remainder.data[0]) ||
+         text_starts(remainder, TEXT("--"))))
         return read_choice(parser, argument, stops, item, error);
     if (!series_tools()->formula(before_option(rest), parser->arena, &used, &why)) {
         *error = why;
         return false;
     }
-    item->text = text_trim((struct text){rest.at, used});
-    parser->rest = (struct text){rest.at + used, rest.len - used};
+    item->text = text_trim((struct text){rest.data, used});
+    parser->rest = (struct text){rest.data + used, rest.len - used};
     return true;
 }
 
@@ -317,7 +318,7 @@ READ_ITEM(read_size)
 
 READ_ITEM(read_expr)
 {
-    return strchr("'\"", parser->rest.at[0])
+    return strchr("'\"", parser->rest.data[0])
                ? parse_word(parser, stops, item, error)
                : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
 }
@@ -333,7 +334,7 @@ READ_ITEM(read_unit)
 
 static void parser_take(struct parser *parser, size_t used)
 {
-    parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
+    parser->rest = (struct text){parser->rest.data + used, parser->rest.len - used};
 }
 
 READ_ITEM(read_name)
@@ -342,7 +343,7 @@ READ_ITEM(read_name)
     if (item->text.len == 0) {
         const struct text word = peek_word(parser->rest, "");
         error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64),
-                 word.at);
+                 word.data);
         return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
     }
     parser_take(parser, item->text.len);
@@ -382,11 +383,11 @@ COMPLETE_ITEM(complete_expression)
 /* A number is followed by its unit. */
 COMPLETE_ITEM(complete_quantity)
 {
-    if (ends_in_digit(before))
+    if (ends_in_digit(preceding))
         complete_units(c,
                        type_is(argument, TYPE_HAS_QUANTITY) ? argument->quantity : QUANTITY_OTHER);
     else
-        complete_expression(c, argument, before);
+        complete_expression(c, argument, preceding);
 }
 
 COMPLETE_ITEM(complete_size)
@@ -437,7 +438,7 @@ COMPLETE_ITEM(complete_run)
 
 COMPLETE_ITEM(complete_kept)
 {
-    complete_run(c, argument, before);
+    complete_run(c, argument, preceding);
     for (size_t i = 0; module_list[i]; i++)
         if (module_list[i]->labels.complete)
             module_list[i]->labels.complete(c);
@@ -497,9 +498,9 @@ const struct argument_type_row *argument_type_row(enum argument_type type)
     return &rows[type];
 }
 
-void complete_item(struct completion *c, const struct argument *argument, struct text before)
+void complete_item(struct completion *c, const struct argument *argument, struct text preceding)
 {
     const struct argument_type_row *type = argument_type(argument);
     if (type->complete)
-        type->complete(c, argument, before);
+        type->complete(c, argument, preceding);
 }

@@ -5,36 +5,36 @@
 #include <string.h>
 
 /* Appends the usage of an item: "V", "FILE", or the choices themselves if they are few. */
-static void put_item(const struct argument *argument, struct buffer *out)
+static void put_item(const struct argument *argument, struct buffer *output)
 {
     const struct argument_type_row *type = argument_type(argument);
     if ((type->flags & TYPE_SHOWS_CHOICES) && argument->choices->count <= USAGE_CHOICES) {
         for (size_t i = 0; i < argument->choices->count; i++)
-            buffer_format(out, "%s%s", i ? "|" : "", catalog_row(argument->choices, i)->name);
+            buffer_format(output, "%s%s", i ? "|" : "", catalog_row(argument->choices, i)->name);
         if (type->flags & TYPE_SHOWS_BOTH)
-            buffer_format(out, "|%s", type->shown);
+            buffer_format(output, "|%s", type->shown);
     } else if (argument->form == FORM_PLACE) {
-        buffer_put(out, text_of(argument->name));
+        buffer_put(output, text_of(argument->name));
     } else {
-        buffer_put(out, text_of(type->shown));
+        buffer_put(output, text_of(type->shown));
     }
     if (argument->flags & ARG_MANY)
-        buffer_put(out, argument->form == FORM_KEY ? TEXT(",..") : TEXT(".."));
+        buffer_put(output, argument->form == FORM_KEY ? TEXT(",..") : TEXT(".."));
     if (argument->flags & ARG_ALL)
-        buffer_put(out, TEXT("|all"));
+        buffer_put(output, TEXT("|all"));
 }
 
-void argument_usage(const struct argument *argument, struct buffer *out)
+void argument_usage(const struct argument *argument, struct buffer *output)
 {
     if (argument->form == FORM_OPTION)
-        buffer_put(out, TEXT("--"));
+        buffer_put(output, TEXT("--"));
     if (argument->form != FORM_PLACE)
-        buffer_put(out, text_of(argument->name));
+        buffer_put(output, text_of(argument->name));
     if (argument->type == TYPE_NONE)
         return;
     if (argument->form != FORM_PLACE)
-        buffer_char(out, argument->form == FORM_KEY ? '=' : ' ');
-    put_item(argument, out);
+        buffer_char(output, argument->form == FORM_KEY ? '=' : ' ');
+    put_item(argument, output);
 }
 
 void command_usage(const struct command *command, struct buffer *text)

@@ -14,14 +14,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static void text_skip(struct text *text, size_t by)
+static void text_skip(struct text *text, size_t count)
 {
-    *text = (struct text){text->at + by, text->len - by};
+    *text = (struct text){text->data + count, text->len - count};
 }
 
-static struct text text_between(const char *from, const char *to)
+static struct text text_between(const char *begin, const char *end)
 {
-    struct text text = {from, (size_t)(to - from)};
+    struct text text = {begin, (size_t)(end - begin)};
     return text_trim(text);
 }
 
@@ -39,10 +39,10 @@ static bool starts_uncertainty(struct text text)
 struct text before_option(struct text text)
 {
     for (size_t i = 1; i + 2 < text.len; i++)
-        if (strchr(" \t", text.at[i - 1]) &&
-            text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
-            (is_name_start(text.at[i + 2]) || strchr(" \t", text.at[i + 2])))
-            return (struct text){text.at, i};
+        if (strchr(" \t", text.data[i - 1]) &&
+            text_starts((struct text){text.data + i, text.len - i}, TEXT("--")) &&
+            (is_name_start(text.data[i + 2]) || strchr(" \t", text.data[i + 2])))
+            return (struct text){text.data, i};
     return text;
 }
 
@@ -59,16 +59,16 @@ static double take_last_digits(struct text typed, struct text *rest)
 {
     size_t end = 1, decimals = 0, i = typed.len;
     double digits = 0, unit = 1;
-    while (i > 0 && typed.at[i - 1] >= '0' && typed.at[i - 1] <= '9')
+    while (i > 0 && typed.data[i - 1] >= '0' && typed.data[i - 1] <= '9')
         i--;
-    if (i > 0 && typed.at[i - 1] == '.')
+    if (i > 0 && typed.data[i - 1] == '.')
         decimals = typed.len - i;
-    if (typed.len == 0 || rest->len < 3 || rest->at[0] != '(' ||
-        strspn(typed.at, "0123456789.+-") < typed.len)
+    if (typed.len == 0 || rest->len < 3 || rest->data[0] != '(' ||
+        strspn(typed.data, "0123456789.+-") < typed.len)
         return 0;
-    while (end < rest->len && end < 10 && rest->at[end] >= '0' && rest->at[end] <= '9')
-        digits = 10 * digits + (rest->at[end++] - '0');
-    if (end == 1 || end >= rest->len || rest->at[end] != ')')
+    while (end < rest->len && end < 10 && rest->data[end] >= '0' && rest->data[end] <= '9')
+        digits = 10 * digits + (rest->data[end++] - '0');
+    if (end == 1 || end >= rest->len || rest->data[end] != ')')
         return 0;
     text_skip(rest, end + 1);
     while (decimals-- > 0)
@@ -82,16 +82,16 @@ static void take_power(struct text typed, struct number_part *part, struct text 
     size_t end = 1, used;
     char whole[LIMIT_NAME + 16];
     double power;
-    if (rest->len < 2 || (rest->at[0] != 'e' && rest->at[0] != 'E') || typed.len > LIMIT_NAME)
+    if (rest->len < 2 || (rest->data[0] != 'e' && rest->data[0] != 'E') || typed.len > LIMIT_NAME)
         return;
-    end += strchr("+-", rest->at[1]) != NULL;
+    end += strchr("+-", rest->data[1]) != NULL;
     const size_t first = end;
-    while (end < rest->len && end < 8 && rest->at[end] >= '0' && rest->at[end] <= '9')
+    while (end < rest->len && end < 8 && rest->data[end] >= '0' && rest->data[end] <= '9')
         end++;
-    snprintf(whole, sizeof whole, "%.*s%.*s", (int)typed.len, typed.at, (int)end, rest->at);
+    snprintf(whole, sizeof whole, "%.*s%.*s", (int)typed.len, typed.data, (int)end, rest->data);
     if (end == first || real_scan(text_of(whole), '.', &part->number, &used) != REAL_OK)
         return;
-    snprintf(whole, sizeof whole, "1%.*s", (int)end, rest->at);
+    snprintf(whole, sizeof whole, "1%.*s", (int)end, rest->data);
     if (real_scan(text_of(whole), '.', &power, &used) == REAL_OK)
         part->last_digits *= power;
     text_skip(rest, end);
@@ -100,12 +100,12 @@ static void take_power(struct text typed, struct number_part *part, struct text 
 /* The unit after 200.0(1), which is behind the uncertainty. */
 static void take_unit(struct parser *parser, struct number_part *part)
 {
-    struct text after = parser->rest;
-    text_skip_blanks(&after);
-    const struct unit *unit = unit_match(after);
+    struct text following = parser->rest;
+    text_skip_blanks(&following);
+    const struct unit *unit = unit_match(following);
     if (!unit)
         return;
-    parser->rest = after;
+    parser->rest = following;
     text_skip(&parser->rest, strlen(unit->row.name));
     part->dimension = dimension_of_unit(unit);
     unit_convert(unit, unit->quantity, part->number, &part->number);
@@ -120,14 +120,14 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     part->expr = expr_compile(before_option(start), parser->scope, parser->arena, &used, error);
     if (!part->expr)
         return names_explain(parser->session, error);
-    while (used > 0 && strchr(" \t", start.at[used - 1]))
+    while (used > 0 && strchr(" \t", start.data[used - 1]))
         used--;
     part->number = expr_value(part->expr, parser->scope);
     part->dimension = *expr_dimension(part->expr);
     text_skip(&parser->rest, used);
-    part->last_digits = take_last_digits((struct text){start.at, used}, &parser->rest);
+    part->last_digits = take_last_digits((struct text){start.data, used}, &parser->rest);
     if (part->last_digits > 0) {
-        take_power((struct text){start.at, used}, part, &parser->rest);
+        take_power((struct text){start.data, used}, part, &parser->rest);
         take_unit(parser, part);
     }
     return true;
@@ -141,11 +141,11 @@ static bool wrong_quantity(const char *what, enum quantity wanted, const struct 
     quantity_units(wanted, &units);
     if (wanted == QUANTITY_NUMBER)
         error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed),
-                 typed.at, buffer_view(&name));
+                 typed.data, buffer_view(&name));
     else
         error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what,
                  quantity_article(wanted), quantity_name(wanted), buffer_view(&units),
-                 shown_length(typed), typed.at, buffer_view(&name));
+                 shown_length(typed), typed.data, buffer_view(&name));
     buffer_free(&units);
     buffer_free(&name);
     return false;
@@ -173,7 +173,7 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
     *si = part->number;
     if (unclear)
         return error_at(error, typed, "%s: both sides of +- need their units in '%.*s'", what,
-                        shown_length(typed), typed.at);
+                        shown_length(typed), typed.data);
     if (!dimension_fits(&is, wanted, &turns)) {
         const double angle = dimension_angle_factor(&is, wanted);
         wrong_quantity(what, wanted, &is, typed, error);
@@ -181,7 +181,7 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
             return error_hint(error,
                               angle > 0 ? "Hz counts cycles: 2*pi*(%.*s) counts radians"
                                         : "rad/s counts radians: (%.*s)/(2*pi) counts cycles",
-                              shown_length(typed), typed.at);
+                              shown_length(typed), typed.data);
         return expr_hint_readings(part->expr, error);
     }
     if (unit)
@@ -216,8 +216,8 @@ static const struct unit *unit_of_value(const struct dimension *dimension)
 static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
     const size_t used = peek_name(typed).len;
-    const bool whole =
-        used == typed.len || (used > 0 && used + 1 == typed.len && typed.at[used] == '\''); /* y' */
+    const bool whole = used == typed.len ||
+                       (used > 0 && used + 1 == typed.len && typed.data[used] == '\''); /* y' */
     return whole ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
 }
 
@@ -225,7 +225,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
                  struct error *error)
 {
     text_skip_blanks(&parser->rest);
-    const char *start = parser->rest.at;
+    const char *start = parser->rest.data;
     struct number_part number = {0}, spread = {0};
     if (parser->rest.len == 0) {
         error_at(error, parser->rest, "%s needs a value", what);
@@ -233,18 +233,18 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     }
     if (!parse_part(parser, &number, error))
         return false;
-    struct text after = parser->rest;
-    text_skip_blanks(&after);
-    const bool signs = starts_uncertainty(after), uncertain = signs || number.last_digits > 0;
+    struct text following = parser->rest;
+    text_skip_blanks(&following);
+    const bool signs = starts_uncertainty(following), uncertain = signs || number.last_digits > 0;
     if (number.last_digits > 0)
         spread = (struct number_part){number.last_digits, number.dimension, number.expr, 0};
     if (signs) {
-        parser->rest = after;
+        parser->rest = following;
         text_skip(&parser->rest, 2);
         if (!parse_part(parser, &spread, error))
             return false;
     }
-    const struct text typed = text_between(start, parser->rest.at);
+    const struct text typed = text_between(start, parser->rest.data);
     item->text = typed;
     item->expr = number.expr;
     const struct dimension *is = number.dimension.unit ? &number.dimension : &spread.dimension;
@@ -260,14 +260,14 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
                                               : quantity_of_name(parser, typed);
     if (!isfinite(item->value.value))
         return error_at(error, typed, "%s: '%.*s' is not a finite number", what,
-                        shown_length(typed), typed.at);
+                        shown_length(typed), typed.data);
     if (!isfinite(item->value.uncertainty) || item->value.uncertainty < 0)
         return error_at(error, typed,
                         "%s: the uncertainty after +- must be a number that is not negative", what);
     return true;
 }
 
-static bool is_digit(char c)
+static bool is_value_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
@@ -278,34 +278,34 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     struct item end;
     const struct unit *lacks = NULL;
     text_skip_blanks(&parser->rest);
-    const char *start = parser->rest.at;
+    const char *start = parser->rest.data;
     item->range[0] = item->range[1] = NAN;
-    if (parser->rest.len > 0 && parser->rest.at[0] != ':') {
+    if (parser->rest.len > 0 && parser->rest.data[0] != ':') {
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
         item->range[0] = end.value.value;
         item->unit = end.unit;
         item->quantity = end.quantity;
     }
-    struct text after = parser->rest;
-    text_skip_blanks(&after);
-    if (after.len == 0 || after.at[0] != ':') {
-        error_at(error, text_between(start, parser->rest.at), "%s needs a range from:to", what);
+    struct text following = parser->rest;
+    text_skip_blanks(&following);
+    if (following.len == 0 || following.data[0] != ':') {
+        error_at(error, text_between(start, parser->rest.data), "%s needs a range from:to", what);
         return error_hint(error, "for example %s=2:8, or 2: for everything after 2", what);
     }
-    parser->rest = after;
+    parser->rest = following;
     text_skip(&parser->rest, 1);
     /* Only a number continues a range after a blank, so that `3: of run 1` can be written. */
     struct text next = parser->rest;
     text_skip_blanks(&next);
-    const bool open =
-        next.len == 0 || (next.at != parser->rest.at && !is_digit(next.at[0]) && next.at[0] != '.');
+    const bool open = next.len == 0 || (next.data != parser->rest.data &&
+                                        !is_value_digit(next.data[0]) && next.data[0] != '.');
     if (!open) {
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
         item->range[1] = end.value.value;
         if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
-            return error_at(error, text_between(start, parser->rest.at),
+            return error_at(error, text_between(start, parser->rest.data),
                             "%s: the ends of the range are in %s and in %s", what,
                             item->unit->row.name, end.unit->row.name);
         lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
@@ -313,11 +313,11 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         item->quantity =
             end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
     }
-    item->text = text_between(start, parser->rest.at);
+    item->text = text_between(start, parser->rest.data);
     if (!(item->range[0] >= item->range[1]))
         return true;
     error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
-             item->text.at);
+             item->text.data);
     return lacks ? error_hint(error, "each end has its own unit: %s at the first, too",
                               lacks->row.name)
                  : false;
@@ -332,13 +332,13 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     const enum real_status status = real_scan(parser->rest, '.', &value, &used);
     struct text word = peek_word(parser->rest, ",");
     if (status != REAL_OK || used == 0 || value != nearbyint(value) || fabs(value) > LIMIT_STEPS ||
-        (used < parser->rest.len && is_name_char(parser->rest.at[used])) ||
+        (used < parser->rest.len && is_name_char(parser->rest.data[used])) ||
         (!negative && value < 1)) {
         const struct text shown = word.len ? word : parser->rest;
         return error_at(error, shown, "%s needs a whole number%s, got '%.*s'", what,
-                        negative ? "" : " from 1 up", shown_length(shown), shown.at);
+                        negative ? "" : " from 1 up", shown_length(shown), shown.data);
     }
-    item->text = (struct text){parser->rest.at, used};
+    item->text = (struct text){parser->rest.data, used};
     item->value = (struct measured){value, 0};
     item->quantity = QUANTITY_NUMBER;
     text_skip(&parser->rest, used);
@@ -348,15 +348,15 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 static bool decimal_comma(struct text rest, struct error *error)
 {
     /* rest.at[-1] is the last digit of the number before the comma. */
-    const char *from = rest.at, *to = rest.at + 1;
-    while (is_digit(from[-1]) || from[-1] == '-' || from[-1] == '.')
-        from--;
-    while (to < rest.at + rest.len && is_digit(*to))
-        to++;
-    error_at(error, text_between(from, to), "decimal comma in '%.*s': the decimal mark is a point",
-             (int)(to - from), from);
-    return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from,
-                      (int)(to - rest.at - 1), rest.at + 1);
+    const char *begin = rest.data, *end = rest.data + 1;
+    while (is_value_digit(begin[-1]) || begin[-1] == '-' || begin[-1] == '.')
+        begin--;
+    while (end < rest.data + rest.len && is_value_digit(*end))
+        end++;
+    error_at(error, text_between(begin, end),
+             "decimal comma in '%.*s': the decimal mark is a point", (int)(end - begin), begin);
+    return error_hint(error, "write %.*s.%.*s", (int)(rest.data - begin), begin,
+                      (int)(end - rest.data - 1), rest.data + 1);
 }
 
 /* Returns true if no unit follows the last number: that of the uncertainty, if there is one. */
@@ -365,10 +365,10 @@ static bool lacks_unit(const struct item *number)
     struct text last = number->text;
     double value;
     while (last.len > 2 && !starts_uncertainty(last))
-        last = (struct text){last.at + 1, last.len - 1};
+        last = (struct text){last.data + 1, last.len - 1};
     if (last.len <= 2)
         return !number->unit;
-    return real_parse(text_trim((struct text){last.at + 2, last.len - 2}), &value) == REAL_OK;
+    return real_parse(text_trim((struct text){last.data + 2, last.len - 2}), &value) == REAL_OK;
 }
 
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
@@ -376,23 +376,23 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     struct text rest = parser->rest;
     if (rest.len == 0)
         return true;
-    if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) &&
-        is_digit(rest.at[-1]))
+    if (number && rest.len >= 2 && rest.data[0] == ',' && is_value_digit(rest.data[1]) &&
+        is_value_digit(rest.data[-1]))
         return decimal_comma(rest, error);
     text_skip_blanks(&rest);
     if (rest.len == 0)
         return true;
-    if (number && is_name_start(rest.at[0]) && lacks_unit(number))
+    if (number && is_name_start(rest.data[0]) && lacks_unit(number))
         return refuse_unit_word(parser->scope, unit_word(rest), number->text, number->quantity,
                                 error);
     struct text word = peek_word(rest, "");
     if (word.len == 0)
         word = rest;
-    error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+    error_at(error, word, "unexpected '%.*s'", shown_length(word), word.data);
     if (!number || !number->unit)
         return false;
     return unit_match(word) && error_hint(error, "a value has one unit: %.*s",
-                                          shown_length(number->text), number->text.at);
+                                          shown_length(number->text), number->text.data);
 }
 
 /* Reads "12" or "120mm"; the unit is cm unless a unit of length follows. */
@@ -401,7 +401,7 @@ static bool read_length(struct text text, double *side)
     size_t used;
     if (real_scan(text, '.', side, &used) != REAL_OK || used == 0)
         return false;
-    const struct text name = text_trim((struct text){text.at + used, text.len - used});
+    const struct text name = text_trim((struct text){text.data + used, text.len - used});
     const struct unit *unit = name.len ? unit_find(name) : unit_find(TEXT("cm"));
     *side *= unit && unit->quantity == QUANTITY_LENGTH ? unit->factor : NAN;
     return !isnan(*side);
@@ -412,12 +412,12 @@ bool parse_sides(struct parser *parser, const char *what, const char *stops, str
 {
     if (!parse_word(parser, stops, item, error))
         return false;
-    const char *cross = memchr(item->text.at, 'x', item->text.len);
-    const size_t first = cross ? (size_t)(cross - item->text.at) : 0;
-    if (!cross || !read_length((struct text){item->text.at, first}, &item->range[0]) ||
+    const char *cross = memchr(item->text.data, 'x', item->text.len);
+    const size_t first = cross ? (size_t)(cross - item->text.data) : 0;
+    if (!cross || !read_length((struct text){item->text.data, first}, &item->range[0]) ||
         !read_length((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
         error_at(error, item->text, "%s is WIDTHxHEIGHT in cm, got '%.*s'", what,
-                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.data);
         return error_hint(error, "for example %s=12x8, or %s=120mmx80mm", what, what);
     }
     for (int i = 0; i < 2; i++)

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static bool unescape(struct parser *parser, struct text inside, struct text *out,
+static bool unescape(struct parser *parser, struct text inside, struct text *result,
                      struct error *error)
 {
     char *copy = arena_alloc(parser->arena, inside.len + 1);
@@ -13,25 +13,26 @@ static bool unescape(struct parser *parser, struct text inside, struct text *out
         return error_memory(error);
     size_t n = 0;
     for (size_t i = 0; i < inside.len; i++) {
-        char c = inside.at[i];
+        char c = inside.data[i];
         if (c == '\\') {
-            static const char from[] = "nt\"\\", to[] = "\n\t\"\\";
-            const char *known = strchr(from, inside.at[++i]);
+            static const char escape_letters[] = "nt\"\\", escaped[] = "\n\t\"\\";
+            const char *known = strchr(escape_letters, inside.data[++i]);
             if (!known) {
-                error_at(error, (struct text){inside.at + i - 1, 2}, "unknown escape in a string");
+                error_at(error, (struct text){inside.data + i - 1, 2},
+                         "unknown escape in a string");
                 return error_hint(error,
                                   "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
             }
-            c = to[known - from];
+            c = escaped[known - escape_letters];
         }
         copy[n++] = c;
     }
-    *out = (struct text){copy, n};
+    *result = (struct text){copy, n};
     return true;
 }
 
 /* A copy without the backslashes that stand before blanks. */
-static bool word_unescape(struct parser *parser, struct text word, struct text *out,
+static bool word_unescape(struct parser *parser, struct text word, struct text *result,
                           struct error *error)
 {
     char *copy = arena_alloc(parser->arena, word.len + 1);
@@ -39,38 +40,39 @@ static bool word_unescape(struct parser *parser, struct text word, struct text *
         return error_memory(error);
     size_t n = 0;
     for (size_t i = 0; i < word.len; i++)
-        if (word.at[i] != '\\' || i + 1 == word.len || word.at[i + 1] != ' ')
-            copy[n++] = word.at[i];
-    *out = (struct text){copy, n};
+        if (word.data[i] != '\\' || i + 1 == word.len || word.data[i + 1] != ' ')
+            copy[n++] = word.data[i];
+    *result = (struct text){copy, n};
     return true;
 }
 
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
 {
     struct text *rest = &parser->rest;
-    if (rest->len > 0 && (rest->at[0] == '"' || rest->at[0] == '\'')) {
+    if (rest->len > 0 && (rest->data[0] == '"' || rest->data[0] == '\'')) {
         const size_t used = text_quoted(*rest);
         if (used == 0)
-            return error_at(error, (struct text){rest->at, 1},
+            return error_at(error, (struct text){rest->data, 1},
                             "the string that begins here has no end");
-        const struct text inside = {rest->at + 1, used - 2};
+        const struct text inside = {rest->data + 1, used - 2};
         item->is_string = true;
         item->text = inside;
         /* Only a copy where something changes: errors point into the line. */
-        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) &&
+        if (rest->data[0] == '"' && inside.len > 0 && memchr(inside.data, '\\', inside.len) &&
             !unescape(parser, inside, &item->text, error))
             return false;
-        *rest = (struct text){rest->at + used, rest->len - used};
+        *rest = (struct text){rest->data + used, rest->len - used};
         return true;
     }
     size_t used = peek_word(*rest, stops).len, blanks = 0;
     /* As in a shell: a backslash takes the blank behind it into the word. */
-    while (used > 0 && used < rest->len && rest->at[used - 1] == '\\' && rest->at[used] == ' ') {
-        const struct text behind = {rest->at + used + 1, rest->len - used - 1};
-        used += 1 + peek_word(behind, stops).len;
+    while (used > 0 && used < rest->len && rest->data[used - 1] == '\\' &&
+           rest->data[used] == ' ') {
+        const struct text remainder = {rest->data + used + 1, rest->len - used - 1};
+        used += 1 + peek_word(remainder, stops).len;
         blanks++;
     }
-    item->text = (struct text){rest->at, used};
-    *rest = (struct text){rest->at + used, rest->len - used};
+    item->text = (struct text){rest->data, used};
+    *rest = (struct text){rest->data + used, rest->len - used};
     return blanks == 0 || word_unescape(parser, item->text, &item->text, error);
 }

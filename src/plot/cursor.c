@@ -22,8 +22,8 @@ double ground_spacing(const struct ground *g)
 /* Returns the last sample at or before t that has another after it. */
 static size_t sample_before(const struct series *s, double t)
 {
-    const size_t at = first_from(s->t, s->n - 1, t);
-    return at > 0 && (at == s->n - 1 || s->t[at] > t) ? at - 1 : at;
+    const size_t index = first_from(s->t, s->n - 1, t);
+    return index > 0 && (index == s->n - 1 || s->t[index] > t) ? index - 1 : index;
 }
 
 /* Returns the sample next to t, or the point between two samples if `inside`. */
@@ -68,7 +68,8 @@ static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, s
 
 /* Finds the vertex of the parabola through the samples around the highest one between two crossings
  * (least squares). */
-static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
+static bool peak_between(const struct ground *g, double t_begin, double t_end,
+                         struct snap_point *point)
 {
     static const double width_periods = 0.1; /* width on each side of the highest sample */
     const struct series *s = &g->series;
@@ -76,8 +77,8 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
     const double ceiling = g->overview.high + 4 * g->overview.noise,
                  width = g->overview.oscillates ? width_periods * g->overview.period : 0;
     size_t top = s->n;
-    for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
-        if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
+    for (size_t i = sample_before(s, t_begin); i < s->n && s->t[i] <= t_end; i++)
+        if (s->t[i] >= t_begin && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
             top = i;
     if (top == s->n || top == 0 || top + 1 == s->n)
         return false;
@@ -111,15 +112,16 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
 /* Returns true if a time is far off the up-crossings of a motion that keeps time. */
 static bool is_off_beat(const struct period *beat, double t)
 {
-    static const double off = 0.15; /* [periods] */
-    return fabs(remainder(t - beat->first, beat->period.value)) > off * beat->period.value;
+    static const double deviation_limit = 0.15; /* [periods] */
+    return fabs(remainder(t - beat->first, beat->period.value)) >
+           deviation_limit * beat->period.value;
 }
 
 static size_t count_late(const struct crossing *crossing, size_t count, const struct period *beat)
 {
     size_t late = 0;
     for (size_t i = 0; i < count; i++)
-        late += crossing[i].up && is_off_beat(beat, crossing[i].t);
+        late += crossing[i].rising && is_off_beat(beat, crossing[i].t);
     return late;
 }
 
@@ -139,9 +141,9 @@ static bool keeps_time(const struct ground *g, const struct crossing *crossing, 
     size_t all = 0, best = count_late(crossing, count, beat);
     for (size_t i = 0; i < count; i++) {
         const struct period other = {.period = {g->overview.period, 0}, .first = crossing[i].t};
-        all += crossing[i].up;
+        all += crossing[i].rising;
         const size_t late =
-            crossing[i].up && i < TRIED ? count_late(crossing, count, &other) : best;
+            crossing[i].rising && i < TRIED ? count_late(crossing, count, &other) : best;
         if (late < best) {
             best = late;
             *beat = other;
@@ -177,7 +179,7 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
     int number = 0;
     for (size_t i = 0; i < count; i++) {
         const double t = crossing[i].t;
-        if (!crossing[i].up || (steady && is_off_beat(&beat, t)))
+        if (!crossing[i].rising || (steady && is_off_beat(&beat, t)))
             continue;
         const int next = steady && g->crossings > 0
                              ? 1 + (int)nearbyint((t - g->crossing[0].t) / beat.period.value)
@@ -187,10 +189,10 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
         number = next;
         g->crossing[g->crossings++] =
             (struct snap_point){t, crossing[i].uncertainty, g->overview.mean, number};
-        const double down = steady          ? t + 0.5 * beat.period.value
-                            : i + 1 < count ? crossing[i + 1].t
-                                            : (double)NAN;
-        g->peaks += peaks && peak_between(g, t, down, &g->peak[g->peaks]);
+        const double t_falling = steady          ? t + 0.5 * beat.period.value
+                                 : i + 1 < count ? crossing[i + 1].t
+                                                 : (double)NAN;
+        g->peaks += peaks && peak_between(g, t, t_falling, &g->peak[g->peaks]);
     }
     return true;
 }
@@ -250,12 +252,12 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
 
 static void put_point(struct cursors *cursors, int which, const struct snap_point *point)
 {
-    cursors->at[which].set = true;
-    cursors->at[which].t = point->t;
-    cursors->at[which].t_uncertainty = point->uncertainty;
-    cursors->at[which].y = point->y;
-    cursors->at[which].crossing = point->crossing;
-    cursors->at[which].amplitude = NAN;
+    cursors->cursor[which].set = true;
+    cursors->cursor[which].t = point->t;
+    cursors->cursor[which].t_uncertainty = point->uncertainty;
+    cursors->cursor[which].y = point->y;
+    cursors->cursor[which].crossing = point->crossing;
+    cursors->cursor[which].amplitude = NAN;
 }
 
 /* Returns the points that cursors snap to, or the crossings if they snap to samples or nothing. */
@@ -285,10 +287,10 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
 
 bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, struct error *error)
 {
-    const double t = cursors->at[cursors->active].t, near = 1e-6 * ground_spacing(g);
+    const double t = cursors->cursor[cursors->active].t, t_tolerance = 1e-6 * ground_spacing(g);
     size_t count, next = 0;
     const struct snap_point *points = points_of(cursors, g, &count);
-    while (next < count && points[next].t <= (forward ? t + near : t - near))
+    while (next < count && points[next].t <= (forward ? t + t_tolerance : t - t_tolerance))
         next++;
     if (forward ? next == count : next == 0)
         return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
@@ -302,7 +304,7 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
 static bool span_crossings(struct cursors *cursors, const struct ground *g, int n,
                            struct error *error)
 {
-    const int first = cursors->at[0].crossing;
+    const int first = cursors->cursor[0].crossing;
     for (size_t i = 0; i < g->crossings; i++)
         if (g->crossing[i].crossing == first + n) {
             put_point(cursors, 1, &g->crossing[i]);
@@ -317,12 +319,12 @@ static bool span_crossings(struct cursors *cursors, const struct ground *g, int 
 bool cursor_span(struct cursors *cursors, const struct ground *g, double n, struct error *error)
 {
     const struct series *s = &g->series;
-    if (cursors->at[0].crossing > 0)
+    if (cursors->cursor[0].crossing > 0)
         return span_crossings(cursors, g, (int)fmin(n, 1e9), error);
     if (!g->overview.oscillates)
         return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name,
                          g->overview.reason);
-    const double t = cursors->at[0].t + n * g->overview.period;
+    const double t = cursors->cursor[0].t + n * g->overview.period;
     if (t > s->t[s->n - 1])
         return error_set(error, ERROR_COMMAND,
                          "%s ends at t = %.6g s, before %g periods from A have passed", g->name,
@@ -336,7 +338,7 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
     const double end[] = {g->series.t[0], g->series.t[g->series.n - 1]};
     for (int i = 0; i < 2; i++)
         cursor_put(cursors, g, i, end[i], HUGE_VAL);
-    const bool apart = cursors->at[0].t < cursors->at[1].t;
+    const bool apart = cursors->cursor[0].t < cursors->cursor[1].t;
     for (int i = 0; i < 2 && !apart; i++) {
         const struct snap_point point = point_at(g, end[i], true);
         put_point(cursors, i, &point);
@@ -346,14 +348,15 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
 void cursors_put_again(struct cursors *cursors, const struct ground *g)
 {
     for (int i = 0; i < 2; i++)
-        cursor_put(cursors, g, i, cursors->at[i].t, cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
+        cursor_put(cursors, g, i, cursors->cursor[i].t,
+                   cursors->cursor[i].crossing > 0 ? HUGE_VAL : 0);
 }
 
 void cursor_settle(struct cursors *cursors, const struct ground *g)
 {
-    const double dt = fabs(cursors->at[1].t - cursors->at[0].t);
-    const int a = cursors->at[0].crossing, b = cursors->at[1].crossing;
-    snprintf(cursors->of, sizeof cursors->of, "%s", g->name);
+    const double dt = fabs(cursors->cursor[1].t - cursors->cursor[0].t);
+    const int a = cursors->cursor[0].crossing, b = cursors->cursor[1].crossing;
+    snprintf(cursors->subject, sizeof cursors->subject, "%s", g->name);
     cursors->samples = g->series.n;
     cursors->quantity = g->series.quantity;
     double periods = a > 0 && b > 0           ? abs(b - a)
@@ -361,9 +364,9 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
                                               : 0;
     cursors->periods = periods >= 1 ? periods : NAN;
     for (int i = 0; i < 2; i++)
-        cursors->at[i].amplitude =
+        cursors->cursor[i].amplitude =
             g->overview.oscillates
-                ? series_tools()->amplitude(&g->series, cursors->at[i].t, g->arena)
+                ? series_tools()->amplitude(&g->series, cursors->cursor[i].t, g->arena)
                 : NAN;
 }
 
@@ -383,11 +386,11 @@ void cursors_refresh(struct session *session)
     char name[LIMIT_NAME + 16] = "";
     if (run)
         snprintf(name, sizeof name, "run %d", run->number);
-    if (run && strcmp(name, cursors->of) == 0 && trace_count(run->trace) == cursors->samples)
+    if (run && strcmp(name, cursors->subject) == 0 && trace_count(run->trace) == cursors->samples)
         return;
     cursors->shown = ground_open(session, &arena, &ground, &ignored);
     if (cursors->shown &&
-        (strcmp(ground.name, cursors->of) != 0 || ground.series.n != cursors->samples)) {
+        (strcmp(ground.name, cursors->subject) != 0 || ground.series.n != cursors->samples)) {
         cursors_put_again(cursors, &ground);
         cursor_settle(cursors, &ground);
     }

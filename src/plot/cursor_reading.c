@@ -18,15 +18,15 @@
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {
     const struct cursors *c = &session->view.cursors;
-    if (!c->shown || c->plane || !c->at[0].set || !c->at[1].set)
+    if (!c->shown || c->plane || !c->cursor[0].set || !c->cursor[1].set)
         return false;
     const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
-    const double dt = c->at[1].t - c->at[0].t, n = c->periods;
+    const double dt = c->cursor[1].t - c->cursor[0].t, n = c->periods;
     const double period = fabs(dt) / n,
-                 spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
+                 spread = hypot(c->cursor[0].t_uncertainty, c->cursor[1].t_uncertainty) / n;
     const bool spring = !scene || scene->model == &oscillator_model;
     const bool damped = scene && fabs(param_value(scene, "gamma")) > 0;
-    double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
+    double decrement = copysign(1, dt) * log(c->cursor[0].amplitude / c->cursor[1].amplitude) / n;
     decrement = fabs(decrement) < READING_ROUNDING ? 0 : decrement;
     *reading =
         (struct cursor_reading){.dt = dt,
@@ -57,14 +57,14 @@ static void put_line(const struct cursors *c, int which, const char *name, const
                      struct buffer *text)
 {
     buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
-    put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty},
+    put_value(text, "t", (struct measured){c->cursor[which].t, c->cursor[which].t_uncertainty},
               QUANTITY_TIME);
-    const double y = c->at[which].y, amplitude = c->at[which].amplitude;
+    const double y = c->cursor[which].y, amplitude = c->cursor[which].amplitude;
     buffer_put(text, TEXT("   "));
     put_value(text, name, (struct measured){fabs(y) < READING_ROUNDING * amplitude ? 0 : y, 0},
               c->quantity);
-    if (c->at[which].crossing > 0)
-        buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
+    if (c->cursor[which].crossing > 0)
+        buffer_format(text, "   up-crossing #%d", c->cursor[which].crossing);
     buffer_format(text, "   %s\n", tail);
 }
 
@@ -80,7 +80,7 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
     snprintf(tail, sizeof tail, "snap: %s%s", catalog_row(&snap_catalog, (size_t)c->snap)->name,
              c->locked ? ", locked" : "");
     put_line(c, 0, name, tail, text);
-    snprintf(tail, sizeof tail, "on: %s", c->of);
+    snprintf(tail, sizeof tail, "on: %s", c->subject);
     put_line(c, 1, name, tail, text);
     put_value(text, " B-A", (struct measured){r.dt, 0}, QUANTITY_TIME);
     if (isfinite(r.periods))

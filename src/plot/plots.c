@@ -65,7 +65,7 @@ static const struct plot_row rows[] = {
     [PLOT_PHASE] = {.row = ROW("phase",
                                "v against y, the last two periods unless a window is given; of "
                                "first order the second value against the first"),
-                    .across = ACROSS_STATE,
+                    .horizontal = ACROSS_STATE,
                     .vertical = VERTICAL_RATE,
                     .title = "phase",
                     .scaled = true,
@@ -92,7 +92,7 @@ static const struct plot_row rows[] = {
                     .positive = true},
     [PLOT_ORBIT] = {.row =
                         ROW("orbit", "the second coordinate against the first, as long as phase"),
-                    .across = ACROSS_STATE,
+                    .horizontal = ACROSS_STATE,
                     .vertical = VERTICAL_SECOND,
                     .title = "orbit",
                     .equal = true,
@@ -119,12 +119,12 @@ const struct plot_row *plot_row(enum plot_kind kind)
 
 bool plot_is_timed(enum plot_kind kind)
 {
-    return rows[kind].across == ACROSS_TIME;
+    return rows[kind].horizontal == ACROSS_TIME;
 }
 
 bool plot_is_plane(enum plot_kind kind)
 {
-    return rows[kind].across == ACROSS_STATE;
+    return rows[kind].horizontal == ACROSS_STATE;
 }
 
 bool plot_shows_state(enum plot_kind kind)
@@ -167,12 +167,12 @@ enum quantity plot_quantity(const struct session *session, enum plot_kind kind, 
     const struct model *model = run ? run->system.model : session->setup.scene.model;
     const enum quantity first = model->variable[0].quantity;
     const struct plot_row *row = &rows[kind];
-    if (row->across == ACROSS_OTHER)
+    if (row->horizontal == ACROSS_OTHER)
         return QUANTITY_NUMBER;
     if (x)
-        return row->across == ACROSS_STATE       ? first
-               : row->across == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
-                                                 : QUANTITY_TIME;
+        return row->horizontal == ACROSS_STATE       ? first
+               : row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
+                                                     : QUANTITY_TIME;
     if (row->observable)
         return model_quantity(model, observable_named(row->observable));
     /* The phase plot of a spring has v/omega0. */

@@ -139,7 +139,7 @@ static bool add_rows(struct drawing *d, const struct run *run, const struct chos
     if (!x)
         return error_memory(d->error);
     if (plane && d->request->columns) {
-        if (!chosen_at_rows(run, &d->against, rows, d->arena, x, d->error))
+        if (!chosen_at_rows(run, &d->horizontal_column, rows, d->arena, x, d->error))
             return false;
     } else if (plane) {
         state_at_rows(run, 0, rows, x);
@@ -194,7 +194,7 @@ static bool add_run(struct drawing *d, const struct run *run)
 
 /* ---- axes ---- */
 
-static double largest(const struct curve *curve, const double *x)
+static double curve_value_max(const struct curve *curve, const double *x)
 {
     double max = 0;
     for (size_t i = 0; curve_goes_on(curve, i); i++)
@@ -206,7 +206,7 @@ static double size_of(const struct drawing *d, bool x)
 {
     double size = 0;
     for (int i = 0; i < d->curves; i++)
-        size = fmax(size, largest(&d->curve[i], x ? d->curve[i].x : d->curve[i].y));
+        size = fmax(size, curve_value_max(&d->curve[i], x ? d->curve[i].x : d->curve[i].y));
     return size;
 }
 
@@ -374,7 +374,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (request->runs > 0) {
         const struct run *run = run_of(d, 0);
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
-        d->period = request->at.len ? NAN : run_rhythm(run);
+        d->period = request->event.len ? NAN : run_rhythm(run);
         if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d->omega0 = sqrt(stiffness);
     }
@@ -383,7 +383,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
         return false;
     drawing_window(d);
     /* No law says how fast it goes: as it was seen to. */
-    if (row->across == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
+    if (row->horizontal == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
         !request->follow)
         d->period = seen_period(d, run_of(d, 0));
     if (row->residual && !recording)
@@ -392,8 +392,8 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
         return error_set(error, ERROR_COMMAND, "no %s is found from what %s holds", row->row.name,
                          recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
-        if (!(request->at.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
-                              : add_run(d, run_of(d, i))))
+        if (!(request->event.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
+                                 : add_run(d, run_of(d, i))))
             return false;
     if (!add_band(d))
         return false;
@@ -412,13 +412,13 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
 
 /* Both axes with their names, and what is the same on both. */
 static bool label_axes(const struct drawing *d, const struct plot_row *row,
-                       const struct variable *across, struct figure *figure)
+                       const struct variable *x_variable, struct figure *figure)
 {
     const struct figure_request *request = d->request;
-    const char *x_name = arena_text(d->arena, text_of(across->name));
+    const char *x_name = arena_text(d->arena, text_of(x_variable->name));
     if (!x_name)
         return error_memory(d->error);
-    figure->x = figure->plane ? quantity_axis(x_name, across->quantity, size_of(d, true))
+    figure->x = figure->plane ? quantity_axis(x_name, x_variable->quantity, size_of(d, true))
                 : row->axis   ? row->axis(d)
                               : quantity_axis("t", QUANTITY_TIME, d->window[1]);
     figure->y = quantity_axis(drawing_y_label(d, 0), y_quantity(d), size_of(d, false));
@@ -459,11 +459,11 @@ bool session_figure(const struct session *session, const struct figure_request *
         return false;
     const bool plane = plot_is_plane(request->kind);
     const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
-    struct variable across = {.quantity = QUANTITY_NUMBER};
+    struct variable x_variable = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
-        across = chosen_variable(&run_of(&d, 0)->system, &d.against);
+        x_variable = chosen_variable(&run_of(&d, 0)->system, &d.horizontal_column);
     else if (plane && d.model)
-        across = d.model->variable[0];
+        x_variable = d.model->variable[0];
     *figure = (struct figure){.title = values           ? "values"
                                        : is_kinetic(&d) ? "kinetic"
                                                         : row->row.name,
@@ -474,13 +474,13 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .equal = (row->scaled && d.omega0 != 1) ||
                                        (row->equal && !request->columns),
                               .note = make_note(&d)};
-    if (!label_axes(&d, row, &across, figure))
+    if (!label_axes(&d, row, &x_variable, figure))
         return false;
-    if (!row->residual && !row->run_curve && !request->at.len)
+    if (!row->residual && !row->run_curve && !request->event.len)
         mark_present(&d, figure);
-    const enum quantity quantities[2] = {plane                             ? across.quantity
-                                         : row->across == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
-                                                                           : QUANTITY_TIME,
+    const enum quantity quantities[2] = {plane                                 ? x_variable.quantity
+                                         : row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
+                                                                               : QUANTITY_TIME,
                                          y_quantity(&d)};
     return drawing_scales(&d, figure, quantities) &&
            (request->follow || !cancelled(session->front.cancel) ||

@@ -74,8 +74,8 @@ static void reply_count(const struct run_slot *slot, int event, const struct eve
     reply_string(reply, "name", slot->events->line[event].name);
     reply_int(reply, "count", count);
     reply_bool(reply, "complete", doubt->steps == 0);
-    reply_real(reply, "doubt_from", doubt->steps ? doubt->from : NAN);
-    reply_real(reply, "doubt_to", doubt->steps ? doubt->to : NAN);
+    reply_real(reply, "doubt_from", doubt->steps ? doubt->t_first : NAN);
+    reply_real(reply, "doubt_to", doubt->steps ? doubt->t_last : NAN);
     reply_end(reply);
 }
 
@@ -91,10 +91,10 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
             continue;
         reply_warning(reply,
                       "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): %s",
-                      slot->events->line[i].name, doubt.from, doubt.to, (long long)doubt.steps,
-                      plural_s(doubt.steps),
-                      doubt.near ? "it comes nearer to 0 there than the run is known"
-                                 : "the step was longer than the event's own time scale");
+                      slot->events->line[i].name, doubt.t_first, doubt.t_last,
+                      (long long)doubt.steps, plural_s(doubt.steps),
+                      doubt.is_close ? "it comes nearer to 0 there than the run is known"
+                                     : "the step was longer than the event's own time scale");
         said = true;
     }
     const struct event_doubt doubt = run_event_doubt(run, LIMIT_EVENTS);
@@ -103,7 +103,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
                       "the condition may have been true before, from t = %.6g s to %.6g s (%lld "
                       "step%s): the step was "
                       "longer than its own time scale",
-                      doubt.from, doubt.to, (long long)doubt.steps, plural_s(doubt.steps));
+                      doubt.t_first, doubt.t_last, (long long)doubt.steps, plural_s(doubt.steps));
         said = true;
     }
     run->warned_doubt = run->warned_doubt || said;
@@ -129,20 +129,20 @@ bool export_event_records(const struct session *session, struct export *export, 
     }
     const size_t columns = (size_t)columns_of(run);
     struct arena *arena = export->arena;
-    struct table_column *out = arena_array(arena, columns + 3, sizeof *out);
+    struct table_column *exported = arena_array(arena, columns + 3, sizeof *exported);
     const char **name = arena_array(arena, rows, sizeof *name);
     double *t = arena_array(arena, rows, sizeof *t),
            *direction = arena_array(arena, rows, sizeof *direction);
-    if (!out || !name || !t || !direction)
+    if (!exported || !name || !t || !direction)
         return error_memory(error);
     for (size_t i = 0; i < rows; i++) {
         name[i] = event_name(session->runs.slot[session->runs.current], i);
         t[i] = run_event_record(run, i)->t;
         direction[i] = run_event_record(run, i)->direction;
     }
-    out[0] = (struct table_column){.name = "event", .unit = "", .text = name};
-    out[1] = (struct table_column){.name = "t", .unit = "s", .value = t};
-    out[2] = (struct table_column){.name = "direction", .unit = "", .value = direction};
+    exported[0] = (struct table_column){.name = "event", .unit = "", .text = name};
+    exported[1] = (struct table_column){.name = "t", .unit = "s", .value = t};
+    exported[2] = (struct table_column){.name = "direction", .unit = "", .value = direction};
     for (int c = 0; c < (int)columns; c++) {
         const struct variable column = column_at(run, c);
         double *value = arena_array(arena, rows, sizeof *value);
@@ -151,9 +151,9 @@ bool export_event_records(const struct session *session, struct export *export, 
             return error_memory(error);
         for (size_t i = 0; i < rows; i++)
             value[i] = column_value(run, i, c);
-        out[c + 3] = (struct table_column){
+        exported[c + 3] = (struct table_column){
             .name = title, .unit = quantity_unit(column.quantity), .value = value};
     }
-    export->table = (struct table){.column = out, .columns = (int)columns + 3, .rows = rows};
+    export->table = (struct table){.column = exported, .columns = (int)columns + 3, .rows = rows};
     return export_run_keys(session, session->runs.current, export, error);
 }

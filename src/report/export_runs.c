@@ -17,7 +17,7 @@ bool thinning_begin(struct thinning *thinning, const struct argument_value *ever
     if (item->unit && item->unit->quantity != QUANTITY_TIME)
         return error_at(error, item->text,
                         "every= takes a number of rows or a time, got '%.*s' (%s)",
-                        (int)item->text.len, item->text.at, quantity_name(item->unit->quantity));
+                        (int)item->text.len, item->text.data, quantity_name(item->unit->quantity));
     if (item->unit || (item->value.value >= 1 && item->value.value == floor(item->value.value)))
         return true;
     error_at(error, item->text, "every= takes a whole number of rows, or a time with its unit");
@@ -147,10 +147,10 @@ bool export_runs(const struct session *session, const struct argument_value *run
     if (!list_columns(system, column, list, &columns, error))
         return false;
     const int lead = count > 1;
-    struct table_column *out = arena_array(arena, (size_t)(columns + lead), sizeof *out);
+    struct table_column *exported = arena_array(arena, (size_t)(columns + lead), sizeof *exported);
     const bool whole = count == 1 && rows == largest; /* all rows of one run */
     double *work = arena_array(arena, whole ? 0 : largest, sizeof *work);
-    if (!out || !work)
+    if (!exported || !work)
         return error_memory(error);
     for (int c = 0; c < columns + lead; c++) {
         double *value = arena_array(arena, rows, sizeof *value), *all = whole ? value : work;
@@ -165,15 +165,15 @@ bool export_runs(const struct session *session, const struct argument_value *run
                 if (mark[r][i])
                     value[n++] = c < lead ? run->number : all[i];
         }
-        out[c] = (struct table_column){.name = "run", .unit = "", .value = value};
+        exported[c] = (struct table_column){.name = "run", .unit = "", .value = value};
         if (c < lead)
             continue;
         const struct variable variable = chosen_variable(system, &list[c - lead]);
-        if (!(out[c].name = arena_text(arena, text_of(variable.name))))
+        if (!(exported[c].name = arena_text(arena, text_of(variable.name))))
             return error_memory(error);
-        out[c].unit = chosen_unit(system, &list[c - lead]);
+        exported[c].unit = chosen_unit(system, &list[c - lead]);
     }
     keys_add_runs(&keys, session, index, count);
-    export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
+    export->table = (struct table){.column = exported, .columns = columns + lead, .rows = rows};
     return keys_finish(&keys, export, error);
 }

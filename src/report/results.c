@@ -102,26 +102,26 @@ static void say_now(struct session *session, const struct result_row *row)
     session_keep_results(session, &said, row->row.name);
 }
 
-bool export_result(struct session *session, const struct row *of, struct export *export,
+bool export_result(struct session *session, const struct row *result, struct export *export,
                    struct error *error)
 {
-    const struct result_row *row = result_at(of);
+    const struct result_row *row = result_at(result);
     if (row->table)
         return row->table(session, export, error);
     if (row->say)
         say_now(session, row);
     const struct stored_table *stored = table_store_find(&session->studies.found, result_kind(row));
     if (!stored) {
-        error_set(error, ERROR_COMMAND, "there is no table of %s yet", of->name);
+        error_set(error, ERROR_COMMAND, "there is no table of %s yet", result->name);
         return error_hint(error, "type: %s", row->type);
     }
     export->table = stored->table;
     return true;
 }
 
-bool result_is_kept(const struct session *session, const struct row *of)
+bool result_is_kept(const struct session *session, const struct row *result)
 {
-    return table_store_find(&session->studies.found, result_kind(result_at(of))) != NULL;
+    return table_store_find(&session->studies.found, result_kind(result_at(result))) != NULL;
 }
 
 bool export_latest(struct session *session, struct export *export, struct error *error)
@@ -181,18 +181,18 @@ static bool stored_table_keep(void *context, struct stored_table *stored)
 const struct row *session_keep_results(struct session *session, struct table_store *said,
                                        const char *command)
 {
-    const struct row *of = catalog_find(&result_catalog, text_of(command));
+    const struct row *result = catalog_find(&result_catalog, text_of(command));
     for (int i = 0; i < said->count; i++) {
-        const struct result_row *row = row_of(text_of(said->of[i]->kind));
-        if (!row && of && said->count == 1) /* rows of a catalog have the kind that it has */
-            said->of[i]->kind = of->name;
-        if (row && (!of || !table_store_find(said, result_kind(result_at(of)))))
-            of = &row->row;
+        const struct result_row *row = row_of(text_of(said->table[i]->kind));
+        if (!row && result && said->count == 1) /* rows of a catalog have the kind that it has */
+            said->table[i]->kind = result->name;
+        if (row && (!result || !table_store_find(said, result_kind(result_at(result)))))
+            result = &row->row;
     }
     /* A result that another statement found does not belong to this one. */
-    const struct result_row *row = result_at(of);
+    const struct result_row *row = result_at(result);
     if (row && !row->table && !row->say && !table_store_find(said, result_kind(row)))
-        of = NULL;
+        result = NULL;
     table_store_take(&session->studies.found, said, stored_table_keep, session);
-    return of;
+    return result;
 }

@@ -49,7 +49,7 @@ static void run_record_complete(struct run_record *record)
     if (run->stop == STOP_SINGULAR)
         record->ledger.error_max = NAN;
     run_errors(run, &record->errors);
-    run_below_tolerance(run, record->below);
+    run_below_tolerance(run, record->error_floor);
     if (is_mechanical(record))
         record->kinetic = run_observable(run, observable_energy(&run->system));
     const bool known = run_opinion_known(run);
@@ -60,18 +60,18 @@ static void run_record_complete(struct run_record *record)
     const int variable[] = {model_variable(model, TEXT("y")), model_variable(model, TEXT("v"))};
     double *const value[] = {&record->y, &record->v};
     for (int i = 0; i < 2; i++)
-        if (variable[i] >= 0 && !(record->below[variable[i]] > 0))
+        if (variable[i] >= 0 && !(record->error_floor[variable[i]] > 0))
             *value[i] = run->y[variable[i]];
 }
 
 static void put_state(struct reply *reply, const char *key, const void *row)
 {
     const struct run *run = ((const struct run_record *)row)->run;
-    const double *below = ((const struct run_record *)row)->below;
+    const double *magnitude_floor = ((const struct run_record *)row)->error_floor;
     reply_object(reply, key);
     for (int i = 0; i < run->system.n; i++) {
         const struct variable variable = system_variable(&run->system, i);
-        reply_quantity(reply, variable.name, below[i] > 0 ? NAN : run->y[i],
+        reply_quantity(reply, variable.name, magnitude_floor[i] > 0 ? NAN : run->y[i],
                        quantity_unit(variable.quantity));
     }
     reply_close(reply);
@@ -82,12 +82,12 @@ static void put_below(struct reply *reply, const char *key, const void *row)
     const struct run *run = ((const struct run_record *)row)->run;
     reply_array(reply, key);
     for (int i = 0; i < run->system.n; i++)
-        if (((const struct run_record *)row)->below[i] > 0)
+        if (((const struct run_record *)row)->error_floor[i] > 0)
             reply_string(reply, NULL, system_variable(&run->system, i).name);
     reply_close(reply);
 }
 
-#define AT(member) .at = offsetof(struct run_record, member)
+#define AT(member) .offset = offsetof(struct run_record, member)
 #define TIME_QUANTITY .quantity = QUANTITY_TIME
 
 static const struct result_column of_run[] = {

@@ -16,9 +16,9 @@ static const void *row_at(const struct result_columns *columns, const void *rows
 
 static const void *member(const struct result_column *column, const void *row)
 {
-    if (column->in > 0)
-        row = *(const void *const *)((const char *)row + column->in - 1);
-    return (const char *)row + column->at;
+    if (column->pointer_offset > 0)
+        row = *(const void *const *)((const char *)row + column->pointer_offset - 1);
+    return (const char *)row + column->offset;
 }
 
 static double real_of(const struct result_column *column, const void *row)
@@ -40,20 +40,20 @@ static bool bool_of(const struct result_column *column, const void *row)
 
 static const char *text_in(const struct result_column *column, const void *row)
 {
-    const void *at = member(column, row);
+    const void *value_address = member(column, row);
     switch (column->kind) {
     case COLUMN_NAME:
-        return column->text ? column->text(row) : *(const char *const *)at;
+        return column->text ? column->text(row) : *(const char *const *)value_address;
     case COLUMN_ROW: {
-        const struct row *named = *(const struct row *const *)at;
+        const struct row *named = *(const struct row *const *)value_address;
         return named ? named->name : NULL;
     }
     case COLUMN_CHOICE: {
-        const int index = *(const int *)at - column->choice_first;
+        const int index = *(const int *)value_address - column->choice_first;
         return index >= 0 ? catalog_row(column->choices, (size_t)index)->name : NULL;
     }
     default:
-        return *(const char *)at ? at : NULL;
+        return *(const char *)value_address ? value_address : NULL;
     }
 }
 
@@ -134,7 +134,7 @@ void reply_records(struct reply *reply, const char *kind, const struct result_co
 
 static bool fill_values(const struct result_columns *columns, const struct result_column *column,
                         const void *rows, size_t count, struct arena *arena,
-                        struct table_column *out)
+                        struct table_column *table_column)
 {
     const bool numbers = column->kind <= COLUMN_COUNT;
     double *value = numbers ? arena_array(arena, count + 1, sizeof *value) : NULL;
@@ -155,11 +155,11 @@ static bool fill_values(const struct result_columns *columns, const struct resul
         if (text && !text[i])
             text[i] = "";
     }
-    out->name = column->name;
-    out->unit =
+    table_column->name = column->name;
+    table_column->unit =
         column->kind == COLUMN_REAL && count > 0 ? quantity_unit(quantity_in(column, rows)) : "";
-    out->value = value;
-    out->text = text;
+    table_column->value = value;
+    table_column->text = text;
     return true;
 }
 
@@ -171,17 +171,18 @@ static bool is_only_recorded(enum column_kind kind)
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table)
 {
-    struct table_column *out = arena_array(arena, (size_t)columns->count, sizeof *out);
+    struct table_column *table_column =
+        arena_array(arena, (size_t)columns->count, sizeof *table_column);
     int used = 0;
-    for (int i = 0; out && i < columns->count; i++) {
+    for (int i = 0; table_column && i < columns->count; i++) {
         const struct result_column *column = &columns->column[i];
         if (column->flags & COLUMN_NO_FILE || column->record || is_only_recorded(column->kind))
             continue;
-        if (!fill_values(columns, column, rows, count, arena, &out[used++]))
+        if (!fill_values(columns, column, rows, count, arena, &table_column[used++]))
             return false;
     }
-    *table = (struct table){.column = out, .columns = used, .rows = count};
-    return out != NULL;
+    *table = (struct table){.column = table_column, .columns = used, .rows = count};
+    return table_column != NULL;
 }
 
 /* ---- a table for people ---- */

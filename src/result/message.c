@@ -10,14 +10,14 @@
 
 /* A formatted text with everything visible that could command a terminal, whatever was put into it.
  */
-static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
+static void put_safely(struct buffer *output, const char *format, va_list args) PRINTF_LIKE(2, 0);
 
-static void put_safely(struct buffer *out, const char *format, va_list args)
+static void put_safely(struct buffer *output, const char *format, va_list args)
 {
     struct buffer raw = {0};
     buffer_vformat(&raw, format, args);
-    safe_text(out, buffer_text(&raw), true);
-    out->failed |= raw.failed;
+    safe_text(output, buffer_text(&raw), true);
+    output->failed |= raw.failed;
     buffer_free(&raw);
 }
 
@@ -57,7 +57,7 @@ void reply_note(struct reply *reply, const char *format, ...)
 
 static struct reply message_record(const struct reply *reply)
 {
-    return (struct reply){.sink = {.out = reply->sink.err, .context = reply->sink.context},
+    return (struct reply){.sink = {.output = reply->sink.err, .context = reply->sink.context},
                           .format = FORMAT_JSON};
 }
 
@@ -72,7 +72,7 @@ static void write_warning(struct reply *reply, const char *text)
 
 void reply_warning(struct reply *reply, const char *format, ...)
 {
-    struct buffer line = {0}, out = {0};
+    struct buffer line = {0}, output = {0};
     va_list args;
     va_start(args, format);
     put_safely(&line, format, args);
@@ -80,12 +80,12 @@ void reply_warning(struct reply *reply, const char *format, ...)
     if (reply->format == FORMAT_JSON) {
         write_warning(reply, buffer_view(&line));
     } else {
-        buffer_format(&out, "warning: %s\n", buffer_view(&line));
-        out.failed |= line.failed;
-        write_err(reply, &out);
+        buffer_format(&output, "warning: %s\n", buffer_view(&line));
+        output.failed |= line.failed;
+        write_err(reply, &output);
     }
     buffer_free(&line);
-    buffer_free(&out);
+    buffer_free(&output);
 }
 
 /* ---- errors ---- */
@@ -93,24 +93,24 @@ void reply_warning(struct reply *reply, const char *format, ...)
 /* Characters before the place, counted from 1; 0 if the place is not in the line. */
 static size_t place_column(struct text line, struct text where)
 {
-    if (!where.at || !line.at || where.at < line.at || where.at > line.at + line.len)
+    if (!where.data || !line.data || where.data < line.data || where.data > line.data + line.len)
         return 0;
     size_t column = 1;
-    for (struct text rest = {line.at, (size_t)(where.at - line.at)}; rest.len > 0; column++) {
+    for (struct text rest = {line.data, (size_t)(where.data - line.data)}; rest.len > 0; column++) {
         size_t used;
         text_codepoint(rest, &used);
-        rest = (struct text){rest.at + used, rest.len - used};
+        rest = (struct text){rest.data + used, rest.len - used};
     }
     return column;
 }
 
 /* As it will stand on the screen: tabs become one blank, controls become visible. */
-static void put_visible(struct buffer *out, struct text text)
+static void put_visible(struct buffer *output, struct text text)
 {
     for (struct text piece; text_split(&text, '\t', &piece);) {
-        safe_text(out, piece, false);
-        if (text.at)
-            buffer_char(out, ' ');
+        safe_text(output, piece, false);
+        if (text.data)
+            buffer_char(output, ' ');
     }
 }
 
@@ -119,7 +119,7 @@ static struct text clip_from(struct text text, size_t width)
     while ((size_t)text_width(text) > width && text.len > 0) {
         size_t used;
         text_codepoint(text, &used);
-        text = (struct text){text.at + used, text.len - used};
+        text = (struct text){text.data + used, text.len - used};
     }
     return text;
 }
@@ -130,43 +130,45 @@ static struct text clip_to(struct text text, size_t width)
     while (len < text.len) {
         size_t used;
         const int w =
-            codepoint_width(text_codepoint((struct text){text.at + len, text.len - len}, &used));
+            codepoint_width(text_codepoint((struct text){text.data + len, text.len - len}, &used));
         if (columns + (size_t)w > width)
             break;
         columns += (size_t)w;
         len += used;
     }
-    return (struct text){text.at, len};
+    return (struct text){text.data, len};
 }
 
-static void put_caret(struct buffer *out, struct text line, struct text where)
+static void put_caret(struct buffer *output, struct text line, struct text where)
 {
-    const struct text whole_head = {line.at, (size_t)(where.at - line.at)};
+    const struct text whole_head = {line.data, (size_t)(where.data - line.data)};
     /* A line of a megabyte is only scanned near the caret. */
-    const size_t near = 4 * SHOWN_WIDTH;
-    const struct text head_near =
-        whole_head.len > near ? (struct text){where.at - near, near} : whole_head;
+    const size_t context_bytes = 4 * SHOWN_WIDTH;
+    const struct text head_near = whole_head.len > context_bytes
+                                      ? (struct text){where.data - context_bytes, context_bytes}
+                                      : whole_head;
     const struct text head = clip_from(head_near, SHOWN_WIDTH / 2);
-    const struct text tail = {where.at, line.len - whole_head.len};
-    const struct text shown =
-        clip_to((struct text){tail.at, tail.len < near ? tail.len : near}, SHOWN_WIDTH);
-    struct buffer before = {0}, under = {0};
-    put_visible(&before, head);
-    put_visible(&under, (struct text){where.at, where.len < shown.len ? where.len : shown.len});
-    const bool cut = head.at != line.at;
-    buffer_put(out, cut ? TEXT("    ...") : TEXT("    "));
-    buffer_put(out, buffer_text(&before));
-    put_visible(out, shown);
-    buffer_put(out, shown.len < tail.len ? TEXT("...\n    ") : TEXT("\n    "));
-    for (int i = text_width(buffer_text(&before)) + (cut ? 3 : 0); i > 0; i--)
-        buffer_char(out, ' ');
-    buffer_char(out, '^');
-    for (int i = text_width(buffer_text(&under)); i > 1; i--)
-        buffer_char(out, '~');
-    buffer_char(out, '\n');
-    out->failed |= before.failed || under.failed;
-    buffer_free(&before);
-    buffer_free(&under);
+    const struct text tail = {where.data, line.len - whole_head.len};
+    const struct text shown = clip_to(
+        (struct text){tail.data, tail.len < context_bytes ? tail.len : context_bytes}, SHOWN_WIDTH);
+    struct buffer visible_head = {0}, visible_mark = {0};
+    put_visible(&visible_head, head);
+    put_visible(&visible_mark,
+                (struct text){where.data, where.len < shown.len ? where.len : shown.len});
+    const bool cut = head.data != line.data;
+    buffer_put(output, cut ? TEXT("    ...") : TEXT("    "));
+    buffer_put(output, buffer_text(&visible_head));
+    put_visible(output, shown);
+    buffer_put(output, shown.len < tail.len ? TEXT("...\n    ") : TEXT("\n    "));
+    for (int i = text_width(buffer_text(&visible_head)) + (cut ? 3 : 0); i > 0; i--)
+        buffer_char(output, ' ');
+    buffer_char(output, '^');
+    for (int i = text_width(buffer_text(&visible_mark)); i > 1; i--)
+        buffer_char(output, '~');
+    buffer_char(output, '\n');
+    output->failed |= visible_head.failed || visible_mark.failed;
+    buffer_free(&visible_head);
+    buffer_free(&visible_mark);
 }
 
 static void write_record(struct reply *reply, const struct error *error, const struct source *where,
@@ -187,32 +189,32 @@ static void write_record(struct reply *reply, const struct error *error, const s
     reply_free(&record);
 }
 
-static void put_text(struct buffer *out, const struct error *error, const struct source *where,
+static void put_text(struct buffer *output, const struct error *error, const struct source *where,
                      struct text line, size_t column)
 {
     if (where && where->name) {
-        safe_text(out, text_of(where->name), false);
-        buffer_format(out, ":%d:", where->line);
+        safe_text(output, text_of(where->name), false);
+        buffer_format(output, ":%d:", where->line);
         if (column > 0)
-            buffer_format(out, "%zu:", column);
-        buffer_char(out, ' ');
+            buffer_format(output, "%zu:", column);
+        buffer_char(output, ' ');
     }
-    buffer_put(out, TEXT("error: "));
-    safe_text(out, text_of(error->text), false);
-    buffer_char(out, '\n');
+    buffer_put(output, TEXT("error: "));
+    safe_text(output, text_of(error->text), false);
+    buffer_char(output, '\n');
     if (column > 0)
-        put_caret(out, line, error->where);
+        put_caret(output, line, error->where);
     if (error->hint[0]) {
-        buffer_put(out, TEXT("  "));
-        safe_text(out, text_of(error->hint), false);
-        buffer_char(out, '\n');
+        buffer_put(output, TEXT("  "));
+        safe_text(output, text_of(error->hint), false);
+        buffer_char(output, '\n');
     }
     for (const struct source *parent = where ? where->parent : NULL; parent;
          parent = parent->parent)
         if (parent->name) {
-            buffer_put(out, TEXT("  sourced at "));
-            safe_text(out, text_of(parent->name), false);
-            buffer_format(out, ":%d\n", parent->line);
+            buffer_put(output, TEXT("  sourced at "));
+            safe_text(output, text_of(parent->name), false);
+            buffer_format(output, ":%d\n", parent->line);
         }
 }
 
@@ -224,21 +226,21 @@ static size_t error_line_index(const struct error *error, const struct source **
     if (column == 0 || !*where || (*where)->pieces == 0)
         return column;
     const struct source_piece *piece = (*where)->piece, *end = piece + (*where)->pieces;
-    const size_t at = (size_t)(error->where.at - line->at);
-    while (piece + 1 < end && piece[1].at <= at)
+    const size_t offset = (size_t)(error->where.data - line->data);
+    while (piece + 1 < end && piece[1].position <= offset)
         piece++;
-    const size_t to = piece + 1 < end ? piece[1].at : line->len;
+    const size_t piece_end = piece + 1 < end ? piece[1].position : line->len;
     *own = **where;
     own->line = piece->line;
     *where = own;
-    *line = (struct text){line->at + piece->at, to - piece->at};
+    *line = (struct text){line->data + piece->position, piece_end - piece->position};
     return place_column(*line, error->where) + (size_t)piece->indent;
 }
 
 void reply_error(struct reply *reply, const struct error *error, const struct source *where,
                  struct text line)
 {
-    struct buffer out = {0};
+    struct buffer output = {0};
     struct source own;
     const size_t column = error_line_index(error, &where, &own, &line);
     reply_flush(reply);
@@ -248,8 +250,8 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
         write_record(reply, error, where, column);
         return;
     }
-    put_text(&out, error, where, line, column);
+    put_text(&output, error, where, line, column);
     reply->sink.err(reply->sink.context,
-                    out.failed ? TEXT("error: out of memory\n") : buffer_text(&out));
-    buffer_free(&out);
+                    output.failed ? TEXT("error: out of memory\n") : buffer_text(&output));
+    buffer_free(&output);
 }

@@ -25,7 +25,7 @@ void reply_free(struct reply *reply)
 static void write_out(struct reply *reply, struct text text)
 {
     if (!reply->failed && !reply->muted && text.len > 0 &&
-        !reply->sink.out(reply->sink.context, text))
+        !reply->sink.output(reply->sink.context, text))
         reply->failed = true;
 }
 
@@ -74,15 +74,15 @@ void reply_paragraph(struct reply *reply, struct text text, int width)
 /* Another table in CSV. */
 static void begin_part(struct reply *reply, const char *kind)
 {
-    struct buffer between = {0};
+    struct buffer separator = {0};
     if (reply->part) {
         reply->part(reply->sink.context, kind);
     } else if (reply->begun) {
-        buffer_format(&between, "\n# %s\n", kind);
-        flush_out(reply, &between);
+        buffer_format(&separator, "\n# %s\n", kind);
+        flush_out(reply, &separator);
     }
     reply->begun = true;
-    buffer_free(&between);
+    buffer_free(&separator);
 }
 
 void reply_data(struct reply *reply, const char *kind, struct text text)
@@ -188,7 +188,7 @@ static void put_cell(struct reply *reply, const char *key, struct text value, bo
         buffer_char(row, ',');
     put_path(reply, key);
     if (is_text)
-        put_csv_text(row, value.at);
+        put_csv_text(row, value.data);
     else
         buffer_put(row, value);
 }
@@ -311,7 +311,7 @@ void reply_bool(struct reply *reply, const char *key, bool value)
 {
     const struct text text = value ? TEXT("true") : TEXT("false");
     put_literal(reply, key, text, text);
-    record_value_append(reply, key, NULL, "", text.at);
+    record_value_append(reply, key, NULL, "", text.data);
 }
 
 void reply_null(struct reply *reply, const char *key)
@@ -413,17 +413,18 @@ static void put_table_row(struct reply *reply, const char *kind, const struct ta
 }
 
 /* The same as a row of CSV below others of the table. */
-static void put_csv_row(struct buffer *out, const char *kind, const struct table *table, size_t row)
+static void put_csv_row(struct buffer *output, const char *kind, const struct table *table,
+                        size_t row)
 {
-    buffer_put(out, text_of(kind));
+    buffer_put(output, text_of(kind));
     for (const struct table_column *c = table->column; c < table->column + table->columns; c++) {
-        buffer_char(out, ',');
+        buffer_char(output, ',');
         if (!c->value)
-            put_csv_text(out, c->text[row]);
+            put_csv_text(output, c->text[row]);
         else if (isfinite(c->value[row]))
-            buffer_real(out, c->value[row]);
+            buffer_real(output, c->value[row]);
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
 }
 
 bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
@@ -477,13 +478,13 @@ void reply_command_end(struct reply *reply, const char *kind)
         reply_end(reply);
         reply->store = store;
     } else if (!reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
-        struct buffer out = {0};
+        struct buffer output = {0};
         struct text rest = buffer_text(lines), line;
         while (text_split(&rest, '\n', &line))
             if (line.len > 0)
-                buffer_format(&out, "# %.*s\n", (int)line.len, line.at);
-        flush_out(reply, &out);
-        buffer_free(&out);
+                buffer_format(&output, "# %.*s\n", (int)line.len, line.data);
+        flush_out(reply, &output);
+        buffer_free(&output);
     }
     buffer_clear(lines);
 }

@@ -24,29 +24,29 @@ void outlet_pass(struct outlet *sink, size_t max)
 
 bool cell_is_formula(struct text cell)
 {
-    size_t at = 0;
-    while (at < cell.len && cell.at[at] == '\'')
-        at++;
-    return at < cell.len && memchr("=+-@\t\r", cell.at[at], 6);
+    size_t position = 0;
+    while (position < cell.len && cell.data[position] == '\'')
+        position++;
+    return position < cell.len && memchr("=+-@\t\r", cell.data[position], 6);
 }
 
-void buffer_cell(struct buffer *out, struct text cell, char separator, bool quoted)
+void buffer_cell(struct buffer *output, struct text cell, char separator, bool quoted)
 {
     for (size_t i = 0; i < cell.len && !quoted; i++)
-        quoted = cell.at[i] == separator || strchr("\"\r\n", cell.at[i]);
+        quoted = cell.data[i] == separator || strchr("\"\r\n", cell.data[i]);
     if (!quoted) {
-        buffer_put(out, cell);
+        buffer_put(output, cell);
         return;
     }
-    buffer_char(out, '"');
+    buffer_char(output, '"');
     for (size_t i = 0; i < cell.len; i++)
-        buffer_put(out, cell.at[i] == '"' ? TEXT("\"\"") : (struct text){cell.at + i, 1});
-    buffer_char(out, '"');
+        buffer_put(output, cell.data[i] == '"' ? TEXT("\"\"") : (struct text){cell.data + i, 1});
+    buffer_char(output, '"');
 }
 
 /* Quotes what could be taken for a number; what a spreadsheet would run as a formula gets a ' in
  * front. */
-static void put_text(struct buffer *out, struct text cell, char separator)
+static void put_text(struct buffer *output, struct text cell, char separator)
 {
     struct buffer guarded = {0};
     double number;
@@ -54,13 +54,14 @@ static void put_text(struct buffer *out, struct text cell, char separator)
                is_number = cell.len > 0 &&
                            (text_is(cell, "inf") || real_parse(cell, &number) != REAL_MALFORMED);
     if (is_formula)
-        buffer_format(&guarded, "'%.*s", (int)cell.len, cell.at);
-    buffer_cell(out, is_formula ? buffer_text(&guarded) : cell, separator, is_formula || is_number);
-    out->failed |= guarded.failed;
+        buffer_format(&guarded, "'%.*s", (int)cell.len, cell.data);
+    buffer_cell(output, is_formula ? buffer_text(&guarded) : cell, separator,
+                is_formula || is_number);
+    output->failed |= guarded.failed;
     buffer_free(&guarded);
 }
 
-static void put_name(struct buffer *out, const struct table_column *column, char separator)
+static void put_name(struct buffer *output, const struct table_column *column, char separator)
 {
     struct buffer name = {0};
     safe_text(&name, text_of(column->name), false);
@@ -69,125 +70,125 @@ static void put_name(struct buffer *out, const struct table_column *column, char
         safe_text(&name, text_of(column->unit), false);
         buffer_char(&name, ']');
     }
-    put_text(out, buffer_text(&name), separator);
-    out->failed |= name.failed;
+    put_text(output, buffer_text(&name), separator);
+    output->failed |= name.failed;
     buffer_free(&name);
 }
 
 static void put_separated(const struct table *table, char separator, struct outlet *sink)
 {
-    struct buffer *out = sink->text;
+    struct buffer *output = sink->text;
     for (int i = 0; i < table->keys; i++) {
-        buffer_put(out, TEXT("# "));
-        safe_text(out, text_of(table->key[i].key), false);
-        buffer_put(out, TEXT(" = "));
-        safe_text(out, text_of(table->key[i].value), false);
-        buffer_char(out, '\n');
+        buffer_put(output, TEXT("# "));
+        safe_text(output, text_of(table->key[i].key), false);
+        buffer_put(output, TEXT(" = "));
+        safe_text(output, text_of(table->key[i].value), false);
+        buffer_char(output, '\n');
     }
     for (int i = 0; i < table->columns; i++) {
         if (i > 0)
-            buffer_char(out, separator);
-        put_name(out, &table->column[i], separator);
+            buffer_char(output, separator);
+        put_name(output, &table->column[i], separator);
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
     for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
         for (int i = 0; i < table->columns; i++) {
             const struct table_column *column = &table->column[i];
             if (i > 0)
-                buffer_char(out, separator);
+                buffer_char(output, separator);
             if (!column->value)
-                put_text(out, text_of(column->text[row]), separator);
+                put_text(output, text_of(column->text[row]), separator);
             else if (!isnan(column->value[row]))
-                buffer_real(out, column->value[row]);
+                buffer_real(output, column->value[row]);
         }
-        buffer_char(out, '\n');
+        buffer_char(output, '\n');
         outlet_pass(sink, OUTLET_CHUNK);
     }
 }
 
 /* ---- JSON ---- */
 
-void buffer_json_text(struct buffer *out, struct text text)
+void buffer_json_text(struct buffer *output, struct text text)
 {
     static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
-    buffer_char(out, '"');
-    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
-        for (used = 0; used < text.len && text.at[used] >= ' ' && text.at[used] < 0x7F &&
-                       text.at[used] != '"' && text.at[used] != '\\';)
+    buffer_char(output, '"');
+    for (size_t used; text.len > 0; text.data += used, text.len -= used) {
+        for (used = 0; used < text.len && text.data[used] >= ' ' && text.data[used] < 0x7F &&
+                       text.data[used] != '"' && text.data[used] != '\\';)
             used++;
         if (used > 0) {
-            buffer_put(out, (struct text){text.at, used});
+            buffer_put(output, (struct text){text.data, used});
             continue;
         }
         const uint32_t codepoint = text_codepoint(text, &used);
         const char *special =
             codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;
         if (special)
-            buffer_format(out, "\\%c", letters[special - escaped]);
+            buffer_format(output, "\\%c", letters[special - escaped]);
         else if (codepoint > 0xFFFF && codepoint_hidden(codepoint)) /* a pair of surrogates */
-            buffer_format(out, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)),
+            buffer_format(output, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)),
                           (unsigned)(0xDC00 + (codepoint & 0x3FF)));
         else if (codepoint < 0x20 || codepoint == 0x7F || codepoint_hidden(codepoint))
-            buffer_format(out, "\\u%04x", (unsigned)codepoint);
+            buffer_format(output, "\\u%04x", (unsigned)codepoint);
         else
-            buffer_codepoint(out, codepoint);
+            buffer_codepoint(output, codepoint);
     }
-    buffer_char(out, '"');
+    buffer_char(output, '"');
 }
 
-void buffer_json_real(struct buffer *out, double value)
+void buffer_json_real(struct buffer *output, double value)
 {
     if (isfinite(value))
-        buffer_real(out, value);
+        buffer_real(output, value);
     else
-        buffer_put(out, TEXT("null"));
+        buffer_put(output, TEXT("null"));
 }
 
 void table_json(const struct table *table, struct outlet *sink)
 {
-    struct buffer *out = sink->text;
-    buffer_put(out, TEXT("{\"keys\":{"));
+    struct buffer *output = sink->text;
+    buffer_put(output, TEXT("{\"keys\":{"));
     for (int i = 0; i < table->keys; i++) {
-        buffer_put(out, i ? TEXT(",") : TEXT(""));
-        buffer_json_text(out, text_of(table->key[i].key));
-        buffer_char(out, ':');
-        buffer_json_text(out, text_of(table->key[i].value));
+        buffer_put(output, i ? TEXT(",") : TEXT(""));
+        buffer_json_text(output, text_of(table->key[i].key));
+        buffer_char(output, ':');
+        buffer_json_text(output, text_of(table->key[i].value));
     }
-    buffer_put(out, TEXT("},\"columns\":["));
+    buffer_put(output, TEXT("},\"columns\":["));
     for (int i = 0; i < table->columns; i++) {
         const struct table_column *column = &table->column[i];
-        buffer_put(out, i ? TEXT(",\n{\"name\":") : TEXT("\n{\"name\":"));
-        buffer_json_text(out, text_of(column->name));
-        buffer_put(out, TEXT(",\"unit\":"));
-        buffer_json_text(out, text_of(column->unit));
-        buffer_put(out, TEXT(",\"values\":["));
+        buffer_put(output, i ? TEXT(",\n{\"name\":") : TEXT("\n{\"name\":"));
+        buffer_json_text(output, text_of(column->name));
+        buffer_put(output, TEXT(",\"unit\":"));
+        buffer_json_text(output, text_of(column->unit));
+        buffer_put(output, TEXT(",\"values\":["));
         for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
             if (row > 0)
-                buffer_char(out, ',');
+                buffer_char(output, ',');
             if (column->value)
-                buffer_json_real(out, column->value[row]);
+                buffer_json_real(output, column->value[row]);
             else
-                buffer_json_text(out, text_of(column->text[row]));
+                buffer_json_text(output, text_of(column->text[row]));
             outlet_pass(sink, OUTLET_CHUNK);
         }
-        buffer_put(out, TEXT("]}"));
+        buffer_put(output, TEXT("]}"));
     }
-    buffer_put(out, TEXT("\n]}\n"));
+    buffer_put(output, TEXT("\n]}\n"));
 }
 
-void table_csv(const struct table *table, struct outlet *to)
+void table_csv(const struct table *table, struct outlet *outlet)
 {
-    put_separated(table, ',', to);
+    put_separated(table, ',', outlet);
 }
 
-void table_tsv(const struct table *table, struct outlet *to)
+void table_tsv(const struct table *table, struct outlet *outlet)
 {
-    put_separated(table, '\t', to);
+    put_separated(table, '\t', outlet);
 }
 
-void table_put(const struct table *table, table_format *format, struct buffer *out)
+void table_put(const struct table *table, table_format *format, struct buffer *output)
 {
-    format(table, &(struct outlet){out, NULL});
+    format(table, &(struct outlet){output, NULL});
 }
 
 bool table_write(const struct table *table, table_format *format, const char *path,
@@ -201,9 +202,9 @@ bool table_send(const struct table *table, table_format *format, struct writer *
                 struct error *error)
 {
     struct buffer text = {0};
-    struct outlet to = {&text, writer};
-    format(table, &to);
-    outlet_pass(&to, 0);
+    struct outlet outlet = {&text, writer};
+    format(table, &outlet);
+    outlet_pass(&outlet, 0);
     const bool failed = text.failed;
     buffer_free(&text);
     if (failed) {

@@ -46,7 +46,7 @@ static void *grown(struct arena *arena, void *array, size_t count, size_t size, 
     return more;
 }
 
-static const char *copy(struct table_reading *r, const struct buffer *text)
+static const char *buffer_text_copy(struct table_reading *r, const struct buffer *text)
 {
     const char *made = text->failed ? NULL : arena_text(r->arena, buffer_text(text));
     if (!made)
@@ -71,25 +71,25 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
 {
     struct buffer text = {0};
     struct text rest = r->rest;
-    cell->quoted = rest.len > 0 && rest.at[0] == '"';
+    cell->quoted = rest.len > 0 && rest.data[0] == '"';
     size_t i = cell->quoted;
     for (; i < rest.len; i++) {
-        if (cell->quoted && rest.at[i] == '"') {
-            if (i + 1 >= rest.len || rest.at[i + 1] != '"')
+        if (cell->quoted && rest.data[i] == '"') {
+            if (i + 1 >= rest.len || rest.data[i + 1] != '"')
                 break;
             i++;
-        } else if (!cell->quoted && (rest.at[i] == separator || rest.at[i] == '\n')) {
+        } else if (!cell->quoted && (rest.data[i] == separator || rest.data[i] == '\n')) {
             break;
         }
-        buffer_char(&text, rest.at[i]);
+        buffer_char(&text, rest.data[i]);
     }
     i += cell->quoted;
-    const bool ends = i >= rest.len || rest.at[i] == '\n';
-    const bool ok = i <= rest.len && (ends || rest.at[i] == separator);
+    const bool ends = i >= rest.len || rest.data[i] == '\n';
+    const bool ok = i <= rest.len && (ends || rest.data[i] == separator);
     const size_t used = i < rest.len ? i + 1 : rest.len;
-    r->rest = (struct text){rest.at + used, rest.len - used};
+    r->rest = (struct text){rest.data + used, rest.len - used};
     *last = ends;
-    const char *own = ok ? copy(r, &text) : NULL;
+    const char *own = ok ? buffer_text_copy(r, &text) : NULL;
     /* A cell that a spreadsheet would run was written with a ' before it. */
     cell->text =
         own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
@@ -104,13 +104,13 @@ static bool read_keys(struct table_reading *r, struct table *table)
     while (text_starts(r->rest, TEXT("# ")) && text_split(&r->rest, '\n', &line)) {
         const char *sign = NULL;
         for (size_t i = 2; i + 3 <= line.len && !sign; i++)
-            sign = memcmp(line.at + i, " = ", 3) == 0 ? line.at + i : NULL;
+            sign = memcmp(line.data + i, " = ", 3) == 0 ? line.data + i : NULL;
         key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
         if (!sign || !key)
             return key ? damaged(r, "a # line without ' = '") : error_memory(r->error);
-        const size_t name = (size_t)(sign - line.at);
+        const size_t name = (size_t)(sign - line.data);
         key[table->keys] =
-            (struct table_key){arena_text(r->arena, (struct text){line.at + 2, name - 2}),
+            (struct table_key){arena_text(r->arena, (struct text){line.data + 2, name - 2}),
                                arena_text(r->arena, (struct text){sign + 3, line.len - name - 3})};
         if (!key[table->keys].key || !key[table->keys].value)
             return error_memory(r->error);
@@ -125,8 +125,8 @@ static bool name_column(struct table_reading *r, const char *heading, struct tab
 {
     const struct text all = text_of(heading);
     const char *open = NULL;
-    for (const char *at = heading; (at = strstr(at, " [")); at++)
-        open = at;
+    for (const char *cursor = heading; (cursor = strstr(cursor, " [")); cursor++)
+        open = cursor;
     const bool has_unit = open && all.len > 0 && heading[all.len - 1] == ']';
     const size_t name = has_unit ? (size_t)(open - heading) : all.len;
     *column = (struct table_column){
@@ -153,7 +153,7 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
         text[i] = one->text;
         value[i] = NAN;
         if (text_is(as, "inf") || text_is(as, "-inf"))
-            value[i] = as.at[0] == '-' ? -HUGE_VAL : HUGE_VAL;
+            value[i] = as.data[0] == '-' ? -HUGE_VAL : HUGE_VAL;
         else if (as.len > 0)
             numbers &= is_number_status(real_parse(as, &value[i]));
         numbers &= !one->quoted;
@@ -170,9 +170,9 @@ static bool read_separated(struct table_reading *r, struct table *table)
     size_t cells = 0;
     if (!read_keys(r, table))
         return false;
-    const char *line = r->rest.len ? memchr(r->rest.at, '\n', r->rest.len) : NULL;
+    const char *line = r->rest.len ? memchr(r->rest.data, '\n', r->rest.len) : NULL;
     const char separator =
-        line && memchr(r->rest.at, '\t', (size_t)(line - r->rest.at)) ? '\t' : ',';
+        line && memchr(r->rest.data, '\t', (size_t)(line - r->rest.data)) ? '\t' : ',';
     for (bool last = false; !last; table->columns++) {
         column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
         if (!column)
@@ -210,12 +210,12 @@ static bool read_separated(struct table_reading *r, struct table *table)
 static bool table_text_take(struct table_reading *r, const char *what)
 {
     text_skip_blanks(&r->rest);
-    while (r->rest.len > 0 && r->rest.at[0] == '\n')
-        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+    while (r->rest.len > 0 && r->rest.data[0] == '\n')
+        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
     const struct text wanted = text_of(what);
     if (!text_starts(r->rest, wanted))
         return false;
-    r->rest = (struct text){r->rest.at + wanted.len, r->rest.len - wanted.len};
+    r->rest = (struct text){r->rest.data + wanted.len, r->rest.len - wanted.len};
     return true;
 }
 
@@ -224,25 +224,26 @@ static bool read_code(struct table_reading *r, uint32_t *code)
     *code = 0;
     for (int i = 0; i < 4; i++) {
         const char *digits = "0123456789abcdef";
-        const char *at = r->rest.len > 0 && r->rest.at[0] ? strchr(digits, r->rest.at[0]) : NULL;
-        if (!at)
+        const char *cursor =
+            r->rest.len > 0 && r->rest.data[0] ? strchr(digits, r->rest.data[0]) : NULL;
+        if (!cursor)
             return false;
-        *code = *code * 16 + (uint32_t)(at - digits);
-        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+        *code = *code * 16 + (uint32_t)(cursor - digits);
+        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
     }
     return true;
 }
 
 /* Reads the rest of an escape sequence, behind the backslash. */
-static bool read_escape(struct table_reading *r, struct buffer *out)
+static bool read_escape(struct table_reading *r, struct buffer *output)
 {
     static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";
-    const char letter = r->rest.len > 0 ? r->rest.at[0] : 0;
+    const char letter = r->rest.len > 0 ? r->rest.data[0] : 0;
     const char *known = letter ? strchr(letters, letter) : NULL;
     uint32_t code, low;
-    r->rest = (struct text){r->rest.at + 1, r->rest.len - (r->rest.len > 0)};
+    r->rest = (struct text){r->rest.data + 1, r->rest.len - (r->rest.len > 0)};
     if (known) {
-        buffer_char(out, meant[known - letters]);
+        buffer_char(output, meant[known - letters]);
         return true;
     }
     if (letter != 'u' || !read_code(r, &code))
@@ -252,7 +253,7 @@ static bool read_escape(struct table_reading *r, struct buffer *out)
             return false;
         code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
     }
-    buffer_codepoint(out, code);
+    buffer_codepoint(output, code);
     return true;
 }
 
@@ -260,16 +261,16 @@ static const char *read_string(struct table_reading *r)
 {
     struct buffer text = {0};
     bool ok = table_text_take(r, "\"");
-    while (ok && r->rest.len > 0 && r->rest.at[0] != '"') {
-        const char c = r->rest.at[0];
-        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+    while (ok && r->rest.len > 0 && r->rest.data[0] != '"') {
+        const char c = r->rest.data[0];
+        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
         if (c == '\\')
             ok = read_escape(r, &text);
         else
             buffer_char(&text, c);
     }
     ok = ok && table_text_take(r, "\"");
-    const char *made = ok ? copy(r, &text) : NULL;
+    const char *made = ok ? buffer_text_copy(r, &text) : NULL;
     if (!ok)
         damaged(r, "a text is not closed");
     buffer_free(&text);
@@ -304,7 +305,7 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         size_t used = 0;
         if (!row_continues(r, *rows))
             return false;
-        if (r->rest.len > 0 && r->rest.at[0] == '"') {
+        if (r->rest.len > 0 && r->rest.data[0] == '"') {
             text = grown(r->arena, text, *rows, sizeof *text, 16);
             if (!text || value)
                 return text ? damaged(r, "numbers among texts") : error_memory(r->error);
@@ -318,7 +319,7 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
             if (!table_text_take(r, "null") &&
                 !is_number_status(real_scan(r->rest, '.', &value[*rows], &used)))
                 return damaged(r, "a value is no number");
-            r->rest = (struct text){r->rest.at + used, r->rest.len - used};
+            r->rest = (struct text){r->rest.data + used, r->rest.len - used};
         }
         ++*rows;
     }

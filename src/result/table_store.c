@@ -24,8 +24,8 @@ struct column_growth {
 struct stored_table *table_store_find(const struct table_store *store, struct text kind)
 {
     for (int i = 0; i < store->count; i++)
-        if (text_is(kind, store->of[i]->kind))
-            return store->of[i];
+        if (text_is(kind, store->table[i]->kind))
+            return store->table[i];
     return NULL;
 }
 
@@ -38,27 +38,27 @@ static void destroy(struct stored_table *stored)
 void table_store_free(struct table_store *store)
 {
     for (int i = 0; i < store->count; i++)
-        destroy(store->of[i]);
-    free(store->of);
+        destroy(store->table[i]);
+    free(store->table);
     *store = (struct table_store){0};
 }
 
 /* Adds the table in place of the one of that kind. Returns false if out of memory. */
 static bool stored_table_add(struct table_store *store, struct stored_table *stored)
 {
-    struct stored_table *before = table_store_find(store, text_of(stored->kind));
-    for (int i = 0; i < store->count && before; i++)
-        if (store->of[i] == before) {
-            destroy(before);
-            store->of[i] = stored;
+    struct stored_table *previous = table_store_find(store, text_of(stored->kind));
+    for (int i = 0; i < store->count && previous; i++)
+        if (store->table[i] == previous) {
+            destroy(previous);
+            store->table[i] = stored;
             return true;
         }
-    struct stored_table **of =
-        realloc(store->of, ((size_t)store->count + 1) * sizeof(struct stored_table *));
-    if (!of)
+    struct stored_table **tables =
+        realloc(store->table, ((size_t)store->count + 1) * sizeof(struct stored_table *));
+    if (!tables)
         return false;
-    store->of = of;
-    store->of[store->count++] = stored;
+    store->table = tables;
+    store->table[store->count++] = stored;
     return true;
 }
 
@@ -242,13 +242,13 @@ static bool stored_table_finish(struct stored_table *stored)
     return ok;
 }
 
-void table_store_take(struct table_store *store, struct table_store *from,
+void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context)
 {
-    for (int i = 0; i < from->count; i++)
-        if (!stored_table_finish(from->of[i]) || !wanted(context, from->of[i]) ||
-            !stored_table_add(store, from->of[i]))
-            destroy(from->of[i]);
-    from->count = 0;
-    table_store_free(from);
+    for (int i = 0; i < source->count; i++)
+        if (!stored_table_finish(source->table[i]) || !wanted(context, source->table[i]) ||
+            !stored_table_add(store, source->table[i]))
+            destroy(source->table[i]);
+    source->count = 0;
+    table_store_free(source);
 }

@@ -65,19 +65,19 @@ void cell_seconds(struct text_table *table, double seconds)
         cell_quantity(table, seconds, QUANTITY_TIME, 3);
 }
 
-void table_cells(const struct table *from, size_t rows, struct text_table *table)
+void table_cells(const struct table *source, size_t rows, struct text_table *table)
 {
     for (int c = 0; c < table->columns; c++) {
-        const struct table_column *column = &from->column[c];
+        const struct table_column *column = &source->column[c];
         struct buffer heading = {0};
         safe_text(&heading, text_of(column->name), false);
         if (column->unit[0])
             buffer_format(&heading, " [%s]", column->unit);
         cell_take(table, &heading);
     }
-    for (size_t i = 0; i < rows && i < from->rows; i++)
+    for (size_t i = 0; i < rows && i < source->rows; i++)
         for (int c = 0; c < table->columns; c++) {
-            const struct table_column *column = &from->column[c];
+            const struct table_column *column = &source->column[c];
             struct buffer cell = {0};
             if (!column->value)
                 safe_text(&cell, text_of(column->text[i]), false);
@@ -124,13 +124,13 @@ static void fold_columns(const struct text_table *table, int *width, struct buff
     }
 }
 
-static void put_blanks(struct buffer *out, int count)
+static void put_blanks(struct buffer *output, int count)
 {
     for (int i = 0; i < count; i++)
-        buffer_char(out, ' ');
+        buffer_char(output, ' ');
 }
 
-void text_table_put(const struct text_table *table, struct buffer *out)
+void text_table_put(const struct text_table *table, struct buffer *output)
 {
     int width[TABLE_COLUMNS_MAX] = {0};
     for (int i = 0; i < table->cells; i++) {
@@ -147,18 +147,19 @@ void text_table_put(const struct text_table *table, struct buffer *out)
     for (int i = 0; i < table->cells; i++) {
         const int column = i % table->columns;
         const bool last = column == table->columns - 1;
-        put_blanks(out, column == 0 ? table->indent : 0);
+        put_blanks(output, column == 0 ? table->indent : 0);
         if (width[column] >= 0) {
-            buffer_put(out, text_of(table->cell[i]));
-            put_blanks(out, last ? 0 : width[column] + gap - text_width(text_of(table->cell[i])));
+            buffer_put(output, text_of(table->cell[i]));
+            put_blanks(output,
+                       last ? 0 : width[column] + gap - text_width(text_of(table->cell[i])));
         }
         /* No blanks at the end of a line. */
-        while (last && out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')
-            out->data[--out->len] = '\0';
+        while (last && output->len > 0 && !output->failed && output->data[output->len - 1] == ' ')
+            output->data[--output->len] = '\0';
         if (last)
-            buffer_char(out, '\n');
+            buffer_char(output, '\n');
     }
     if (told.len > 0)
-        buffer_format(out, "%s\n", buffer_view(&told));
+        buffer_format(output, "%s\n", buffer_view(&told));
     buffer_free(&told);
 }

@@ -32,30 +32,30 @@ void buffer_measured(struct buffer *buffer, struct measured value, enum quantity
 /* A buffer in memory that is large enough for every value, so that it never grows. */
 static struct buffer fixed_buffer(struct value_text *text)
 {
-    return (struct buffer){.data = text->at, .cap = sizeof text->at};
+    return (struct buffer){.data = text->data, .cap = sizeof text->data};
 }
 
 const char *value_text_short(struct value_text *text, double value, int digits)
 {
-    struct buffer out = fixed_buffer(text);
-    buffer_short(&out, value, digits);
-    return text->at;
+    struct buffer output = fixed_buffer(text);
+    buffer_short(&output, value, digits);
+    return text->data;
 }
 
 const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
                                 int digits)
 {
-    struct buffer out = fixed_buffer(text);
-    buffer_quantity(&out, value, quantity, digits);
-    return text->at;
+    struct buffer output = fixed_buffer(text);
+    buffer_quantity(&output, value, quantity, digits);
+    return text->data;
 }
 
 const char *value_text_measured(struct value_text *text, struct measured value,
                                 enum quantity quantity, int digits)
 {
-    struct buffer out = fixed_buffer(text);
-    buffer_measured(&out, value, quantity, digits);
-    return text->at;
+    struct buffer output = fixed_buffer(text);
+    buffer_measured(&output, value, quantity, digits);
+    return text->data;
 }
 
 const char *plural_s(int64_t count)
@@ -78,26 +78,26 @@ void buffer_exact(struct buffer *buffer, struct measured value, enum quantity qu
 
 void buffer_word(struct buffer *buffer, struct text word)
 {
-    bool plain = word.len > 0 && word.at[0] != '#';
+    bool plain = word.len > 0 && word.data[0] != '#';
     bool raw = true;
     for (size_t i = 0; i < word.len; i++) {
-        plain &= !strchr(" \t\r\n;'\"\\,=>", word.at[i]);
-        raw &= word.at[i] != '\'' && word.at[i] != '\n';
+        plain &= !strchr(" \t\r\n;'\"\\,=>", word.data[i]);
+        raw &= word.data[i] != '\'' && word.data[i] != '\n';
     }
     if (plain) {
         buffer_put(buffer, word);
     } else if (raw) {
-        buffer_format(buffer, "'%.*s'", (int)word.len, word.at);
+        buffer_format(buffer, "'%.*s'", (int)word.len, word.data);
     } else {
         buffer_char(buffer, '"');
         for (size_t i = 0; i < word.len; i++) {
-            if (word.at[i] == '\n') {
+            if (word.data[i] == '\n') {
                 buffer_put(buffer, TEXT("\\n"));
                 continue;
             }
-            if (strchr("\"\\", word.at[i]))
+            if (strchr("\"\\", word.data[i]))
                 buffer_char(buffer, '\\');
-            buffer_char(buffer, word.at[i]);
+            buffer_char(buffer, word.data[i]);
         }
         buffer_char(buffer, '"');
     }

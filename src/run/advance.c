@@ -64,7 +64,7 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
     }
     if (run->trace->interval > 0) {
         trace_aim(run->trace, run->t, h);
-        segment->between = run->plan.adaptive || !trace_in_step(run->trace);
+        segment->rows_between_steps = run->plan.adaptive || !trace_in_step(run->trace);
     }
     if (target->condition || target->events > 0)
         ledger_will_not_repeat(run);
@@ -84,7 +84,7 @@ bool run_in_bounds(const struct run *run, const double *y)
 static void restore(struct run *run)
 {
     struct run_private *p = run->private_state;
-    copy_state(run->y, p->before, run->system.n);
+    copy_state(run->y, p->previous_state, run->system.n);
     if (p->step.low)
         copy_state(p->step.low, p->low_before, run->system.n);
     p->step.warm = false;
@@ -121,15 +121,15 @@ static double condition_after(void *context, double h)
 #define CONDITION_DISTANCE 1e-9
 
 /*
- * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low =
- * *high: there is none.
+ * A stretch about `crossing_time` of the step over h at whose ends the condition is false, then
+ * true; *low = *high: there is none.
  */
-static void enclose(struct partial_step *part, double at, double h, double *low, double *f_low,
-                    double *high, double *f_high)
+static void enclose(struct partial_step *part, double crossing_time, double h, double *low,
+                    double *f_low, double *high, double *f_high)
 {
     const struct condition *condition = part->segment->target->condition;
     for (double apart = CONDITION_DISTANCE;; apart *= 32) {
-        const double a = at / h - apart, b = at / h + apart;
+        const double a = crossing_time / h - apart, b = crossing_time / h + apart;
         *low = a > 0 ? a * h : 0;
         *high = b < 1 ? b * h : h;
         *f_low = condition_after(part, *low);
@@ -140,7 +140,7 @@ static void enclose(struct partial_step *part, double at, double h, double *low,
         if (apart > 1)
             break;
     }
-    *low = *high = at;
+    *low = *high = crossing_time;
 }
 
 /*
@@ -153,26 +153,29 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
     const size_t size = (size_t)run->system.n * sizeof *run->y;
     const double end = run->t, ulp = DBL_EPSILON * fmax(fabs(t), fabs(end));
     struct partial_step part = {run, segment, t, false};
-    double found[LIMIT_VARIABLES], low, high, f_low, f_high, at = theta * h;
+    double found[LIMIT_VARIABLES], low, high, f_low, f_high, crossing_time = theta * h;
     memcpy(found, run->y, size);
-    enclose(&part, at, h, &low, &f_low, &high, &f_high);
+    enclose(&part, crossing_time, h, &low, &f_low, &high, &f_high);
     if (low != high && !part.failed) {
         if (f_low != 0)
-            at = root_between(condition_after, &part, low, f_low, high, f_high, ulp);
+            crossing_time = root_between(condition_after, &part, low, f_low, high, f_high, ulp);
         else
-            at = low;
+            crossing_time = low;
         for (double more = ulp;
-             !condition_holds(segment->target->condition, condition_after(&part, at)) && at != high;
+             !condition_holds(segment->target->condition, condition_after(&part, crossing_time)) &&
+             crossing_time != high;
              more *= 2)
-            at = fabs(at + copysign(more, h)) < fabs(high) ? at + copysign(more, h) : high;
+            crossing_time = fabs(crossing_time + copysign(more, h)) < fabs(high)
+                                ? crossing_time + copysign(more, h)
+                                : high;
     }
-    const bool whole = at == h || part.failed;
+    const bool whole = crossing_time == h || part.failed;
     /* rows inside are of this step */
     if (!whole)
-        condition_after(&part, at);
+        condition_after(&part, crossing_time);
     else
         memcpy(run->y, found, size);
-    run->t = whole ? end : t + at;
+    run->t = whole ? end : t + crossing_time;
     forget_rounding(run->private_state, run->system.n);
     run->private_state->step.warm = false;
     return !whole;
@@ -180,7 +183,8 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
 
 /* Returns true, and puts the run there, if it stops in the step because the condition became
  * true. */
-static bool meet(struct run *run, struct segment *segment, double t, double h, bool *inside)
+static bool condition_meet(struct run *run, struct segment *segment, double t, double h,
+                           bool *inside)
 {
     const bool now = holds(segment);
     double theta = 1;
@@ -233,17 +237,18 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
-void controller_copy(struct controller *to, const struct controller *from,
+void controller_copy(struct controller *target, const struct controller *source,
                      const struct system *system)
 {
-    const size_t behind = offsetof(struct controller, elapsed),
+    const size_t tail_offset = offsetof(struct controller, elapsed),
                  switches = offsetof(struct controller, switches);
-    to->tol = from->tol;
-    copy_state(to->scale, from->scale, system->n);
-    copy_state(to->excess, from->excess, system->n);
-    memcpy((char *)to + behind, (const char *)from + behind, switches - behind);
+    target->tol = source->tol;
+    copy_state(target->scale, source->scale, system->n);
+    copy_state(target->excess, source->excess, system->n);
+    memcpy((char *)target + tail_offset, (const char *)source + tail_offset,
+           switches - tail_offset);
     if (system->switches > 0)
-        to->switches = from->switches;
+        target->switches = source->switches;
 }
 
 static inline bool must_thin(const struct run *run)
@@ -262,7 +267,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     struct controller controller;
     controller_copy(&controller, &run->controller, &run->system);
     p->gap_known = false;
-    copy_state(p->before, run->y, run->system.n);
+    copy_state(p->previous_state, run->y, run->system.n);
     if (p->step.low)
         copy_state(p->low_before, p->step.low, run->system.n);
     enum step_status status = step_once(run, segment, &t, &h, &end);
@@ -282,10 +287,10 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     enum stop stop = STOP_NONE;
     if (segment->target->events > 0 || segment->target->condition)
         noticed = events_find(run, segment, t, h);
-    if (segment->target->condition && noticed && meet(run, segment, t, h, &off_grid)) {
+    if (segment->target->condition && noticed && condition_meet(run, segment, t, h, &off_grid)) {
         cold = true;
         stop = STOP_CONDITION;
-        noticed = responses_add_moment(run, p->watch->until);
+        noticed = responses_add_moment(run, p->watch->stop_event);
     }
     if (run->trace->interval > 0)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);

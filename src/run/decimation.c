@@ -75,9 +75,10 @@ void trace_find_tail(struct trace *trace, int64_t begin)
 /* ---- many steps ---- */
 
 /* Replaces numbers by others where a is less than b. */
-ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *by, four *numbers)
+ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *replacement,
+                                      four *numbers)
 {
-    const four old = *numbers, new = *by;
+    const four old = *numbers, new = *replacement;
     for (int i = 0; i < VECTOR_LANES; i++)
         (*numbers)[i] = (*a)[i] < (*b)[i] ? new[i] : old[i];
 }
@@ -194,16 +195,17 @@ ALWAYS_INLINE void write_next(const struct trace *trace, struct row_writer *writ
     writer->next++;
 }
 
-/* Moves row `from` to the front. */
+/* Moves row `source_row` to the front. */
 ALWAYS_INLINE void move_next(struct trace *trace, struct row_writer *writer, int64_t step,
-                             size_t from)
+                             size_t source_row)
 {
     if (writer->marked) {
-        const struct energy_tally mark = trace_mark(trace, from);
+        const struct energy_tally mark = trace_mark(trace, source_row);
         trace_set_mark(trace, writer->next, &mark);
     }
     write_next(trace, writer, step,
-               trace->chunk[from >> CHUNK_SHIFT] + (from & (CHUNK_ROWS - 1)) * writer->width);
+               trace->chunk[source_row >> CHUNK_SHIFT] +
+                   (source_row & (CHUNK_ROWS - 1)) * writer->width);
 }
 
 /* Writes the chosen rows of those from `row` on, the first of which is after `step`. */
@@ -219,7 +221,7 @@ ALWAYS_INLINE void write_chosen(const struct trace *trace, struct row_writer *wr
 /* Thins a trace with each step in buckets of four: both of two rows stay, unless they are alike.
  * Notes the steps of the rows that stay, and moves these rows if `moves`. Returns false if out of
  * memory. */
-static bool thin(struct trace *trace, bool moves)
+static bool trace_steps_thin(struct trace *trace, bool moves)
 {
     static const int64_t bucket = 4;
     int64_t place[3 * BUCKETS_MAX];
@@ -247,7 +249,7 @@ static bool thin(struct trace *trace, bool moves)
 
 bool trace_thin(struct trace *trace)
 {
-    return thin(trace, false);
+    return trace_steps_thin(trace, false);
 }
 
 /* ---- buckets of twice the size ---- */
@@ -268,7 +270,7 @@ ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, s
 static void merge_buckets(struct trace *trace)
 {
     const size_t count = trace->count, width = trace->width;
-    const int64_t within = 2 * trace->bucket - 1, *step = NULL;
+    const int64_t bucket_mask = 2 * trace->bucket - 1, *step = NULL;
     const double *row = NULL;
     double min = 0, max = 0;
     struct row_writer writer = write_from(trace, 0, width);
@@ -282,7 +284,7 @@ static void merge_buckets(struct trace *trace)
         if (*step >= next) {
             if (i > 0)
                 move_bucket(trace, &writer, first, low, high);
-            next = (*step | within) + 1;
+            next = (*step | bucket_mask) + 1;
             first = low = high = i;
             min = max = *row;
         } else if (*row < min) {
@@ -317,7 +319,7 @@ void trace_thinned(struct trace *trace)
 
 bool trace_coarsen(struct trace *trace)
 {
-    if (trace->bucket == 1 && !thin(trace, true))
+    if (trace->bucket == 1 && !trace_steps_thin(trace, true))
         return false;
     merge_enough(trace);
     return true;
@@ -329,11 +331,11 @@ bool trace_coarsen(struct trace *trace)
  * their extremes can stay. Returns false if out of memory. */
 static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
-    int64_t at[2];
-    extremes(row, count, (int)trace->width, &at[0], &at[1]);
-    const bool swapped = at[0] > at[1];
+    int64_t extreme_index[2];
+    extremes(row, count, (int)trace->width, &extreme_index[0], &extreme_index[1]);
+    const bool swapped = extreme_index[0] > extreme_index[1];
     for (int i = 0; i < 2; i++) {
-        const int64_t k = at[swapped ? 1 - i : i];
+        const int64_t k = extreme_index[swapped ? 1 - i : i];
         const double *y = row + (size_t)k * trace->width;
         if (!trace_keep(trace, step + k, y[trace->width - 1], y))
             return false;
@@ -379,13 +381,13 @@ static int64_t record_some(struct trace *trace, int64_t step, const double *row,
 {
     const int64_t skipped = trace->decimates ? 0 : trace->next - step,
                   whole = whole_buckets(trace, step, count), in_bucket = trace->tail_end - step,
-                  within = in_bucket < count ? in_bucket : count;
+                  bucket_rows = in_bucket < count ? in_bucket : count;
     if (skipped > 0)
         return skipped < count ? skipped : count;
     if (whole > 0)
         return keep_buckets(trace, step, row, whole) ? whole : 0;
-    if (trace->bucket > 1 && within > 1 && trace->count + 3 < trace->cap)
-        return keep_within(trace, step, row, within) ? within : 0;
+    if (trace->bucket > 1 && bucket_rows > 1 && trace->count + 3 < trace->cap)
+        return keep_within(trace, step, row, bucket_rows) ? bucket_rows : 0;
     return trace_record(trace, step, row[trace->width - 1], row);
 }
 

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static void key(struct buffer *text, const char *name)
+static void description_key_put(struct buffer *text, const char *name)
 {
     buffer_format(text, "%-10s", name);
 }
@@ -24,7 +24,7 @@ static void describe_recognised(const struct system *system, struct buffer *text
     const struct oscillator *o = &system->oscillator;
     if (!system->model->typed || !o->whole)
         return;
-    key(text, "which is");
+    description_key_put(text, "which is");
     buffer_format(text, "an oscillator: ");
     if (o->stiffness > 0) {
         buffer_format(text, "omega0 = ");
@@ -37,17 +37,17 @@ static void describe_recognised(const struct system *system, struct buffer *text
     buffer_format(text, ", gamma = ");
     buffer_quantity(text, o->damping, QUANTITY_RATE, 6);
     const struct {
-        const char *before;
+        const char *prefix;
         double value;
-        const char *after;
+        const char *suffix;
     } more[] = {{", drag ", o->quadratic, " |v| v"},
                 {", constant ", -o->gravity, ""},
                 {", drive ", o->drive, ""}};
     for (size_t i = 0; i < COUNT_OF(more); i++)
         if (more[i].value != 0) {
-            buffer_put(text, text_of(more[i].before));
+            buffer_put(text, text_of(more[i].prefix));
             buffer_short(text, more[i].value, 6);
-            buffer_put(text, text_of(more[i].after));
+            buffer_put(text, text_of(more[i].suffix));
         }
     if (o->drive != 0) {
         buffer_put(text, TEXT(" cos(omega t + phase) with omega = "));
@@ -59,7 +59,7 @@ static void describe_recognised(const struct system *system, struct buffer *text
 static void describe_scene(const struct scene *scene, const struct system *system,
                            struct buffer *text)
 {
-    key(text, "scene");
+    description_key_put(text, "scene");
     buffer_format(text, "%s: state", scene->preset ? scene->preset->row.name : "typed");
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s %s", i ? "," : "", system_variable(system, i).name);
@@ -68,7 +68,7 @@ static void describe_scene(const struct scene *scene, const struct system *syste
                   system->conservative ? ", conservative" : "");
     for (int i = 0; i < system->terms; i++) {
         const struct row *row = &system->term[i].row->row;
-        key(text, i ? "" : "terms");
+        description_key_put(text, i ? "" : "terms");
         buffer_format(text, "%s: %s\n", row->name, row->brief);
     }
     describe_recognised(system, text);
@@ -102,7 +102,7 @@ static void describe_method(const struct method *method, bool compensated, struc
                     {METHOD_SYMPLECTIC, "symplectic"}, {METHOD_SYMMETRIC, "symmetric"},
                     {METHOD_ENERGY, "keeps energy"},   {METHOD_A_STABLE, "A-stable"},
                     {METHOD_L_STABLE, "L-stable"}};
-    key(text, "method");
+    description_key_put(text, "method");
     buffer_format(text, "%s", method->row.name);
     if (method->order)
         buffer_format(text, ", order %d", method->order);
@@ -122,11 +122,11 @@ static enum drag describe_drag(const struct system *system, const struct method 
     enum drag drag = asked;
     struct error ignored;
     if (!system->velocity) {
-        key(text, "drag");
+        description_key_put(text, "drag");
         buffer_format(text, system->dry ? "none but dry friction\n"
                                         : "none: no force depends on velocity\n");
     } else if (method_applies(method, system, &drag, &ignored) && drag != DRAG_DEFAULT) {
-        key(text, "drag");
+        description_key_put(text, "drag");
         buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
                       asked == DRAG_DEFAULT ? " (the method's default)" : "");
     } /* else it is a part of the force, as any other */
@@ -143,10 +143,10 @@ static const char *about_turns(const struct system *system, const struct method 
                "across)";
     if (system->oscillator.friction != 0)
         return "turning points: crossed (turning off), the order is lost there: dry friction jumps";
-    if (system->switches > 0 && (system->pieces || system->across) && !adaptive)
+    if (system->switches > 0 && (system->pieces || system->steps_across_kinks) && !adaptive)
         return method_meets_switches(method, system)
                    ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
-               : system->across
+               : system->steps_across_kinks
                    ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
                    : "switches (if, abs, sign, ...): crossed by this method, the order is lost "
                      "there";
@@ -154,8 +154,9 @@ static const char *about_turns(const struct system *system, const struct method 
         return NULL;
     return method_turns(method, system)
                ? "turning points: located by extra steps ('set turning off' goes across)"
-           : system->across ? "turning points: crossed (turning off), the order is lost there"
-                            : "order is lost at turning points: quadratic drag is only C^1 there";
+           : system->steps_across_kinks
+               ? "turning points: crossed (turning off), the order is lost there"
+               : "order is lost at turning points: quadratic drag is only C^1 there";
 }
 
 static void describe_tolerance(const struct system *system, const struct run_settings *settings,
@@ -202,13 +203,13 @@ static void describe_steps(const struct scene *scene, const struct system *syste
     const char *turns = about_turns(system, method, plan->adaptive);
     if (turns)
         buffer_format(text, "%-10s%s\n", "", turns);
-    key(text, "steps");
+    description_key_put(text, "steps");
     if (plan->adaptive) {
         describe_tolerance(system, settings, text);
         return;
     }
     describe_grid(method, settings, plan, text);
-    key(text, "kernel");
+    description_key_put(text, "kernel");
     if (plan->propagates)
         buffer_format(text, "propagator: powers of the one-step matrix, no forces are evaluated\n");
     else if (settings->kernel != KERNEL_GENERAL && !settings->compensated &&
@@ -217,7 +218,7 @@ static void describe_steps(const struct scene *scene, const struct system *syste
     else
         buffer_format(text, "general: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
-        key(text, "evals");
+        description_key_put(text, "evals");
         describe_evaluations(scene, system, method, settings, plan, text);
         buffer_format(text, ", estimated time ");
         buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
@@ -228,7 +229,7 @@ static void describe_steps(const struct scene *scene, const struct system *syste
 static void describe_record(const struct system *system, const struct run_settings *settings,
                             const struct plan *plan, struct buffer *text)
 {
-    key(text, "record");
+    description_key_put(text, "record");
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s%s", i ? ", " : "", system_variable(system, i).name);
     const bool timed = settings->record.rule == RECORD_TIMES;
@@ -255,7 +256,7 @@ static void describe_prediction(const struct system *system, const struct method
     if (isnan(plan->growth))
         return;
     double limit = plan_stable_limit(system, method, settings->drag);
-    key(text, "predicted");
+    description_key_put(text, "predicted");
     buffer_format(text, "amplitude times ");
     buffer_short(text, plan->growth, 10);
     buffer_format(text, " a step");
@@ -280,13 +281,13 @@ void plan_describe(const struct scene *scene, const struct system *system,
     describe_steps(scene, system, method, settings, plan, text);
     describe_record(system, settings, plan, text);
     describe_prediction(system, method, settings, plan, text);
-    key(text, "exact");
+    description_key_put(text, "exact");
     buffer_format(text, !plan->exact_known ? "no closed form: no error column\n"
                         : system->oscillator.whole || system->model->exact
                             ? "closed form known: no reference integration\n"
                             : "known by the matrix exponential: no reference integration\n");
     if (system->order == 2 && !system->energy) {
-        key(text, "energy");
+        description_key_put(text, "energy");
         buffer_format(text,
                       "unknown: the typed forces have no potential; kinetic is what there is\n");
     }

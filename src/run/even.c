@@ -62,10 +62,10 @@ int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, 
 enum stop even_record(struct run *run, bool cold, double t, double h)
 {
     struct trace *trace = run->trace;
-    const double near = nearness(trace, run->t);
-    for (double due; due = due_time(trace), (due - run->t) * trace->ahead <= near;) {
+    const double t_tolerance = nearness(trace, run->t);
+    for (double due; due = due_time(trace), (due - run->t) * trace->ahead <= t_tolerance;) {
         double inside[LIMIT_VARIABLES];
-        const bool end = fabs(due - run->t) <= near;
+        const bool end = fabs(due - run->t) <= t_tolerance;
         if (!end) {
             const struct inside step = inside_of(run, cold, t, h);
             inside_state(&step, (due - t) / h, inside);

@@ -49,18 +49,18 @@ void trace_regrid(struct trace *trace, struct time_grid grid)
     trace->grid[trace->grids++] = grid;
 }
 
-struct stretch stretch_measure(double from, double to, double dt)
+struct stretch stretch_measure(double t_begin, double t_end, double dt)
 {
-    double ratio = fabs(to - from) / dt;
+    double ratio = fabs(t_end - t_begin) / dt;
     if (!(ratio <= LIMIT_STEPS))
         return (struct stretch){.ratio = ratio, .whole = (int64_t)LIMIT_STEPS};
     /* The difference carries the rounding of both times, which is what the second bound allows for.
      */
-    double near = round(ratio), size = fmax(fabs(from), fabs(to)) / dt;
-    if (fabs(ratio - near) <= 4 * DBL_EPSILON * fmax(near, size))
-        return (struct stretch){.ratio = ratio, .whole = (int64_t)near, .exact = true};
+    double nearest = round(ratio), size = fmax(fabs(t_begin), fabs(t_end)) / dt;
+    if (fabs(ratio - nearest) <= 4 * DBL_EPSILON * fmax(nearest, size))
+        return (struct stretch){.ratio = ratio, .whole = (int64_t)nearest, .exact = true};
     double whole = floor(ratio);
     return (struct stretch){.ratio = ratio,
                             .whole = (int64_t)whole,
-                            .partial = to - (from + whole * copysign(dt, to - from))};
+                            .partial = t_end - (t_begin + whole * copysign(dt, t_end - t_begin))};
 }

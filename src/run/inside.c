@@ -36,7 +36,7 @@ static bool side_step(const struct inside *inside, const struct step *last, doub
     step.error = step.low = NULL;
     step.switches = NULL;
     step.warm = step.again = false;
-    copy_state(y, p->before, run->system.n);
+    copy_state(y, p->previous_state, run->system.n);
     const enum step_status status = method_turning_step(run->method, &step);
     p->step.cost = step.cost;
     return status == STEP_OK;
@@ -69,7 +69,7 @@ void inside_state(const struct inside *inside, double theta, double *y)
     struct system frozen;
     const struct step last = inside_step(inside, &sliding, &frozen);
     if (!p->side || !side_step(inside, &last, theta, y))
-        method_dense(&inside->method, &last, p->before, theta, y);
+        method_dense(&inside->method, &last, p->previous_state, theta, y);
     else if (run->method->flags & METHOD_MULTISTEP)
         close_gap(inside, &last, theta, y);
     sliding_free(&sliding);

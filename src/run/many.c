@@ -14,13 +14,13 @@
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
     const four_bits limit = *(const four_bits *)(const void *)bound;
-    four_bits beyond = {0};
+    four_bits exceeded = {0};
     for (int64_t i = 0; i < fours; i++)
-        beyond |=
+        exceeded |=
             limit - (*(const four_bits *)(const void *)(number + i * VECTOR_LANES) & INT64_MAX);
     uint64_t any = 0;
     for (int k = 0; k < VECTOR_LANES; k++)
-        any |= beyond[k];
+        any |= exceeded[k];
     return (int64_t)any >= 0;
 }
 
@@ -34,11 +34,11 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
     for (int i = 0; i < VECTOR_LANES; i++)
         smallest[i] = least;
     const int64_t fours = count * n / VECTOR_LANES;
-    int64_t within = all_within(row, fours, smallest) ? fours * VECTOR_LANES / n : 0;
-    for (; within < count; within++)
+    int64_t accepted = all_within(row, fours, smallest) ? fours * VECTOR_LANES / n : 0;
+    for (; accepted < count; accepted++)
         for (int k = 0; k < n; k++)
-            if (!(fabs(row[within * n + k]) <= bound[k]))
-                return within;
+            if (!(fabs(row[accepted * n + k]) <= bound[k]))
+                return accepted;
     return count;
 }
 
@@ -110,7 +110,7 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
     if (restores && *good + 1 < taken + (*status != STEP_OK)) {
         p->step = was;
         run->controller.switches = switches;
-        copy_state(run->y, p->before, n);
+        copy_state(run->y, p->previous_state, n);
         memcpy(p->work, p->work_before, size);
         march->count = *good + 1;
         taken = method_turning_march(run->method, p->kernel, march, status);
@@ -153,15 +153,15 @@ struct adapted_from {
 };
 
 /* Takes `count` adaptive steps from there once more, fewer than before. */
-static void adapt_again(struct run *run, const struct adapted_from *from, double end, int64_t count,
-                        double *row)
+static void adapt_again(struct run *run, const struct adapted_from *saved, double end,
+                        int64_t count, double *row)
 {
     struct run_private *p = run->private_state;
     enum step_status status;
-    p->step = from->step;
-    copy_state(run->y, p->before, run->system.n);
+    p->step = saved->step;
+    copy_state(run->y, p->previous_state, run->system.n);
     memcpy(p->work, p->work_before, method_work_size(run->method, run->system.n) * sizeof *p->work);
-    controller_copy(&run->controller, &from->controller, &run->system);
+    controller_copy(&run->controller, &saved->controller, &run->system);
     if (count > 0)
         method_adapt_many(&p->step, &run->controller, end, count, row, &status);
 }
@@ -174,13 +174,13 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
 {
     struct run_private *p = run->private_state;
     const int n = run->system.n;
-    struct adapted_from from = {.step = p->step};
+    struct adapted_from saved = {.step = p->step};
     enum step_status status = STEP_OK;
     double bound[LIMIT_VARIABLES + 1];
     copy_state(bound, p->bound, n);
     bound[n] = HUGE_VAL; /* bound of the time */
-    controller_copy(&from.controller, &run->controller, &run->system);
-    copy_state(p->before, run->y, n);
+    controller_copy(&saved.controller, &run->controller, &run->system);
+    copy_state(p->previous_state, run->y, n);
     const int64_t taken = method_adapt_many(&p->step, &run->controller, end, count, row, &status);
     int64_t good = rows_within(row, taken, n + 1, bound);
     /* No step beyond the bounds was taken: the step there gives the reason. */
@@ -196,7 +196,7 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
         good = recorded;
     }
     if (good < taken || good == 0)
-        adapt_again(run, &from, end, good, row);
+        adapt_again(run, &saved, end, good, row);
     return good;
 }
 
@@ -224,13 +224,13 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     const double *last = row + (size_t)(good - 1) * width;
     p->gap_known = false;
     if (good > 1)
-        copy_state(p->before, last - width, n);
+        copy_state(p->previous_state, last - width, n);
     if (!in_trace)
         ledger_take(run, row, row + n, width, good);
     run->steps += good;
     run->t = last[n];
     if (*stop != STOP_NONE)
-        copy_state(p->before, run->y, n);
+        copy_state(p->previous_state, run->y, n);
     else if (run_creeps(run))
         *stop = STOP_SINGULAR;
     return true;
@@ -241,7 +241,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = min_steps(segment->limit, segment->last) - run->steps;
-    if (segment->target->condition || segment->target->events > 0 || segment->between ||
+    if (segment->target->condition || segment->target->events > 0 || segment->rows_between_steps ||
         ledger_is_due(run))
         return false;
     if (run->plan.adaptive)
@@ -253,7 +253,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     double *row = open_rows(run, (size_t)n, &capacity, &in_trace);
     if (!row)
         return false;
-    copy_state(p->before, run->y, n);
+    copy_state(p->previous_state, run->y, n);
     p->step.h = segment->grid.h;
     struct march march = {.step = &p->step,
                           .origin = segment->grid.origin,
@@ -297,7 +297,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         ledger_take(run, row, NULL, (size_t)n, good);
     }
     if (good < march.count && *stop != STOP_NONE) { /* back to the last good state */
-        copy_state(run->y, good > 0 ? row + (good - 1) * n : p->before, n);
+        copy_state(run->y, good > 0 ? row + (good - 1) * n : p->previous_state, n);
         p->step.warm = false;
     }
     run->steps += good;

@@ -52,17 +52,18 @@ static struct phase_point phase_point(const struct system *system, const double 
 /* Grows with time: q = A cos(phase), p = -A sin(phase). From -pi to pi. */
 static double phase_after(struct phase_point a, struct phase_point b)
 {
-    const double along = a.q * b.q + a.p * b.p, across = a.q * b.p - a.p * b.q;
-    if (fabs(along) + fabs(across) > DBL_MIN / DBL_EPSILON)
-        return fixed_atan2(across, along);
+    const double dot_product = a.q * b.q + a.p * b.p, cross_product = a.q * b.p - a.p * b.q;
+    if (fabs(dot_product) + fabs(cross_product) > DBL_MIN / DBL_EPSILON)
+        return fixed_atan2(cross_product, dot_product);
     /* their products are too small */
     return remainder(fixed_atan2(-a.p, a.q) - fixed_atan2(-b.p, b.q), 2 * M_PI);
 }
 
 /* The angle, whose turns are not known, that is nearest to the one before. */
-static double with_turns(double angle, double before)
+static double with_turns(double angle, double previous)
 {
-    return fabs(angle - before) <= M_PI ? angle : before + remainder(angle - before, 2 * M_PI);
+    return fabs(angle - previous) <= M_PI ? angle
+                                          : previous + remainder(angle - previous, 2 * M_PI);
 }
 
 static double amplitude_of(const struct system *system, const double *y)
@@ -178,7 +179,7 @@ const struct observable *observable_energy(const struct system *system)
                                                                    : TEXT("kinetic"));
 }
 
-bool run_column(const struct run *run, const struct observable *observable, double *out,
+bool run_column(const struct run *run, const struct observable *observable, double *values,
                 struct error *error)
 {
     const char *missing = missing_need(observable, &run->system, run->plan.exact_known);
@@ -191,23 +192,23 @@ bool run_column(const struct run *run, const struct observable *observable, doub
             walk_leave(&walk);
             return error_set(error, ERROR_CANCELLED, "stopped");
         }
-        *out++ = observable->value(&walk.sample);
+        *values++ = observable->value(&walk.sample);
     }
     return true;
 }
 
-void run_variable_column(const struct run *run, int i, double *out)
+void run_variable_column(const struct run *run, int i, double *values)
 {
     for (size_t row = 0; row < trace_count(run->trace); row++)
-        out[row] = trace_state(run->trace, row)[i];
+        values[row] = trace_state(run->trace, row)[i];
 }
 
-void run_observed_column(const struct run *run, int i, double *out)
+void run_observed_column(const struct run *run, int i, double *values)
 {
     struct walk walk;
     walk_begin(&walk, run, 0);
     while (walk_next(&walk))
-        *out++ = system_observe(walk.sample.system, i, walk.sample.t, walk.sample.y);
+        *values++ = system_observe(walk.sample.system, i, walk.sample.t, walk.sample.y);
 }
 
 double run_observed(const struct run *run, int i)
@@ -339,10 +340,11 @@ bool run_scope(const struct run *run, struct expr_scope *scope)
 
 struct moving run_scope_moving(const struct run *run, int slot)
 {
-    const int n = run->system.n, above = slot - n - model_observed(run->system.model);
+    const int n = run->system.n, observable_slot = slot - n - model_observed(run->system.model);
     if (slot < n)
         return (struct moving){MOVING_STATE, slot};
-    double (*const value)(const struct sample *) = above < 0 ? NULL : observables[above].value;
+    double (*const value)(const struct sample *) =
+        observable_slot < 0 ? NULL : observables[observable_slot].value;
     if (value == value_t)
         return (struct moving){MOVING_TIME, 0};
     if (value == value_y || (value == value_v && run->system.order == 2))
@@ -355,11 +357,11 @@ int run_scope_slots(const struct run *run)
     return run->system.n + model_observed(run->system.model) + (int)COUNT_OF(observables);
 }
 
-double run_speed_max(const struct run *run, double from, double to)
+double run_speed_max(const struct run *run, double t_begin, double t_end)
 {
     double max = 0;
     for (size_t i = 0; i < trace_count(run->trace); i++)
-        if (trace_time(run->trace, i) >= from && trace_time(run->trace, i) <= to)
+        if (trace_time(run->trace, i) >= t_begin && trace_time(run->trace, i) <= t_end)
             max = fmax(max, fabs(trace_state(run->trace, i)[run->system.n / 2]));
     return max;
 }

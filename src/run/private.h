@@ -16,13 +16,13 @@ struct cancel;
 
 /* Once or twice a step: most scenes have two variables, for which a call costs more than the copy.
  */
-static inline void copy_state(double *to, const double *from, int n)
+static inline void copy_state(double *target, const double *source, int n)
 {
     if (n == 2) {
-        to[0] = from[0];
-        to[1] = from[1];
+        target[0] = source[0];
+        target[1] = source[1];
     } else {
-        memcpy(to, from, (size_t)n * sizeof *to);
+        memcpy(target, source, (size_t)n * sizeof *target);
     }
 }
 
@@ -62,12 +62,13 @@ struct turns {
     double cosine[WORK_BLOCK + 1], sine[WORK_BLOCK + 1];
 };
 
-/* `count` steps under one system, from the state `before`; row k is the state after step k. */
+/* `count` steps under one system, from the state `initial_state`; row k is the state after step k.
+ */
 struct work {
     const struct system *system;
     double factor; /* Scale factor of all states. */
     int count;
-    const double *before, *row;
+    const double *initial_state, *row;
     size_t stride; /* numbers from one row to the next */
     /* Times [count + 1] of the states; NULL if they are at origin + (index + k) h, in one block of
      * the index. */
@@ -100,7 +101,7 @@ struct kick {
 
 /* Records of events, in order of time. */
 struct event_records {
-    struct event_record *at;
+    struct event_record *record;
     double *state; /* [count][n] */
     size_t count, capacity;
 };
@@ -111,8 +112,8 @@ struct run_private {
     double *side; /* another one, where states inside of a step need steps of their own; NULL */
     /* [n] the gap (inside.c) from a step without memory to the one taken, */
     double *gap;
-    bool gap_known;      /* known for this step */
-    double *before;      /* [n] state before the step */
+    bool gap_known;         /* known for this step */
+    double *previous_state; /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* one epoch or more */
@@ -164,12 +165,12 @@ static inline void forget_rounding(struct run_private *p, int n)
 struct segment {
     const struct run_target *target;
     struct time_grid grid;
-    int64_t last;  /* fixed step: index where the whole steps end */
-    double rest;   /* [s] partial step after it; 0 if there is none */
-    bool exact;    /* the whole steps end at the target */
-    int64_t limit; /* step index to stop at */
-    bool between;  /* rows at even times are between the steps */
-    bool armed;    /* the condition was false since it was last true */
+    int64_t last;            /* fixed step: index where the whole steps end */
+    double rest;             /* [s] partial step after it; 0 if there is none */
+    bool exact;              /* the whole steps end at the target */
+    int64_t limit;           /* step index to stop at */
+    bool rows_between_steps; /* rows at even times are between the steps */
+    bool armed;              /* the condition was false since it was last true */
 };
 
 /* ---- rows at even times, if trace->interval is set (even.c) ---- */
@@ -283,7 +284,7 @@ enum stop stop_of_step(enum step_status status);
  * t. */
 double run_arrival(double t, double end);
 /* Copies the part of a controller that a system of this size uses. */
-void controller_copy(struct controller *to, const struct controller *from,
+void controller_copy(struct controller *target, const struct controller *source,
                      const struct system *system);
 /* all finite, and not what counts as diverged */
 bool run_in_bounds(const struct run *run, const double *y);
@@ -325,7 +326,7 @@ const struct epoch *run_epoch(const struct run *run, int64_t step);
 struct walk {
     const struct run *run;
     unsigned needs;
-    size_t next, from, to; /* rows from - to are in `done` */
+    size_t next, done_begin, done_end; /* rows from - to are in `done` */
     struct balance balance;
     struct work_done done;
     double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];

@@ -46,12 +46,12 @@ static bool image(const struct run *run, double h, double *y)
 /* Half of the bound is left to rounding. */
 bool propagator_within(const struct propagator *p, const double *bound)
 {
-    bool within = true;
+    bool is_bounded = true;
     for (int k = 0; k < STATE_SIZE; k++)
-        within = within && p->reach[k][0] * p->max[0] + p->reach[k][1] * p->max[1] +
-                                   p->reach[k][STATE_SIZE] <=
-                               bound[k] / 2;
-    return within;
+        is_bounded = is_bounded && p->reach[k][0] * p->max[0] + p->reach[k][1] * p->max[1] +
+                                           p->reach[k][STATE_SIZE] <=
+                                       bound[k] / 2;
+    return is_bounded;
 }
 
 double propagator_step(const struct propagator *propagator)
@@ -173,7 +173,7 @@ void propagator_set_place(struct propagator *p, const struct propagator_place *p
 int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, double *y,
                            double *row)
 {
-    double within[BLOCK_STEPS * STATE_SIZE];
+    double block_state[BLOCK_STEPS * STATE_SIZE];
     int64_t done = 0;
     p->max[0] = p->max[1] = 0;
     while (done < count) {
@@ -189,8 +189,8 @@ int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, d
             blocks(p, y, row + done * STATE_SIZE, taken / BLOCK_STEPS);
         } else {
             taken = taken < BLOCK_STEPS - inside ? taken : BLOCK_STEPS - inside;
-            blocks(p, p->anchor, within, 1);
-            memcpy(row + done * STATE_SIZE, within + inside * STATE_SIZE,
+            blocks(p, p->anchor, block_state, 1);
+            memcpy(row + done * STATE_SIZE, block_state + inside * STATE_SIZE,
                    (size_t)taken * STATE_SIZE * sizeof *row);
         }
         done += taken;

@@ -131,8 +131,8 @@ static bool allocate(struct run *run)
     if (!p->work || !push_epoch(run, &run->scene, &run->system, run->y) ||
         !trace_reserve_grids(run->trace, 1))
         return false;
-    p->before = p->work + work;
-    p->bound = p->before + n;
+    p->previous_state = p->work + work;
+    p->bound = p->previous_state + n;
     p->low_before = p->bound + n;
     p->gap = p->low_before + 2 * n;
     p->side = side ? p->gap + n : NULL;
@@ -219,7 +219,7 @@ void run_destroy(struct run *run)
         free(run->private_state->propagator);
         free(run->private_state->epoch);
         events_watch_destroy(run->private_state->watch);
-        free(run->private_state->event_records.at);
+        free(run->private_state->event_records.record);
         free(run->private_state->event_records.state);
         free(run->private_state->kick);
         responses_free(&run->private_state->responses);
@@ -385,7 +385,8 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
 {
     struct run_private *p = run->private_state;
     const struct system *system = &run->system;
-    const double was = run->y[i], before = system->order == 2 ? system_energy(system, run->y) : 0;
+    const double was = run->y[i],
+                 previous_energy = system->order == 2 ? system_energy(system, run->y) : 0;
     if (run->method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND,
                          "%s keeps what it knows to itself: its state cannot be changed on the way",
@@ -409,8 +410,9 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     if (!run->plan.adaptive)
         trace_regrid(run->trace, (struct time_grid){run->steps, run->t, trace_grid(run->trace)->h});
     trace_present(run->trace, run->steps, run->t, run->y);
-    p->kick[p->kicks++] = (struct kick){
-        run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
+    p->kick[p->kicks++] =
+        (struct kick){run->steps, run->t,
+                      system->order == 2 ? system_energy(system, run->y) - previous_energy : 0};
     /* Another motion: what the step control has learnt of the old one is no guide. */
     run->controller = (struct controller){.tol = run->settings.tol,
                                           .h = copysign(run->settings.dt, run->controller.h)};

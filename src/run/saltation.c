@@ -19,7 +19,7 @@ static const double difference = 6e-6;
 
 void responses_free(struct responses *all)
 {
-    free(all->at);
+    free(all->response);
     free(all->slope);
 }
 
@@ -39,11 +39,11 @@ static bool add_response(struct run *run, const struct response *response, const
     struct responses *all = &run->private_state->responses;
     const int n = run->system.n;
     size_t capacity = all->capacity;
-    if (!array_reserve(&all->at, sizeof *all->at, all->count, &capacity) ||
+    if (!array_reserve(&all->response, sizeof *all->response, all->count, &capacity) ||
         !array_reserve(&all->slope, (2 * (size_t)n + 1) * sizeof *all->slope, all->count,
                        &all->capacity))
         return false;
-    all->at[all->count++] = *response;
+    all->response[all->count++] = *response;
     double *slope = slopes_of(run, all->count - 1);
     for (int i = 0; i <= n; i++)
         slope[i] = NAN;
@@ -51,13 +51,13 @@ static bool add_response(struct run *run, const struct response *response, const
     return true;
 }
 
-bool responses_add_jump(struct run *run, int variable, double before)
+bool responses_add_jump(struct run *run, int variable, double previous_value)
 {
     double state[LIMIT_VARIABLES];
     if (!run->plan.adaptive)
         return true;
     copy_state(state, run->y, run->system.n);
-    state[variable] = before;
+    state[variable] = previous_value;
     return add_response(run, &(struct response){run->steps, run->t, run->y[variable], variable},
                         state);
 }
@@ -65,7 +65,7 @@ bool responses_add_jump(struct run *run, int variable, double before)
 void run_set_jump_slopes(struct run *run, const double *slope)
 {
     const struct responses *all = &run->private_state->responses;
-    if (all->count > 0 && all->at[all->count - 1].step == run->steps)
+    if (all->count > 0 && all->response[all->count - 1].step == run->steps)
         memcpy(slopes_of(run, all->count - 1), slope, ((size_t)run->system.n + 1) * sizeof *slope);
 }
 
@@ -89,17 +89,17 @@ static void find_moment_slopes(struct run *run, const struct watched *watched, d
     for (int i = 0; i <= n; i++) {
         const double size = i < n ? fmax(watch->size[i], fabs(h * f[i])) : fabs(h);
         const double rounding = i < n ? 0 : 4 * DBL_EPSILON * fabs(t) / difference;
-        const double by = difference * (size > 0 ? fmax(size, rounding) : 1);
+        const double step = difference * (size > 0 ? fmax(size, rounding) : 1);
         double value[2];
         for (int side = 0; side < 2; side++) {
-            const double off = side ? by : -by;
+            const double shift = side ? step : -step;
             if (i < n)
-                y[i] = state[i] + off;
-            value[side] = events_watch_value(watch, watched, i < n ? t : t + off, y);
+                y[i] = state[i] + shift;
+            value[side] = events_watch_value(watch, watched, i < n ? t : t + shift, y);
         }
         if (i < n)
             y[i] = state[i];
-        slope[i] = (value[1] - value[0]) / (2 * by);
+        slope[i] = (value[1] - value[0]) / (2 * step);
         moving += slope[i] != 0;
         largest = fmax(largest, fabs(value[1] - value[0]));
         jump = fmax(jump, fabs(value[1] - 2 * here + value[0]));
@@ -154,8 +154,8 @@ bool responses_moment_moves(const struct run *run)
 {
     const struct responses *all = &run->private_state->responses;
     bool moves = false;
-    for (size_t i = all->count; i > 0 && all->at[i - 1].t == run->t; i--)
-        for (int k = 0; k < run->system.n && all->at[i - 1].variable == RESPONSE_MOMENT; k++)
+    for (size_t i = all->count; i > 0 && all->response[i - 1].t == run->t; i--)
+        for (int k = 0; k < run->system.n && all->response[i - 1].variable == RESPONSE_MOMENT; k++)
             moves = moves || slopes_of(run, i - 1)[k] != 0;
     return moves;
 }
@@ -163,7 +163,7 @@ bool responses_moment_moves(const struct run *run)
 void responses_truncate(struct run *run)
 {
     struct responses *all = &run->private_state->responses;
-    while (all->count > 0 && all->at[all->count - 1].step > run->steps)
+    while (all->count > 0 && all->response[all->count - 1].step > run->steps)
         all->count--;
 }
 
@@ -203,7 +203,7 @@ static double moment_moved(const struct run *run, const struct saltation *saltat
 {
     static const double bent = 0.3; /* share of rate^2: errors twice as large still meet it */
     const double *slope = slopes_of(run, i), *state = state_of(run, i);
-    const struct response *response = &run->private_state->responses.at[i];
+    const struct response *response = &run->private_state->responses.response[i];
     const int n = run->system.n;
     double f[LIMIT_VARIABLES], rate = slope[n];
     system_derivative(system, response->t, state, f);
@@ -213,10 +213,10 @@ static double moment_moved(const struct run *run, const struct saltation *saltat
     if (exact == 0 && rate == 0)
         return 0;
     /* The moment itself is rounded. */
-    const double off = exact + copysign(DBL_EPSILON * fabs(response->t * rate), exact);
+    const double deviation = exact + copysign(DBL_EPSILON * fabs(response->t * rate), exact);
     if (!(2 * fabs(bend) * function_error(run, saltation, i, y) <= bent * rate * rate))
         return NAN;
-    return -2 * off / (rate + copysign(sqrt(rate * rate - 2 * bend * off), rate));
+    return -2 * deviation / (rate + copysign(sqrt(rate * rate - 2 * bend * deviation), rate));
 }
 
 /* Moves y by the motion over the time between the two moments (midpoint rule). */
@@ -224,15 +224,15 @@ static void saltation_shift(const struct saltation *saltation, const struct syst
                             double sign, double *y)
 {
     double f[LIMIT_VARIABLES], middle[LIMIT_VARIABLES];
-    const double by = sign * saltation->moved;
+    const double shift = sign * saltation->moved;
     if (saltation->moved == 0)
         return;
     system_derivative(system, saltation->t, y, f);
     for (int i = 0; i < system->n; i++)
-        middle[i] = y[i] + by / 2 * f[i];
-    system_derivative(system, saltation->t + by / 2, middle, f);
+        middle[i] = y[i] + shift / 2 * f[i];
+    system_derivative(system, saltation->t + shift / 2, middle, f);
     for (int i = 0; i < system->n; i++)
-        y[i] += by * f[i];
+        y[i] += shift * f[i];
 }
 
 void saltation_note(struct saltation *saltation, int n, const double *own, const double *y)
@@ -245,17 +245,17 @@ const struct response *saltation_next_miss(const struct run *run, struct saltati
                                            int64_t step)
 {
     const struct responses *all = &run->private_state->responses;
-    while (saltation->miss < all->count && all->at[saltation->miss].variable != RESPONSE_MISS)
+    while (saltation->miss < all->count && all->response[saltation->miss].variable != RESPONSE_MISS)
         saltation->miss++;
-    const bool due = saltation->miss < all->count && all->at[saltation->miss].step <= step;
-    return due ? &all->at[saltation->miss] : NULL;
+    const bool due = saltation->miss < all->count && all->response[saltation->miss].step <= step;
+    return due ? &all->response[saltation->miss] : NULL;
 }
 
 bool saltation_pass_miss(const struct run *run, struct saltation *saltation, const double *y)
 {
     static const double margin = 3; /* times the errors of an estimate */
     const size_t i = saltation->miss++;
-    const struct response *miss = &run->private_state->responses.at[i];
+    const struct response *miss = &run->private_state->responses.response[i];
     if (margin * function_error(run, saltation, i, y) < fabs(miss->value))
         return true;
     saltation->lost = miss->t;
@@ -271,10 +271,11 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
         saltation->begun = true;
         saltation->t = t;
         saltation->moved = 0;
-        while (saltation->next < all->count && (all->at[saltation->next].t - t) * ahead < 0)
+        while (saltation->next < all->count && (all->response[saltation->next].t - t) * ahead < 0)
             saltation->next++;
         const size_t i = saltation->next;
-        if (i < all->count && all->at[i].t == t && all->at[i].variable == RESPONSE_MOMENT) {
+        if (i < all->count && all->response[i].t == t &&
+            all->response[i].variable == RESPONSE_MOMENT) {
             saltation->moved = moment_moved(run, saltation, system, i, y);
             saltation_note(saltation, system->n, state_of(run, i), y);
             saltation->lost = isnan(saltation->moved) ? t : saltation->lost;
@@ -293,7 +294,7 @@ static double jump_rounding(const struct run *run, size_t i)
     double sum = 0;
     for (int k = 0; k < run->system.n; k++)
         sum += slope[k] != 0 ? fabs(slope[k] * state[k]) : 0;
-    const double value = fabs(run->private_state->responses.at[i].value);
+    const double value = fabs(run->private_state->responses.response[i].value);
     return sum > 0 ? typical * fmax(sum, value) : 0;
 }
 
@@ -301,14 +302,15 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
                     double *y)
 {
     const struct responses *all = &run->private_state->responses;
-    for (size_t i = saltation->next; i < all->count && all->at[i].step <= step; i++) {
-        const struct response *response = &all->at[i];
+    for (size_t i = saltation->next; i < all->count && all->response[i].step <= step; i++) {
+        const struct response *response = &all->response[i];
         if (response->step != step || response->variable < 0)
             continue;
         /* Both solutions would be rounded alike: errors of a map that spreads them would be lost.
          */
-        const double off = difference_by(run, i, y, saltation->moved);
-        y[response->variable] = response->value + off + copysign(jump_rounding(run, i), off);
+        const double deviation = difference_by(run, i, y, saltation->moved);
+        y[response->variable] =
+            response->value + deviation + copysign(jump_rounding(run, i), deviation);
         return isfinite(y[response->variable]);
     }
     return false;

@@ -23,7 +23,7 @@ struct response {
 };
 
 struct responses {
-    struct response *at;
+    struct response *response;
     /* [count][2 n + 1] derivatives by the variables and by time, NAN where they are not known; then
      * the state to which they belong */
     double *slope;
@@ -35,7 +35,7 @@ struct responses {
 bool responses_add_moment(struct run *run, int event);
 /* The event was nearly met at the fraction theta of the step. */
 bool responses_add_miss(struct run *run, int event, double theta);
-bool responses_add_jump(struct run *run, int variable, double before);
+bool responses_add_jump(struct run *run, int variable, double previous_value);
 /* The run stands at an event whose moment depends on the state: another solution has another. */
 bool responses_moment_moves(const struct run *run);
 void responses_truncate(struct run *run); /* removes those after the present step */

@@ -69,42 +69,44 @@ static size_t work_size(const struct run *run)
     return method_work_size(run->method, run->system.n) + 4 * n;
 }
 
-static void put_array(struct buffer *to, const char *name, const void *array, size_t count,
+static void put_array(struct buffer *buffer, const char *name, const void *array, size_t count,
                       size_t bytes)
 {
-    field_put(to, name, count > 0 ? array : NULL, count * bytes);
+    field_put(buffer, name, count > 0 ? array : NULL, count * bytes);
 }
 
-void run_store(const struct run *run, struct buffer *to)
+void run_store(const struct run *run, struct buffer *output)
 {
     const struct run_private *p = run->private_state;
     const struct event_records *records = &p->event_records;
     const struct trace *trace = run->trace;
     const size_t n = (size_t)run->system.n, params = scene_params(&run->scene)->count;
-    fields_put(to, run_fields, COUNT_OF(run_fields), run);
-    field_text(to, "opinion_by", text_of(run->opinion.by ? run->opinion.by->row.name : ""));
-    fields_put(to, private_fields, COUNT_OF(private_fields), p);
-    put_array(to, "work", p->work, work_size(run), sizeof *p->work);
+    fields_put(output, run_fields, COUNT_OF(run_fields), run);
+    field_text(output, "opinion_by",
+               text_of(run->opinion.method ? run->opinion.method->row.name : ""));
+    fields_put(output, private_fields, COUNT_OF(private_fields), p);
+    put_array(output, "work", p->work, work_size(run), sizeof *p->work);
     for (size_t i = 0; i < p->epochs; i++) {
-        const size_t begun = field_begin(to, "epoch");
-        fields_put(to, epoch_fields, COUNT_OF(epoch_fields), &p->epoch[i]);
-        put_array(to, "start", p->epoch[i].start, n, sizeof(double));
-        put_array(to, "value", p->epoch[i].value, params, sizeof(double));
-        field_end(to, begun);
+        const size_t begun = field_begin(output, "epoch");
+        fields_put(output, epoch_fields, COUNT_OF(epoch_fields), &p->epoch[i]);
+        put_array(output, "start", p->epoch[i].start, n, sizeof(double));
+        put_array(output, "value", p->epoch[i].value, params, sizeof(double));
+        field_end(output, begun);
     }
-    put_array(to, "saved", p->saved, p->saves, sizeof *p->saved);
-    put_array(to, "events", records->at, records->count, sizeof *records->at);
-    put_array(to, "event_states", records->state, records->count * n, sizeof *records->state);
-    put_array(to, "kicks", p->kick, p->kicks, sizeof *p->kick);
-    put_array(to, "responses", p->responses.at, p->responses.count, sizeof *p->responses.at);
-    put_array(to, "response_slopes", p->responses.slope, p->responses.count * (2 * n + 1),
+    put_array(output, "saved", p->saved, p->saves, sizeof *p->saved);
+    put_array(output, "events", records->record, records->count, sizeof *records->record);
+    put_array(output, "event_states", records->state, records->count * n, sizeof *records->state);
+    put_array(output, "kicks", p->kick, p->kicks, sizeof *p->kick);
+    put_array(output, "responses", p->responses.response, p->responses.count,
+              sizeof *p->responses.response);
+    put_array(output, "response_slopes", p->responses.slope, p->responses.count * (2 * n + 1),
               sizeof *p->responses.slope);
     if (p->propagator) {
         const struct propagator_place place = propagator_place(p->propagator);
-        field_put(to, "propagator", &place, sizeof place);
+        field_put(output, "propagator", &place, sizeof place);
     }
-    fields_put(to, trace_fields, COUNT_OF(trace_fields), trace);
-    put_array(to, "grids", trace->grid, trace->grids, sizeof *trace->grid);
+    fields_put(output, trace_fields, COUNT_OF(trace_fields), trace);
+    put_array(output, "grids", trace->grid, trace->grids, sizeof *trace->grid);
 }
 
 size_t run_row_bytes(const struct run *run)
@@ -128,49 +130,49 @@ void run_set_stored(struct run *run, size_t rows)
     run->trace->stored = rows;
 }
 
-void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *to)
+void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *output)
 {
     const struct trace *trace = run->trace;
     for (size_t i = first; i < first + count; i++) {
         const int64_t step = trace_row_step(trace, i);
         const struct energy_tally mark = trace_mark(trace, i);
-        buffer_put(to, (struct text){(const char *)&step, sizeof step});
-        buffer_put(to,
+        buffer_put(output, (struct text){(const char *)&step, sizeof step});
+        buffer_put(output,
                    (struct text){(const char *)trace_row(trace, i), trace->width * sizeof(double)});
-        buffer_put(to, (struct text){(const char *)&mark, trace->mark_width * sizeof(double)});
+        buffer_put(output, (struct text){(const char *)&mark, trace->mark_width * sizeof(double)});
     }
 }
 
 /* ---- reading ---- */
 
 /* A list into memory of its own. */
-static bool get_array(struct text in, const char *name, size_t bytes, void *array, size_t *count)
+static bool get_array(struct text text, const char *name, size_t bytes, void *array, size_t *count)
 {
     struct text value;
     void *made = NULL;
-    if (!field_find(in, name, &value) || value.len % bytes != 0 ||
+    if (!field_find(text, name, &value) || value.len % bytes != 0 ||
         (value.len > 0 && !(made = malloc(value.len))))
         return false;
     if (made)
-        memcpy(made, value.at, value.len);
+        memcpy(made, value.data, value.len);
     free(*(void **)array);
     *(void **)array = made;
     *count = value.len / bytes;
     return true;
 }
 
-static bool get_epoch(struct run *run, const struct field_places *places, struct text in)
+static bool get_epoch(struct run *run, const struct field_places *places, struct text text)
 {
     struct epoch epoch = {0};
     struct scene scene = run->scene;
     struct error ignored;
     struct text start;
     memcpy(epoch.value, scene.value, sizeof epoch.value);
-    if (!fields_get(in, epoch_fields, COUNT_OF(epoch_fields), &epoch) ||
-        !field_find(in, "start", &start) || start.len > sizeof epoch.start ||
-        !field_get_placed(in, "value", places, epoch.value, sizeof *epoch.value))
+    if (!fields_get(text, epoch_fields, COUNT_OF(epoch_fields), &epoch) ||
+        !field_find(text, "start", &start) || start.len > sizeof epoch.start ||
+        !field_get_placed(text, "value", places, epoch.value, sizeof *epoch.value))
         return false;
-    memcpy(epoch.start, start.at, start.len);
+    memcpy(epoch.start, start.data, start.len);
     memcpy(scene.value, epoch.value, sizeof scene.value);
     struct scene same = scene; /* takes its values */
     for (size_t i = 0; i < scene_params(&scene)->count; i++)
@@ -182,23 +184,23 @@ static bool get_epoch(struct run *run, const struct field_places *places, struct
     return place;
 }
 
-static bool get_epochs(struct run *run, const struct field_places *places, struct text in)
+static bool get_epochs(struct run *run, const struct field_places *places, struct text text)
 {
     struct run_private *p = run->private_state;
     struct text name, value;
     bool ok = true;
     p->epochs = 0;
-    while (ok && field_next(&in, &name, &value))
+    while (ok && field_next(&text, &name, &value))
         if (text_is(name, "epoch"))
             ok = get_epoch(run, places, value);
     return ok && p->epochs > 0;
 }
 
-static bool get_trace(struct trace *trace, int n, struct text in)
+static bool get_trace(struct trace *trace, int n, struct text text)
 {
     size_t grids = 0;
-    const bool ok = fields_get(in, trace_fields, COUNT_OF(trace_fields), trace) &&
-                    get_array(in, "grids", sizeof *trace->grid, &trace->grid, &grids) &&
+    const bool ok = fields_get(text, trace_fields, COUNT_OF(trace_fields), trace) &&
+                    get_array(text, "grids", sizeof *trace->grid, &trace->grid, &grids) &&
                     grids > 0 && trace->now_step >= 0 && trace->every > 0 && trace->bucket > 0 &&
                     trace->mark_width <= sizeof(struct energy_tally) / sizeof(double) && n > 0;
     if (grids > 0)
@@ -211,7 +213,7 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
 {
     struct trace *trace = run->trace;
     const size_t bytes = run_row_bytes(run), count = trace->count;
-    int64_t before = 0;
+    int64_t previous_step = 0;
     trace_clear_rows(trace);
     for (size_t i = 0; i < pieces && trace->count < count; i++) {
         if (piece[i].first != trace->count || piece[i].row_bytes != bytes)
@@ -220,13 +222,13 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
             double row[LIMIT_VARIABLES + 1];
             struct energy_tally mark = {0};
             int64_t step;
-            const char *at = piece[i].at + k * bytes;
-            memcpy(&step, at, sizeof step);
-            if (step < before || step > run->steps)
+            const char *cursor = piece[i].cursor + k * bytes;
+            memcpy(&step, cursor, sizeof step);
+            if (step < previous_step || step > run->steps)
                 return false;
-            before = step;
-            memcpy(row, at + sizeof step, trace->width * sizeof *row);
-            memcpy(&mark, at + sizeof step + trace->width * sizeof *row,
+            previous_step = step;
+            memcpy(row, cursor + sizeof step, trace->width * sizeof *row);
+            memcpy(&mark, cursor + sizeof step + trace->width * sizeof *row,
                    trace->mark_width * sizeof(double));
             if (!trace_put_row(trace, step, row, &mark))
                 return false;
@@ -235,34 +237,34 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
     return trace->count == count && count > 0;
 }
 
-static bool get_responses(struct run *run, struct text in)
+static bool get_responses(struct run *run, struct text text)
 {
     struct responses *all = &run->private_state->responses;
     size_t slopes = 0;
-    if (!get_array(in, "responses", sizeof *all->at, &all->at, &all->count) ||
-        !get_array(in, "response_slopes", sizeof *all->slope, &all->slope, &slopes) ||
+    if (!get_array(text, "responses", sizeof *all->response, &all->response, &all->count) ||
+        !get_array(text, "response_slopes", sizeof *all->slope, &all->slope, &slopes) ||
         slopes != all->count * (2 * (size_t)run->system.n + 1))
         return false;
     all->capacity = all->count;
     for (size_t i = 0; i < all->count; i++)
-        if (all->at[i].variable >= run->system.n || all->at[i].variable < RESPONSE_MISS)
+        if (all->response[i].variable >= run->system.n || all->response[i].variable < RESPONSE_MISS)
             return false;
     return true;
 }
 
 /* Reads the parts of a run beside its rows, whose arrays have to fit each other. */
-static bool get_private(struct run *run, struct text in)
+static bool get_private(struct run *run, struct text text)
 {
     struct run_private *p = run->private_state;
     struct event_records *records = &p->event_records;
     size_t states = 0;
     const bool ok =
-        fields_get(in, private_fields, COUNT_OF(private_fields), p) &&
-        get_array(in, "saved", sizeof *p->saved, &p->saved, &p->saves) &&
-        get_array(in, "events", sizeof *records->at, &records->at, &records->count) &&
-        get_array(in, "event_states", sizeof *records->state, &records->state, &states) &&
-        get_array(in, "kicks", sizeof *p->kick, &p->kick, &p->kicks) && get_responses(run, in) &&
-        states == records->count * (size_t)run->system.n;
+        fields_get(text, private_fields, COUNT_OF(private_fields), p) &&
+        get_array(text, "saved", sizeof *p->saved, &p->saved, &p->saves) &&
+        get_array(text, "events", sizeof *records->record, &records->record, &records->count) &&
+        get_array(text, "event_states", sizeof *records->state, &records->state, &states) &&
+        get_array(text, "kicks", sizeof *p->kick, &p->kick, &p->kicks) &&
+        get_responses(run, text) && states == records->count * (size_t)run->system.n;
     p->save_capacity = p->saves;
     p->kick_capacity = p->kicks;
     records->capacity = records->count;
@@ -271,42 +273,43 @@ static bool get_private(struct run *run, struct text in)
 
 /* The scene that is in force last, and what the method knows of its way: use_epoch() has it begin
  * anew. */
-static bool get_work(struct run *run, struct text in)
+static bool get_work(struct run *run, struct text text)
 {
     struct run_private *p = run->private_state;
     const struct plan plan = run->plan;
     struct propagator_place place;
-    struct text by, work;
-    if (!field_find(in, "work", &work) || !field_find(in, "opinion_by", &by) ||
+    struct text method_name, work;
+    if (!field_find(text, "work", &work) || !field_find(text, "opinion_by", &method_name) ||
         work.len < work_size(run) * sizeof *p->work)
         return false;
     run_use_epoch(run);
     run->plan = plan;
-    fields_get(in, private_fields, COUNT_OF(private_fields), p);
-    memcpy(p->work, work.at, work_size(run) * sizeof *p->work);
+    fields_get(text, private_fields, COUNT_OF(private_fields), p);
+    memcpy(p->work, work.data, work_size(run) * sizeof *p->work);
     p->step.warm &= !(run->method->flags & METHOD_EXTERNAL);
-    const struct row *method = by.len > 0 ? catalog_find(&method_catalog, by) : NULL;
-    run->opinion.by = (const struct method *)(const void *)method;
-    if (field_get(in, "propagator", &place, sizeof place) &&
+    const struct row *method =
+        method_name.len > 0 ? catalog_find(&method_catalog, method_name) : NULL;
+    run->opinion.method = (const struct method *)(const void *)method;
+    if (field_get(text, "propagator", &place, sizeof place) &&
         (p->propagator = propagator_create(run, place.h)))
         propagator_set_place(p->propagator, &place);
     return true;
 }
 
-struct run *run_restore(const struct scene *scene, const struct method *method, struct text in,
+struct run *run_restore(const struct scene *scene, const struct method *method, struct text text,
                         const struct field_places *places, const struct stored_rows *piece,
                         size_t pieces, struct error *error)
 {
     struct run_settings settings;
-    if (!run_settings_take(in, &settings)) {
+    if (!run_settings_take(text, &settings)) {
         error_set(error, ERROR_IO, "it was written by another version");
         return NULL;
     }
     struct run *run = run_create(scene, method, &settings, HUGE_VAL, error);
-    if (run && fields_get(in, run_fields, COUNT_OF(run_fields), run) &&
-        get_epochs(run, places, in) && get_private(run, in) &&
-        get_trace(run->trace, run->system.n, in) && run_is_sound(run) &&
-        get_rows(run, piece, pieces) && get_work(run, in))
+    if (run && fields_get(text, run_fields, COUNT_OF(run_fields), run) &&
+        get_epochs(run, places, text) && get_private(run, text) &&
+        get_trace(run->trace, run->system.n, text) && run_is_sound(run) &&
+        get_rows(run, piece, pieces) && get_work(run, text))
         return run;
     run_destroy(run);
     if (run)

@@ -36,12 +36,12 @@ static const struct field run_sound[] = {
     RUN_IN(controller.switches.fresh, -1, LIMIT_SWITCHES - 1),
     RUN_IN(controller.switches.shorter, 0, INT32_MAX / 2),
     RUN_IN(controller.switches.recent, 0, 1),
-    RUN_IN(controller.switches.along, 0, 1),
+    RUN_IN(controller.switches.slides_along, 0, 1),
     RUN_IN(controller.switches.released, -1, LIMIT_SWITCHES - 1),
     RUN_IN(controller.switches.slid_along, 0, 1),
     RUN_IN(controller.switches.slides, 0, LIMIT_STEPS),
     RUN_IN(controller.switches.piles, 0, LIMIT_STEPS),
-    RUN_IN(controller.switches.across, 0, LIMIT_STEPS),
+    RUN_IN(controller.switches.crossings, 0, LIMIT_STEPS),
     RUN_IN(controller.switches.first, 0, LIMIT_SWITCHES - 1),
 };
 
@@ -68,10 +68,10 @@ static const struct field trace_sound[] = {
     TRACE_IN(now_step, 0, LIMIT_STEPS), TRACE_IN(count, 1, LIMIT_STEPS),
 };
 
-bool run_settings_take(struct text in, struct run_settings *settings)
+bool run_settings_take(struct text text, struct run_settings *settings)
 {
     struct run_settings read;
-    if (!field_get(in, "settings", &read, sizeof read) ||
+    if (!field_get(text, "settings", &read, sizeof read) ||
         !fields_sound(settings_sound, COUNT_OF(settings_sound), &read))
         return false;
     const struct recording_rule *rule = &read.record;
@@ -139,11 +139,12 @@ bool run_is_sound(const struct run *run)
                  p->balance.step <= run->steps &&
                  p->saves <= (size_t)(run->steps >> CHUNK_SHIFT) + 1;
     for (size_t i = 0; i < COUNT_OF(p->doubt) && sound; i++)
-        sound = fields_sound(&(struct field)FIELD_OF(struct event_doubt, near), 1, &p->doubt[i]);
+        sound =
+            fields_sound(&(struct field)FIELD_OF(struct event_doubt, is_close), 1, &p->doubt[i]);
     for (size_t i = 0; i < records->count && sound; i++) {
-        const struct event_record *at = &records->at[i];
-        sound = at->event >= 0 && at->event < LIMIT_EVENTS && at->direction >= -1 &&
-                at->direction <= 1 && at->step >= 0 && at->step <= run->steps;
+        const struct event_record *record = &records->record[i];
+        sound = record->event >= 0 && record->event < LIMIT_EVENTS && record->direction >= -1 &&
+                record->direction <= 1 && record->step >= 0 && record->step <= run->steps;
     }
     for (size_t i = 0; i < p->kicks && sound; i++)
         sound = p->kick[i].step >= 0 && p->kick[i].step <= run->steps &&

@@ -122,7 +122,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
     return true;
 }
 
-static bool grow(struct trace *trace)
+static bool trace_chunks_grow(struct trace *trace)
 {
     if (trace->chunks == trace->capacity) {
         size_t capacity = trace->capacity ? trace->capacity * 2 : 16;
@@ -143,7 +143,7 @@ static bool grow(struct trace *trace)
 bool trace_reserve_rows(struct trace *trace, size_t rows)
 {
     const size_t needed = ((trace->count + rows - 1) >> CHUNK_SHIFT) + 1;
-    return (needed <= trace->chunks || grow(trace)) &&
+    return (needed <= trace->chunks || trace_chunks_grow(trace)) &&
            (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
            (!trace_indexed(trace) || needed <= trace->indices || trace_grow_index(trace));
 }

@@ -23,7 +23,7 @@ struct stretch {
     bool exact;     /* a whole number of steps, up to rounding */
 };
 
-struct stretch stretch_measure(double from, double to, double dt); /* `to` may be infinite */
+struct stretch stretch_measure(double t_begin, double t_end, double dt); /* `to` may be infinite */
 
 /* ---- the energy balance after a state ---- */
 

@@ -11,8 +11,8 @@ static void take_state(struct walk *walk, const double *y)
 }
 
 /* The sample for (step, t, y); walk->state holds y scaled. */
-static void fill(struct walk *walk, int64_t step, double t, const double *y, double work,
-                 double drag)
+static void walk_sample_fill(struct walk *walk, int64_t step, double t, const double *y,
+                             double work, double drag)
 {
     const struct run *run = walk->run;
     const struct epoch *epoch = run_epoch(run, step);
@@ -63,7 +63,7 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
         walk->sample.initial =
             system_energy(&run_epoch(run, 0)->system, needs & NEED_RATIO ? walk->state : y);
         balance_begin(run, &walk->balance);
-        walk->from = walk->to = 1;
+        walk->done_begin = walk->done_end = 1;
     }
 }
 
@@ -77,16 +77,16 @@ static double total(struct compensated_sum sum)
 static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;
-    if (i == walk->to) {
+    if (i == walk->done_end) {
         size_t count;
         const double *row = trace_rows(run->trace, i, run->trace->count, &count);
         const double *time = run->plan.adaptive ? row + run->system.n : NULL;
-        walk->from = i;
-        walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width,
-                                          (int64_t)count, &walk->done, false);
+        walk->done_begin = i;
+        walk->done_end += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width,
+                                                (int64_t)count, &walk->done, false);
     }
-    *work = walk->done.all_work[i - walk->from];
-    *drag = walk->done.all_drag[i - walk->from];
+    *work = walk->done.all_work[i - walk->done_begin];
+    *drag = walk->done.all_drag[i - walk->done_begin];
 }
 
 /* Work since the start up to row i, in units of factor^2 J. */
@@ -137,7 +137,7 @@ bool walk_next(struct walk *walk)
     take_state(walk, y);
     if (walk->needs & NEED_WORK)
         work_at(walk, i, &work, &drag);
-    fill(walk, trace_step(run->trace, i), trace_time(run->trace, i), y, work, drag);
+    walk_sample_fill(walk, trace_step(run->trace, i), trace_time(run->trace, i), y, work, drag);
     return true;
 }
 
@@ -153,5 +153,5 @@ void walk_present(struct walk *walk, const struct run *run, unsigned needs)
         drag = total(present.tally.drag);
     }
     take_state(walk, run->y);
-    fill(walk, run->steps, run->t, run->y, work, drag);
+    walk_sample_fill(walk, run->steps, run->t, run->y, work, drag);
 }

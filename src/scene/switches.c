@@ -163,13 +163,13 @@ double system_lower_branch(const struct system *frozen, int i, double t, const d
 bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable)
 {
     struct system frozen;
-    double branch[LIMIT_SWITCHES], at[LIMIT_VARIABLES], a[LIMIT_SWITCHES], b[LIMIT_SWITCHES];
+    double branch[LIMIT_SWITCHES], shifted[LIMIT_VARIABLES], a[LIMIT_SWITCHES], b[LIMIT_SWITCHES];
     system_branches(system, t, y, branch);
     system_freeze(system, branch, &frozen);
-    memcpy(at, y, (size_t)system->n * sizeof *y);
-    switch_arguments(&frozen, t, at, a);
-    at[variable] += 1e-3 * fmax(system->scale[variable], fabs(y[variable]));
-    switch_arguments(&frozen, t, at, b);
+    memcpy(shifted, y, (size_t)system->n * sizeof *y);
+    switch_arguments(&frozen, t, shifted, a);
+    shifted[variable] += 1e-3 * fmax(system->scale[variable], fabs(y[variable]));
+    switch_arguments(&frozen, t, shifted, b);
     return a[i] != b[i];
 }
 
@@ -183,7 +183,7 @@ void system_end_at_switch(const struct system *frozen, int i, double *y)
 
 bool sliding_rests(const struct sliding *sliding)
 {
-    return sliding->count == 1 && is_dry(&sliding->side[0], sliding->at[0]);
+    return sliding->count == 1 && is_dry(&sliding->side[0], sliding->switch_index[0]);
 }
 
 /* Nothing moves: no force is left. */

@@ -167,18 +167,18 @@ struct variable system_variable(const struct system *system, int i)
 static bool overflows(const struct system *system, const struct bound_term *term, int row,
                       const double *y, struct error *error)
 {
-    struct buffer at = {0};
+    struct buffer state_text = {0};
     for (int i = 0; i < system->n; i++) {
-        buffer_format(&at, "%s%s = ", i > 0 ? ", " : "", system->model->variable[i].name);
-        buffer_quantity(&at, y[i], system->model->variable[i].quantity, 4);
+        buffer_format(&state_text, "%s%s = ", i > 0 ? ", " : "", system->model->variable[i].name);
+        buffer_quantity(&state_text, y[i], system->model->variable[i].quantity, 4);
     }
-    const char *where = at.data ? at.data : "?";
+    const char *where = state_text.data ? state_text.data : "?";
     if (term->row->bind)
         error_set(error, ERROR_COMMAND, "the %s force overflows at %s", term->row->row.name, where);
     else
         error_set(error, ERROR_COMMAND, "%s%s has no finite value at %s",
                   system->model->variable[row].name, system->order == 2 ? "''" : "'", where);
-    buffer_free(&at);
+    buffer_free(&state_text);
     return false;
 }
 
@@ -259,7 +259,7 @@ void system_sum_up(struct system *system)
 /* |v| v is known to turn by itself. */
 static bool has_pieces(const struct system *system)
 {
-    return !system->across && system->switches > 0 &&
+    return !system->steps_across_kinks && system->switches > 0 &&
            (system->dry || !system->model->typed || !typed_turns_only(system));
 }
 
@@ -267,7 +267,7 @@ void system_turn_at_kinks(struct system *system)
 {
     const bool dry =
         !system->dry && system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
-    system->across = false;
+    system->steps_across_kinks = false;
     system->switches += dry;
     system->pieces = has_pieces(system) || dry;
     if (!dry)
@@ -286,10 +286,10 @@ static void bind_dry(struct system *system)
         for (int k = i; k < system->terms - 1; k++)
             system->term[k] = system->term[k + 1];
         system->term[system->terms - 1] = dry;
-        system->dry = !system->across;
+        system->dry = !system->steps_across_kinks;
         system->switches += system->dry;
         system_sum_up(system);
-        if (system->across)
+        if (system->steps_across_kinks)
             system->oscillator.drag_whole = false;
         return;
     }
@@ -317,14 +317,15 @@ static void system_clear(const struct model *model, struct system *system)
     };
 }
 
-void system_copy(struct system *to, const struct system *from)
+void system_copy(struct system *target, const struct system *source)
 {
-    const size_t terms = offsetof(struct system, term) + (size_t)from->terms * sizeof *from->term,
-                 typed = from->typed.row ? offsetof(struct system, typed)
-                                         : offsetof(struct system, linear);
-    memcpy(to, from, terms);
-    to->typed.row = from->typed.row;
-    memcpy((char *)to + typed, (const char *)from + typed, sizeof *from - typed);
+    const size_t terms =
+                     offsetof(struct system, term) + (size_t)source->terms * sizeof *source->term,
+                 typed = source->typed.row ? offsetof(struct system, typed)
+                                           : offsetof(struct system, linear);
+    memcpy(target, source, terms);
+    target->typed.row = source->typed.row;
+    memcpy((char *)target + typed, (const char *)source + typed, sizeof *source - typed);
 }
 
 /* Natural sizes of what is typed cost a trial run; without them the start is not looked at. */
@@ -340,7 +341,7 @@ static bool bind_motion(const struct scene *scene, bool sized, struct system *sy
     bind_rows(param, system);
     if (model->typed)
         system_sum_up(system);
-    system->across = scene->across;
+    system->steps_across_kinks = scene->steps_across_kinks;
     if (typed_base(
             model)) /* sizes are those without what was typed, unless that is an oscillator, too */
         model->begin(param, system);
@@ -390,16 +391,16 @@ bool variable_is_angle(const struct system *system, int variable)
         double y[LIMIT_VARIABLES], rate[2][LIMIT_VARIABLES], size = 0;
         for (int i = 0; i < n; i++)
             y[i] = system->start[i] + system->scale[i] * (2 * random_fraction(&seed) - 1);
-        const double t = system->t0 + random_fraction(&seed), at = y[variable];
+        const double t = system->t0 + random_fraction(&seed), saved_value = y[variable];
         system_derivative(system, t, y, rate[0]);
-        y[variable] = at + TWO_PI;
+        y[variable] = saved_value + TWO_PI;
         system_derivative(system, t, y, rate[1]);
         for (int i = 0; i < n; i++)
             size = fmax(size, fabs(rate[0][i]));
         for (int i = 0; i < n; i++)
             if (!(fabs(rate[1][i] - rate[0][i]) <= 1e-12 * (size + DBL_MIN)))
                 return false;
-        y[variable] = at + 1;
+        y[variable] = saved_value + 1;
         system_derivative(system, t, y, rate[1]);
         for (int i = 0; i < n; i++)
             matters = matters || fabs(rate[1][i] - rate[0][i]) > 1e-9 * size;

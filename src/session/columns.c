@@ -34,7 +34,7 @@ bool chosen_find(const struct model *model, struct text name, struct chosen_colu
     column->variable = -1;
     if (column->observable)
         return true;
-    error_at(error, name, "this run has no state variable '%.*s'", (int)name.len, name.at);
+    error_at(error, name, "this run has no state variable '%.*s'", (int)name.len, name.data);
     struct buffer own = {0};
     for (int v = 0; v < model->n; v++)
         buffer_format(&own, "%s%s", v ? ", " : "", model->variable[v].name);
@@ -63,14 +63,14 @@ const char *chosen_unit(const struct system *system, const struct chosen_column 
                               : quantity_unit(chosen_variable(system, column).quantity);
 }
 
-bool chosen_values(const struct run *run, const struct chosen_column *column, double *out,
+bool chosen_values(const struct run *run, const struct chosen_column *column, double *values,
                    struct error *error)
 {
     if (column->observable)
-        return run_column(run, column->observable, out, error);
+        return run_column(run, column->observable, values, error);
     if (column->variable < run->system.n)
-        run_variable_column(run, column->variable, out);
+        run_variable_column(run, column->variable, values);
     else
-        run_observed_column(run, column->variable - run->system.n, out);
+        run_observed_column(run, column->variable - run->system.n, values);
     return true;
 }

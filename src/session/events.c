@@ -11,19 +11,20 @@
 
 /* ---- lists ---- */
 
-/* A new list, that of `from` but for the line of this name; *line is the next free one. */
-static struct events *copy_without(const struct events *from, struct text name, struct error *error)
+/* A new list, that of `source` but for the line of this name; *line is the next free one. */
+static struct events *copy_without(const struct events *source, struct text name,
+                                   struct error *error)
 {
     struct events *events = calloc(1, sizeof *events);
     if (!events) {
         error_memory(error);
         return NULL;
     }
-    for (int i = 0; from && i < from->count; i++) {
-        if (text_is(name, from->line[i].name))
+    for (int i = 0; source && i < source->count; i++) {
+        if (text_is(name, source->line[i].name))
             continue;
         struct event_line *line = &events->line[events->count++];
-        *line = from->line[i];
+        *line = source->line[i];
         line->when = arena_text(&events->arena, text_of(line->when));
         line->commands = arena_text(&events->arena, text_of(line->commands));
         if (!line->when || !line->commands) {
@@ -47,13 +48,13 @@ void events_sweep(struct session *session,
 {
     if (session->definitions.event_lists < 2 * session->definitions.event_lists_left + SWEEP_FROM)
         return;
-    struct events **at = &session->definitions.events;
-    while (*at) {
-        struct events *events = *at;
+    struct events **list_link = &session->definitions.events;
+    while (*list_link) {
+        struct events *events = *list_link;
         if (used(session, events)) {
-            at = &events->older;
+            list_link = &events->older;
         } else {
-            *at = events->older;
+            *list_link = events->older;
             events->older = NULL;
             events_destroy(events);
             session->definitions.event_lists--;
@@ -92,17 +93,17 @@ bool events_without(struct session *session, struct text name, const struct even
                     struct error *error)
 {
     const struct events *now = session->setup.events;
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     struct events *events = copy_without(now, name, error);
     if (!events)
         return false;
     for (int i = 0; now && i < now->count; i++)
-        suggestion_offer(&near, now->line[i].name);
+        suggestion_offer(&suggestion, now->line[i].name);
     if (!now || events->count == now->count) {
         events_destroy(events);
         error_at(error, name, "there is no event '%.*s'", (int)(name.len < 64 ? name.len : 64),
-                 name.at);
-        suggestion_hint(&near, error);
+                 name.data);
+        suggestion_hint(&suggestion, error);
         return now ? error_hint(error, "('event' lists them)") : false;
     }
     event_list_add(session, events);
@@ -132,8 +133,8 @@ void event_describe(const struct event_line *line, bool as_stop, struct buffer *
     }
     const bool raw = !strchr(line->commands, '\'');
     buffer_char(text, raw ? '\'' : '"');
-    for (const char *at = line->commands; *at; at++)
-        buffer_format(text, !raw && strchr("\"\\", *at) ? "\\%c" : "%c", *at);
+    for (const char *cursor = line->commands; *cursor; cursor++)
+        buffer_format(text, !raw && strchr("\"\\", *cursor) ? "\\%c" : "%c", *cursor);
     buffer_char(text, raw ? '\'' : '"');
 }
 
@@ -211,7 +212,7 @@ struct text event_commands(struct text commands, bool *passes)
     while (rest.len > 0 && next_statement(&rest, &statement, &ignored)) {
         *passes = text_is(text_trim(statement), "continue");
         if (*passes && text_trim(rest).len == 0)
-            return (struct text){commands.at, (size_t)(statement.at - commands.at)};
+            return (struct text){commands.data, (size_t)(statement.data - commands.data)};
     }
     *passes = false;
     return commands;

@@ -25,7 +25,7 @@ struct clock_pace {
 };
 
 /* [s] of simulated time by which the clock is ahead of the run. */
-static double behind(const struct clock_pace *pace, const struct run *run, int64_t now)
+static double clock_lag(const struct clock_pace *pace, const struct run *run, int64_t now)
 {
     return isinf(pace->speed) ? HUGE_VAL
                               : (double)(now - pace->clock) * 1e-9 * pace->speed -
@@ -41,7 +41,7 @@ static double next_step(const struct run *run, const struct run_target *target)
 static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
-    const double ahead = behind(pace, run, now), h = next_step(run, target);
+    const double ahead = clock_lag(pace, run, now), h = next_step(run, target);
     if (isinf(ahead))
         return INT64_MAX;
     if (!(ahead >= h) || ahead <= 0)
@@ -74,19 +74,19 @@ static bool advance_slice(const struct clock_pace *pace, struct run *run,
 static int64_t next_look(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
-    const double ahead = behind(pace, run, now), h = next_step(run, target);
+    const double ahead = clock_lag(pace, run, now), h = next_step(run, target);
     if (ahead > 0 && ahead >= h)
         return now;
     const double wait = (h - ahead) / pace->speed * 1e9;
     return now + (wait < SLICE_NS ? SLICE_NS : wait > WAIT_NS ? WAIT_NS : (int64_t)wait);
 }
 
-static double fraction_done(const struct run *run, const struct run_target *target, double from,
+static double fraction_done(const struct run *run, const struct run_target *target, double t_begin,
                             int64_t first)
 {
     if (target->steps > 0)
         return (double)(run->steps - first) / (double)target->steps;
-    return fabs(target->t) < T_UNREACHABLE ? (run->t - from) / (target->t - from) : -1;
+    return fabs(target->t) < T_UNREACHABLE ? (run->t - t_begin) / (target->t - t_begin) : -1;
 }
 
 void live_advance(struct session *session, struct run *run, const struct run_target *target,
@@ -96,7 +96,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
     struct live *live = &session->live;
     const int64_t first = run->steps,
                   last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
-    const double from = run->t;
+    const double t_begin = run->t;
     struct clock_pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
                               target->t < run->t ? -1 : 1};
     struct clock_pace window = pace;
@@ -106,7 +106,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
     live->achieved = live->speed;
     while (advance_slice(&pace, run, target, last, front->cancel)) {
         int64_t now = clock_ns();
-        live->fraction = fraction_done(run, target, from, first);
+        live->fraction = fraction_done(run, target, t_begin, first);
         if (now - window.clock >= WINDOW_NS) {
             live->achieved =
                 window.direction * (run->t - window.t) / ((double)(now - window.clock) * 1e-9);
@@ -121,7 +121,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
         const double speed = clocked ? live->speed : HUGE_VAL;
         if (speed != pace.speed ||
             (isfinite(speed) &&
-             behind(&pace, run, now) > next_step(run, target) + CLOCK_LAG_MAX * speed))
+             clock_lag(&pace, run, now) > next_step(run, target) + CLOCK_LAG_MAX * speed))
             pace = (struct clock_pace){now, run->t, speed, pace.direction};
     }
     live->pausing = false;
@@ -151,7 +151,7 @@ static bool same_scene(const struct model *a, const struct model *b)
            (base ? base == typed_base(b) : !typed_base(b) && strcmp(a->row.name, b->row.name) == 0);
 }
 
-bool live_bind(struct session *session, int param, double *from, struct error *error)
+bool live_bind(struct session *session, int param, double *t_start, struct error *error)
 {
     struct run *run = session_run(session);
     const struct live *live = &session->live;
@@ -161,7 +161,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
                is_other = run && !same_scene(run->system.model, now->model);
     /* lines typed since may have moved it */
     const int index = run ? scene_param(&run->scene, name) : -1;
-    *from = NAN;
+    *t_start = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
     if (live->changing && is_other) {
@@ -184,7 +184,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const struct measured value = {now->value[param], now->uncertainty[param]};
     struct scene scene;
     const struct request request = {.kind = REQUEST_SET,
-                                    .from = run->steps,
+                                    .start_step = run->steps,
                                     .from_t = run->t,
                                     .param = index,
                                     .value = value,
@@ -205,7 +205,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     }
     live_refresh(session);
     session->live.state = state;
-    *from = run->t;
+    *t_start = run->t;
     return true;
 }
 
@@ -214,7 +214,7 @@ bool live_kick(struct session *session, int variable, double value, struct error
     struct run *run = session_run(session);
     struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct request request = {.kind = REQUEST_KICK,
-                                    .from = run->steps,
+                                    .start_step = run->steps,
                                     .from_t = run->t,
                                     .param = variable,
                                     .value = {value, 0},
@@ -227,11 +227,11 @@ bool live_kick(struct session *session, int variable, double value, struct error
     return false;
 }
 
-void buffer_since(struct buffer *text, double from)
+void buffer_since(struct buffer *text, double t_start)
 {
-    if (isnan(from))
+    if (isnan(t_start))
         return;
     buffer_put(text, TEXT(" from t = "));
-    buffer_measured(text, (struct measured){from, 0}, QUANTITY_TIME, 6);
+    buffer_measured(text, (struct measured){t_start, 0}, QUANTITY_TIME, 6);
     buffer_put(text, TEXT(" on"));
 }

@@ -32,8 +32,8 @@ void modules_put(struct buffer *text)
 
 void modules_label(const struct session *session, struct buffer *text)
 {
-    const size_t before = text->len;
-    for (size_t i = 0; module_list[i] && text->len == before; i++)
+    const size_t old_len = text->len;
+    for (size_t i = 0; module_list[i] && text->len == old_len; i++)
         if (module_list[i]->prompt.label)
             module_list[i]->prompt.label(session, text);
 }

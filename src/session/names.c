@@ -296,9 +296,9 @@ bool names_value(const struct session *session, struct text name, struct named_v
     *value = slot_value(&names, slot);
     const struct run *run = session_run(session);
     if (run && slot >> SLOT_KIND == NAME_STATE && run->system.model == state_model(&names)) {
-        double below[LIMIT_VARIABLES];
-        run_below_tolerance(run, below);
-        value->below = below[slot & ((1 << SLOT_KIND) - 1)];
+        double magnitude_floor[LIMIT_VARIABLES];
+        run_below_tolerance(run, magnitude_floor);
+        value->error_floor = magnitude_floor[slot & ((1 << SLOT_KIND) - 1)];
     }
     return true;
 }
@@ -316,12 +316,12 @@ bool names_explain(const struct session *session, struct error *error)
     const struct model *model = session->setup.scene.model;
     if (lacks_energy(session_run(session), model_observable(model, name))) {
         error_at(error, name, "'%.*s' has no value: the typed forces have no potential",
-                 (int)name.len, name.at);
+                 (int)name.len, name.data);
         return error_hint(error, "the kinetic energy is called kinetic");
     }
     if (model_observable(model, name) || model_variable(model, name) >= 0 ||
         model_observation(model, name) >= 0) {
-        error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
+        error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.data);
         return error_hint(error, "type: run");
     }
     for (size_t i = 0; i < COUNT_OF(later); i++)

@@ -8,10 +8,10 @@
 #include <string.h>
 #include <stdlib.h>
 
-void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
+void scene_lines(const struct scene *scene, const char *prefix, struct buffer *text)
 {
     for (int i = 0; i < typed_lines(scene->model); i++) {
-        buffer_put(text, text_of(before));
+        buffer_put(text, text_of(prefix));
         typed_describe(typed_line(scene->model, i), text);
         buffer_char(text, '\n');
     }
@@ -139,7 +139,7 @@ bool hint_other_model(const struct session *session, struct text name, struct er
     const struct scene *scene = &session->setup.scene;
     const struct model *other = model_has(scene->model, name) ? NULL : model_with(name);
     if (other)
-        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.at,
+        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.data,
                    model_scene(other));
     return other != NULL;
 }

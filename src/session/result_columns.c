@@ -14,7 +14,7 @@ static const char *measurement_unit(const void *row)
     return quantity_unit(((const struct measurement *)row)->unit);
 }
 
-#define AT(member) .at = offsetof(struct measurement, member)
+#define AT(member) .offset = offsetof(struct measurement, member)
 
 /* The unit is a column: rows differ in it. */
 static const struct result_column of_measurement[] = {
@@ -23,7 +23,7 @@ static const struct result_column of_measurement[] = {
     {.name = "uncertainty", AT(value.uncertainty)},
     {.name = "unit", .kind = COLUMN_NAME, .text = measurement_unit},
     {.name = "periods", AT(periods)},
-    {.name = "of", .kind = COLUMN_CHARS, AT(of)},
+    {.name = "of", .kind = COLUMN_CHARS, AT(source)},
 };
 
 const struct result_columns measurement_columns =
@@ -70,7 +70,8 @@ static const char *run_status(const void *row)
     return stop_name(run_of(row)->stop);
 }
 
-#define IN_RUN(member) .in = COLUMN_IN(struct run_row, run), .at = offsetof(struct run, member)
+#define IN_RUN(member)                                                                             \
+    .pointer_offset = COLUMN_IN(struct run_row, run), .offset = offsetof(struct run, member)
 
 /* Records have the method before the numbers, files after them. */
 static const struct result_column of_run[] = {
@@ -89,12 +90,12 @@ static const struct result_column of_run[] = {
     {.name = "status", .kind = COLUMN_NAME, .text = run_status},
     {.name = "current",
      .kind = COLUMN_BOOL,
-     .at = offsetof(struct run_row, current),
+     .offset = offsetof(struct run_row, current),
      .flags = COLUMN_NO_FILE},
     {.name = "note",
      .kind = COLUMN_NAME,
-     .in = COLUMN_IN(struct run_row, slot),
-     .at = offsetof(struct run_slot, note),
+     .pointer_offset = COLUMN_IN(struct run_row, slot),
+     .offset = offsetof(struct run_slot, note),
      .flags = COLUMN_NO_FILE},
 };
 

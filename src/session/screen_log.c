@@ -33,11 +33,11 @@ static void skip_lines(struct log *log, struct text *text)
 {
     size_t begin = text->len;
     for (int lines = 0; begin > 0; begin--)
-        if (text->at[begin - 1] == '\n' && ++lines == LIMIT_LOG)
+        if (text->data[begin - 1] == '\n' && ++lines == LIMIT_LOG)
             break;
     for (size_t i = 0; i < begin; i++)
-        log->said += text->at[i] == '\n';
-    *text = (struct text){text->at + begin, text->len - begin};
+        log->said += text->data[i] == '\n';
+    *text = (struct text){text->data + begin, text->len - begin};
 }
 
 void log_add(struct log *log, struct text text)
@@ -45,14 +45,14 @@ void log_add(struct log *log, struct text text)
     struct text line;
     if (!log->line && !(log->line = calloc(LIMIT_LOG, sizeof *log->line)))
         return;
-    if (text.len > 0 && text.at[text.len - 1] == '\n')
+    if (text.len > 0 && text.data[text.len - 1] == '\n')
         text.len--;
     skip_lines(log, &text);
     do {
         if (!text_split(&text, '\n', &line))
             line = TEXT("");
         add_line(log, line);
-    } while (text.at);
+    } while (text.data);
 }
 
 const char *log_line(const struct log *log, int i)
@@ -61,38 +61,39 @@ const char *log_line(const struct log *log, int i)
                                     : NULL;
 }
 
-struct text log_row(struct text line, size_t *from, int width, int *indent)
+struct text log_row(struct text line, size_t *offset, int width, int *indent)
 {
-    const struct text rest = {line.at + *from, line.len - *from};
-    *indent = *from > 0 && width >= INDENT_MIN ? INDENT_CELLS : 0;
+    const struct text rest = {line.data + *offset, line.len - *offset};
+    *indent = *offset > 0 && width >= INDENT_MIN ? INDENT_CELLS : 0;
     int left = width - *indent;
-    size_t at = 0, end = 0; /* bytes examined so far; the end of the last word that fits */
-    while (at < rest.len) {
+    size_t position = 0, end = 0; /* bytes examined so far; the end of the last word that fits */
+    while (position < rest.len) {
         size_t used;
-        left -= codepoint_width(text_codepoint((struct text){rest.at + at, rest.len - at}, &used));
-        if (rest.at[at] == ' ' && at > 0 && rest.at[at - 1] != ' ')
-            end = at;
-        if (left < 0 && (end > 0 || at > 0))
+        left -= codepoint_width(
+            text_codepoint((struct text){rest.data + position, rest.len - position}, &used));
+        if (rest.data[position] == ' ' && position > 0 && rest.data[position - 1] != ' ')
+            end = position;
+        if (left < 0 && (end > 0 || position > 0))
             break;
-        at += used; /* something at least, however narrow the pane */
+        position += used; /* something at least, however narrow the pane */
     }
-    if (at == rest.len || end == 0)
-        end = at;
+    if (position == rest.len || end == 0)
+        end = position;
     size_t next = end;
-    while (next < rest.len && rest.at[next] == ' ')
+    while (next < rest.len && rest.data[next] == ' ')
         next++;
-    *from += next;
-    return (struct text){rest.at, end};
+    *offset += next;
+    return (struct text){rest.data, end};
 }
 
 int log_rows(struct text line, int width)
 {
     int rows = 0, indent;
-    size_t from = 0;
+    size_t offset = 0;
     do {
-        log_row(line, &from, width, &indent);
+        log_row(line, &offset, width, &indent);
         rows++;
-    } while (from < line.len);
+    } while (offset < line.len);
     return rows;
 }
 

@@ -243,13 +243,13 @@ void session_set_result(struct session *session, const char *name, struct measur
     snprintf(result->name, sizeof result->name, "%s", name);
 }
 
-void session_trace(struct session *session, const struct scene *before, size_t statement)
+void session_trace(struct session *session, const struct scene *previous, size_t statement)
 {
     const struct scene *scene = &session->setup.scene;
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
-        if (scene->model != before->model || scene->chosen[i] != before->chosen[i] ||
-            memcmp(&scene->value[i], &before->value[i], sizeof scene->value[i]) != 0 ||
-            scene->uncertainty[i] != before->uncertainty[i])
+        if (scene->model != previous->model || scene->chosen[i] != previous->chosen[i] ||
+            memcmp(&scene->value[i], &previous->value[i], sizeof scene->value[i]) != 0 ||
+            scene->uncertainty[i] != previous->uncertainty[i])
             session->setup.origin[i] = (uint32_t)statement;
 }
 

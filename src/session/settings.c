@@ -158,7 +158,7 @@ static void show_tol(const struct settings *settings, struct buffer *text)
 static bool parse_record(struct settings *settings, struct text value, struct error *error)
 {
     struct text word = peek_word(value, "");
-    struct text rest = text_trim((struct text){value.at + word.len, value.len - word.len});
+    struct text rest = text_trim((struct text){value.data + word.len, value.len - word.len});
     double every;
     if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
         settings->record =
@@ -171,8 +171,8 @@ static bool parse_record(struct settings *settings, struct text value, struct er
         return true;
     }
     const struct text number = peek_word(rest, ""),
-                      after = {rest.at + number.len, rest.len - number.len};
-    const struct unit *unit = unit_find(text_trim(after));
+                      unit_text = {rest.data + number.len, rest.len - number.len};
+    const struct unit *unit = unit_find(text_trim(unit_text));
     double time;
     if (text_is(word, "every") && real_parse(number, &every) == REAL_OK && unit &&
         unit->quantity == QUANTITY_TIME && unit_convert(unit, QUANTITY_TIME, every, &time) &&
@@ -311,17 +311,19 @@ bool setting_same(const struct setting *setting, const struct settings *a, const
                   setting->bytes) == 0;
 }
 
-void setting_copy(const struct setting *setting, const struct settings *from, struct settings *to)
+void setting_copy(const struct setting *setting, const struct settings *source,
+                  struct settings *target)
 {
-    memcpy((char *)to + setting->offset, (const char *)from + setting->offset, setting->bytes);
+    memcpy((char *)target + setting->offset, (const char *)source + setting->offset,
+           setting->bytes);
 }
 
-void settings_display(struct settings *settings, const struct settings *from)
+void settings_display(struct settings *settings, const struct settings *source)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = &settings_rows[i];
         if (setting->display)
-            setting_copy(setting, from, settings);
+            setting_copy(setting, source, settings);
     }
 }
 

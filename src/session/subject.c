@@ -45,7 +45,7 @@ double scene_period_at(const struct scene *scene, double amplitude)
     return derived_value(&turned, "period");
 }
 
-bool session_add_measurement(struct session *session, const char *name, const char *of,
+bool session_add_measurement(struct session *session, const char *name, const char *subject,
                              struct measured value, enum quantity unit, double periods,
                              struct error *error)
 {
@@ -68,17 +68,17 @@ bool session_add_measurement(struct session *session, const char *name, const ch
     *row = (struct measurement){.value = value,
                                 .unit = unit,
                                 .periods = periods,
-                                .at = NAN,
+                                .t = NAN,
                                 .statement = session->history.count};
     snprintf(row->quantity, sizeof row->quantity, "%s", name);
-    snprintf(row->of, sizeof row->of, "%s", of);
+    snprintf(row->source, sizeof row->source, "%s", subject);
     char result[LIMIT_NAME + 1];
     snprintf(result, sizeof result, "measured_%s", name);
     session_set_result(session, result, value, unit);
     return true;
 }
 
-bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
+bool motion_series(const struct data_motion *motion, bool energy, double t_begin, double t_end,
                    struct arena *arena, struct series *series, struct error *error)
 {
     const double *value = energy ? motion->energy : motion->v;
@@ -88,7 +88,7 @@ bool motion_series(const struct data_motion *motion, bool energy, double from, d
     if (!t || !y)
         return error_memory(error);
     for (size_t i = 0; i < motion->n && !cancelled_at(motion->cancel, i); i++)
-        if (!isnan(value[i]) && motion->t[i] >= from && motion->t[i] <= to) {
+        if (!isnan(value[i]) && motion->t[i] >= t_begin && motion->t[i] <= t_end) {
             t[n] = motion->t[i];
             y[n++] = value[i];
         }

@@ -38,13 +38,13 @@ static void run_input(struct session *session, struct reply *reply, struct strea
         }
         struct text rest = {chunk, got > 0 ? (size_t)got : 0};
         while (going && rest.len > 0) {
-            const char *end = memchr(rest.at, '\n', rest.len);
-            size_t len = end ? (size_t)(end - rest.at) : rest.len;
+            const char *end = memchr(rest.data, '\n', rest.len);
+            size_t len = end ? (size_t)(end - rest.data) : rest.len;
             /* An endless line is cut one byte above the limit, so that the interpreter names it. */
             size_t left = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
-            buffer_put(&line, (struct text){rest.at, len < left ? len : left});
-            rest =
-                end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
+            buffer_put(&line, (struct text){rest.data, len < left ? len : left});
+            rest = end ? (struct text){end + 1, rest.len - len - 1}
+                       : (struct text){rest.data + len, 0};
             if (end) {
                 going = script_feed(&script, session, buffer_text(&line), reply);
                 buffer_clear(&line);

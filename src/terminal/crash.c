@@ -28,7 +28,7 @@ void crash_arm(struct text text)
 {
     rescue.armed = 0;
     rescue.len = text.len < sizeof rescue.text ? text.len : 0;
-    memcpy(rescue.text, text.at, rescue.len);
+    memcpy(rescue.text, text.data, rescue.len);
     rescue.armed = rescue.known;
 }
 
@@ -68,10 +68,10 @@ void crash_signal(int number)
     sigaction(number, &action, NULL);
 }
 
-void crash_stack(stack_t *before)
+void crash_stack(stack_t *previous)
 {
     const stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
-    sigaltstack(&stack, before); /* an endless recursion leaves no other */
+    sigaltstack(&stack, previous); /* an endless recursion leaves no other */
 }
 
 /* Catches the signals that end the program, once there are modes to restore. Signals that are

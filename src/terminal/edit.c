@@ -64,16 +64,16 @@ static int get_key(FILE *ignored)
     return editor.key;
 }
 
-static void *edit(void *ignored)
+static void *editor_thread_run(void *ignored)
 {
-    stack_t before;
-    crash_stack(&before);
+    stack_t previous_stack;
+    crash_stack(&previous_stack);
     while (!editor.ends) {
         editor.line = readline(PANES_PROMPT);
         line_over();
         wait_for_us(true);
     }
-    sigaltstack(&before, NULL);
+    sigaltstack(&previous_stack, NULL);
     return ignored;
 }
 
@@ -81,21 +81,21 @@ static void *edit(void *ignored)
 static bool begin_thread(void)
 {
     static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
-    sigset_t others, before;
+    sigset_t others, previous_mask;
     sigfillset(&others);
     for (size_t i = 0; i < COUNT_OF(faults); i++)
         sigdelset(&others, faults[i]);
-    pthread_sigmask(SIG_BLOCK, &others, &before);
-    const bool ok = pthread_create(&editor.thread, NULL, edit, NULL) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_sigmask(SIG_BLOCK, &others, &previous_mask);
+    const bool ok = pthread_create(&editor.thread, NULL, editor_thread_run, NULL) == 0;
+    pthread_sigmask(SIG_SETMASK, &previous_mask, NULL);
     return ok;
 }
 
 /* ---- lines ---- */
 
-void panes_enqueue(struct panes *panes, struct text line, enum line_from from)
+void panes_enqueue(struct panes *panes, struct text line, enum line_from origin)
 {
-    panes->line_from = from;
+    panes->line_from = origin;
     buffer_clear(&panes->line);
     buffer_put(&panes->line, line);
     panes->line_waits = !panes->line.failed;
@@ -189,7 +189,7 @@ void edit_paste(struct panes *panes, struct text paste)
                    RL_STATE_METANEXT | RL_STATE_NUMERICARG | RL_STATE_VIMOTION)) {
         return;
     }
-    char *text = strndup(paste.at, paste.len);
+    char *text = strndup(paste.data, paste.len);
     if (!text) {
         return;
     }

@@ -123,12 +123,12 @@ static size_t whole_statements(struct text line, int room)
     char quote = 0;
     for (size_t i = 0; i <= line.len; i++) {
         const bool end = i == line.len;
-        if ((end || (!quote && line.at[i] == ';')) &&
-            text_width((struct text){line.at, i}) <= room) {
+        if ((end || (!quote && line.data[i] == ';')) &&
+            text_width((struct text){line.data, i}) <= room) {
             fits = i;
         }
-        if (!end && (line.at[i] == '"' || line.at[i] == '\'')) {
-            quote = !quote ? line.at[i] : quote == line.at[i] ? 0 : quote;
+        if (!end && (line.data[i] == '"' || line.data[i] == '\'')) {
+            quote = !quote ? line.data[i] : quote == line.data[i] ? 0 : quote;
         }
     }
     return fits;
@@ -162,7 +162,7 @@ void offer_next(struct front_program *program, int room)
     const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER_LABEL)));
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
-        buffer_put(later, text_trim((struct text){whole.at + fits + 1, whole.len - fits - 1}));
+        buffer_put(later, text_trim((struct text){whole.data + fits + 1, whole.len - fits - 1}));
     }
     if (fits == 0 || offer->failed || later->failed) {
         buffer_clear(offer);

@@ -44,7 +44,7 @@ static void cut_back(const char *path, struct text last)
     file_write(path, last, (struct write_policy){.force = true}, &ignored);
 }
 
-static void load(const char *path, bool locked)
+static void history_file_load(const char *path, bool locked)
 {
     struct buffer content = {0};
     struct error error;
@@ -60,8 +60,9 @@ static void load(const char *path, bool locked)
         cut_back(path, rest);
     while (text_split(&rest, '\n', &line)) {
         if (line.len > 0) {
-            content.data[line.at + line.len - content.data] = 0; /* the newline, or the final NUL */
-            add_history(line.at);
+            content.data[line.data + line.len - content.data] =
+                0; /* the newline, or the final NUL */
+            add_history(line.data);
         }
     }
     buffer_free(&content);
@@ -76,7 +77,7 @@ void history_load(void)
     char *path = state_path("history", true);
     const int fd = path ? open_locked(path, &locked, &ignored) : -1;
     if (fd >= 0) {
-        load(path, locked);
+        history_file_load(path, locked);
         close(fd);
     }
     free(path);

@@ -43,7 +43,7 @@ static struct text waiting(const struct input *input)
 static bool begins(struct text text, struct text sequence, bool *partly)
 {
     const size_t len = text.len < sequence.len ? text.len : sequence.len;
-    const bool same = memcmp(text.at, sequence.at, len) == 0;
+    const bool same = memcmp(text.data, sequence.data, len) == 0;
     *partly |= same && len > 0 && len < sequence.len;
     return same && len == sequence.len;
 }
@@ -61,13 +61,13 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
         return INPUT_REPLY;
     }
     if (begins(text, TEXT(PASTE_BEGIN), &partly)) {
-        const struct text inside = {text.at + sizeof PASTE_BEGIN - 1,
+        const struct text inside = {text.data + sizeof PASTE_BEGIN - 1,
                                     text.len - (sizeof PASTE_BEGIN - 1)};
-        const char *end = memmem(inside.at, inside.len, PASTE_END, sizeof PASTE_END - 1);
+        const char *end = memmem(inside.data, inside.len, PASTE_END, sizeof PASTE_END - 1);
         if (!end && inside.len < INPUT_MAX / 2) {
             return INPUT_NONE; /* the rest is still to come */
         }
-        *paste = (struct text){inside.at, end ? (size_t)(end - inside.at) : inside.len};
+        *paste = (struct text){inside.data, end ? (size_t)(end - inside.data) : inside.len};
         input->head =
             end ? (size_t)(end - input->bytes.data) + sizeof PASTE_END - 1 : input->bytes.len;
         return INPUT_PASTE;
@@ -75,7 +75,7 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
     if (partly && now - input->arrived < HELD_NS) {
         return INPUT_NONE;
     }
-    *byte = (unsigned char)text.at[0];
+    *byte = (unsigned char)text.data[0];
     input->head++;
     return INPUT_BYTE;
 }
@@ -105,9 +105,9 @@ bool input_strip_reply(struct input *input)
                                     sizeof REPLY_TEXT - 1)
                            : NULL;
     if (reply) {
-        const char *after = reply + sizeof REPLY_TEXT - 1;
+        const char *tail = reply + sizeof REPLY_TEXT - 1;
         input->bytes.len -= sizeof REPLY_TEXT - 1;
-        memmove(reply, after, (size_t)(input->bytes.data + input->bytes.len - reply) + 1);
+        memmove(reply, tail, (size_t)(input->bytes.data + input->bytes.len - reply) + 1);
     }
     return reply != NULL;
 }

@@ -82,9 +82,9 @@ static void say_page(const struct press *press, struct buffer *line)
               scroll = session->view.scroll;
     const int rows = screen_log_rows(session, width, height),
               max = screen_log_max(session, width, height);
-    const int from = scroll < max ? scroll : max,
-              to = from + press->arg * press->count * (rows > 1 ? rows - 1 : 1);
-    buffer_format(line, "scroll %d", (to < max ? to : max) - scroll);
+    const int old_scroll = scroll < max ? scroll : max,
+              new_scroll = old_scroll + press->arg * press->count * (rows > 1 ? rows - 1 : 1);
+    buffer_format(line, "scroll %d", (new_scroll < max ? new_scroll : max) - scroll);
 }
 
 /* The pane alone; once more: all of them. */
@@ -132,7 +132,7 @@ static void say_snap(const struct press *press, struct buffer *line)
 }
 
 /* The rest is typed: the prompt has the keys until the line is finished. */
-static void type(const char *text)
+static void prompt_text_insert(const char *text)
 {
     rl_set_keymap_from_edit_mode();
     rl_insert_text(text);
@@ -141,7 +141,7 @@ static void type(const char *text)
 /* Puts the typed text into a line of its own, and brings the panes back. */
 static void leave_reading(const char *text, struct buffer *line)
 {
-    type(text);
+    prompt_text_insert(text);
     buffer_put(line, TEXT("scroll close"));
 }
 
@@ -347,7 +347,7 @@ static int on_key(int count, int last)
         return rl_ding();
     }
     if (key->kind == TYPES) {
-        type(key->text);
+        prompt_text_insert(key->text);
         return 0;
     }
     buffer_put(&line, text_of(key->text));
@@ -371,7 +371,7 @@ static int on_key(int count, int last)
     return 0;
 }
 
-static void bind(const struct key *rows, size_t count, Keymap map)
+static void keymap_bind(const struct key *rows, size_t count, Keymap map)
 {
     for (size_t r = 0; r < count; r++) {
         for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
@@ -387,23 +387,23 @@ void keys_bind(void)
 {
     Keymap const maps[] = {emacs_standard_keymap, vi_insertion_keymap, vi_movement_keymap};
     for (size_t i = 0; i < COUNT_OF(maps); i++) {
-        bind(keys, COUNT_OF(keys), maps[i]);
+        keymap_bind(keys, COUNT_OF(keys), maps[i]);
     }
     on_plot = rl_make_bare_keymap();
     if (on_plot) {
-        bind(keys, COUNT_OF(keys), on_plot);
-        bind(cursor_keys, COUNT_OF(cursor_keys), on_plot);
-        bind(point_keys, COUNT_OF(point_keys), on_plot);
+        keymap_bind(keys, COUNT_OF(keys), on_plot);
+        keymap_bind(cursor_keys, COUNT_OF(cursor_keys), on_plot);
+        keymap_bind(point_keys, COUNT_OF(point_keys), on_plot);
     }
     on_text = rl_make_bare_keymap();
     if (on_text) {
-        bind(keys, COUNT_OF(keys), on_text);
+        keymap_bind(keys, COUNT_OF(keys), on_text);
         for (int c = ' ' + 1; c < KEYMAP_SIZE - 1; c++) {
             if (c != 127) {
                 rl_bind_key_in_map(c, on_character, on_text);
             }
         }
-        bind(reading_keys, COUNT_OF(reading_keys), on_text);
+        keymap_bind(reading_keys, COUNT_OF(reading_keys), on_text);
     }
 }
 

@@ -103,18 +103,18 @@ static char *word_breaks(void)
 static void put_plain(struct text typed, char quote, struct buffer *name)
 {
     for (size_t i = quote ? 1 : 0; i < typed.len; i++) {
-        const char next = i + 1 < typed.len ? typed.at[i + 1] : '\0';
-        const bool escapes = typed.at[i] == '\\' && (quote == '"'    ? next == '"' || next == '\\'
-                                                     : quote == '\'' ? false
-                                                                     : next == ' ');
+        const char next = i + 1 < typed.len ? typed.data[i + 1] : '\0';
+        const bool escapes = typed.data[i] == '\\' && (quote == '"'    ? next == '"' || next == '\\'
+                                                       : quote == '\'' ? false
+                                                                       : next == ' ');
         i += escapes;
-        buffer_char(name, typed.at[i]);
+        buffer_char(name, typed.data[i]);
     }
 }
 
 /* Appends a name as the line can hold it, in the quote that was begun. Returns false if that quote
  * cannot hold it. */
-static bool put_quoted(const char *name, char quote, bool folder, struct buffer *out)
+static bool put_quoted(const char *name, char quote, bool folder, struct buffer *output)
 {
     const struct text all = text_of(name);
     for (size_t i = 0; i < all.len; i++)
@@ -125,17 +125,17 @@ static bool put_quoted(const char *name, char quote, bool folder, struct buffer 
     if (quote == '\'' && strchr(name, quote))
         return false;
     if (quote)
-        buffer_char(out, quote);
+        buffer_char(output, quote);
     for (size_t i = 0; i < all.len; i++) {
         if (quote == '"' ? strchr("\"\\", name[i]) != NULL : !quote && name[i] == ' ')
-            buffer_char(out, '\\');
-        buffer_char(out, name[i]);
+            buffer_char(output, '\\');
+        buffer_char(output, name[i]);
     }
     if (folder)
-        buffer_char(out, '/');
+        buffer_char(output, '/');
     else if (quote)
-        buffer_char(out, quote);
-    return !out->failed;
+        buffer_char(output, quote);
+    return !output->failed;
 }
 
 static bool ends_in(const char *name, const char *ending)
@@ -147,7 +147,7 @@ static bool ends_in(const char *name, const char *ending)
 /* Folders, and files that end so. */
 static void collect_files(struct text typed, const char *ending, struct candidates *all)
 {
-    const char quote = typed.len > 0 && strchr("'\"", typed.at[0]) ? typed.at[0] : '\0';
+    const char quote = typed.len > 0 && strchr("'\"", typed.data[0]) ? typed.data[0] : '\0';
     struct buffer name = {0}, shown = {0};
     put_plain(typed, quote, &name);
     char *path = tilde_expand(buffer_view(&name)), *match;
@@ -166,7 +166,7 @@ static void collect_files(struct text typed, const char *ending, struct candidat
 
 /* Readline replaces its own word only: what stands between `start` and that stays, where it is as
  * it was typed. */
-static void cut(struct candidates *all, size_t start, size_t begin)
+static void candidates_cut(struct candidates *all, size_t start, size_t begin)
 {
     const size_t skip = start < begin ? begin - start : 0, count = all->count;
     all->count = 0;
@@ -199,7 +199,7 @@ static char **word_complete(const char *word, int begin, int end)
             free(all.match[all.count--]);
         collect_files((struct text){rl_line_buffer + start, cursor - start}, file, &all);
     }
-    cut(&all, start, (size_t)begin);
+    candidates_cut(&all, start, (size_t)begin);
     const char last =
         all.count == 1 && all.match[1][0] ? all.match[1][strlen(all.match[1]) - 1] : '\0';
     if (last == '=' || last == '/')
@@ -370,7 +370,7 @@ void line_begin(struct session *session)
  * list, and each part is freed once.
  */
 struct pointers {
-    void **at;
+    void **item;
     size_t count, capacity;
 };
 
@@ -383,13 +383,13 @@ static void put_pointer(struct pointers *all, void *pointer)
 {
     if (all->count == all->capacity) {
         const size_t capacity = all->capacity ? 2 * all->capacity : 256;
-        void **more = realloc(all->at, capacity * sizeof *more);
+        void **more = realloc(all->item, capacity * sizeof *more);
         if (!more)
             return;
-        all->at = more;
+        all->item = more;
         all->capacity = capacity;
     }
-    all->at[all->count++] = pointer;
+    all->item[all->count++] = pointer;
 }
 
 void xfree(void *memory)
@@ -424,14 +424,14 @@ void line_over(void)
     for (size_t i = 0; entry && entry[i]; i++)
         entry[i]->data = NULL;
     for (size_t i = 0; i < parts.count; i++) {
-        const UNDO_LIST *part = parts.at[i];
+        const UNDO_LIST *part = parts.item[i];
         xfree(part && part->what == UNDO_DELETE ? part->text : NULL);
-        xfree(parts.at[i]);
+        xfree(parts.item[i]);
     }
     if (freed.count > 1)
-        qsort(freed.at, freed.count, sizeof *freed.at, by_address);
+        qsort(freed.item, freed.count, sizeof *freed.item, by_address);
     for (size_t i = 0; i < freed.count; i++)
-        if (i == 0 || freed.at[i] != freed.at[i - 1])
-            free(freed.at[i]);
+        if (i == 0 || freed.item[i] != freed.item[i - 1])
+            free(freed.item[i]);
     freed.count = parts.count = 0;
 }

@@ -201,7 +201,7 @@ static bool refuse_unknown(struct text name, const char *word)
 {
     char what[40];
     struct error error = {0};
-    snprintf(what, sizeof what, "--%.*s", (int)name.len, name.at);
+    snprintf(what, sizeof what, "--%.*s", (int)name.len, name.data);
     if (module_is_in(what, name, &error))
         return complain("unknown option", word);
     fprintf(stderr, "hooke: error: %s; %s\n", error.text, error.hint);

@@ -34,7 +34,7 @@ bool panes_over(const struct panes *panes)
 
 /* ---- what is said ---- */
 
-static bool say(void *context, struct text text)
+static bool panes_say(void *context, struct text text)
 {
     log_add(&((struct session *)context)->log, text);
     return true;
@@ -42,11 +42,11 @@ static bool say(void *context, struct text text)
 
 struct sink panes_sink(struct session *session)
 {
-    return (struct sink){say, say, session};
+    return (struct sink){panes_say, panes_say, session};
 }
 
 /* The first line of a message, for where there is no room for the log. */
-static bool note(void *context, struct text text)
+static bool panes_note(void *context, struct text text)
 {
     struct panes *panes = context;
     struct text first = TEXT("");
@@ -60,7 +60,7 @@ static bool say_here(void *context, struct text text)
 {
     struct panes *panes = context;
     log_add(&panes_session(panes)->log, text);
-    return !keys_on_plot() || note(panes, text); /* the table of the cursors hides the log */
+    return !keys_on_plot() || panes_note(panes, text); /* the table of the cursors hides the log */
 }
 
 static struct sink sink_of(struct panes *panes)
@@ -77,10 +77,10 @@ static void panes_warn(struct panes *panes, const struct error *error)
 static void log_typed(struct panes *panes, struct text typed)
 {
     struct text line;
-    for (const char *before = PANES_PROMPT; typed.len > 0 && text_split(&typed, '\n', &line);
-         before = PASTE_PROMPT) {
+    for (const char *prompt = PANES_PROMPT; typed.len > 0 && text_split(&typed, '\n', &line);
+         prompt = PASTE_PROMPT) {
         struct buffer shown = {0};
-        buffer_put(&shown, text_of(before));
+        buffer_put(&shown, text_of(prompt));
         buffer_put(&shown, line);
         log_add(&panes_session(panes)->log, buffer_text(&shown));
         buffer_free(&shown);
@@ -99,7 +99,7 @@ static void execute_silently(struct panes *panes, struct text line)
 {
     const struct source nobody = {0};
     struct reply reply;
-    reply_init(&reply, (struct sink){say_nothing, note, panes});
+    reply_init(&reply, (struct sink){say_nothing, panes_note, panes});
     command_exec(panes_session(panes), line, &(struct source){.parent = &nobody}, &reply);
     reply_free(&reply);
 }
@@ -190,14 +190,14 @@ static void take_size(struct panes *panes)
 /* An answer that comes after we have left would appear at the shell's prompt. */
 static void await_answer(struct panes *panes)
 {
-    const int64_t until = clock_ns() + FAREWELL_NS;
+    const int64_t deadline = clock_ns() + FAREWELL_NS;
     struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
     while (panes->pacing.requested != 0 && !panes->input.closed) {
         if (input_strip_reply(&panes->input)) {
             pacing_replied(&panes->pacing, clock_ns());
             continue;
         }
-        const int64_t left = until - clock_ns();
+        const int64_t left = deadline - clock_ns();
         if (left <= 0 || poll(&ready, 1, (int)(left / 1000000) + 1) == 0) {
             break;
         }
@@ -264,17 +264,17 @@ void panes_save(struct panes *panes, bool line)
     }
 }
 
-bool panes_read(struct panes *panes, int64_t until)
+bool panes_read(struct panes *panes, int64_t deadline)
 {
     struct session *session = panes_session(panes);
-    until = earliest(until, input_due(&panes->input));
-    until = earliest(until, keeper_due());
+    deadline = earliest(deadline, input_due(&panes->input));
+    deadline = earliest(deadline, keeper_due());
     if (panes->running) {
-        until = earliest(until, pacing_due(&panes->pacing, session));
+        deadline = earliest(deadline, pacing_due(&panes->pacing, session));
     }
     int timeout = -1;
-    if (until < INT64_MAX) {
-        const int64_t left = until - clock_ns();
+    if (deadline < INT64_MAX) {
+        const int64_t left = deadline - clock_ns();
         timeout = left <= 0 ? 0 : left > 3600000000000 ? 3600000 : (int)((left + 999999) / 1000000);
     }
     struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
@@ -291,10 +291,10 @@ bool panes_read(struct panes *panes, int64_t until)
 }
 
 /* The session is saved when nobody types: a key is seen first. */
-void panes_wait(struct panes *panes, int64_t until)
+void panes_wait(struct panes *panes, int64_t deadline)
 {
     draw_due(panes, clock_ns());
-    if (!panes_read(panes, until))
+    if (!panes_read(panes, deadline))
         panes_save(panes, false);
 }
 
@@ -317,8 +317,8 @@ static void execute_line(struct panes *panes)
     struct buffer line = panes->line;
     panes->line = (struct buffer){0};
     panes->line_waits = false;
-    const enum line_from from = panes->line_from;
-    if (from != LINE_SILENT) {
+    const enum line_from origin = panes->line_from;
+    if (origin != LINE_SILENT) {
         session->view.scroll = 0;
         session->view.reading = false;
         session->view.recipe = NULL;
@@ -338,17 +338,17 @@ static void execute_line(struct panes *panes)
     const bool busy = signals_busy(true);
     bool ok = true;
     int unheeded = 0; /* a Ctrl-C that was not meant for what only looks at the screen */
-    if (from == LINE_SILENT) {
+    if (origin == LINE_SILENT) {
         unheeded = atomic_exchange(&interrupt.requested, 0);
         execute_silently(panes, buffer_text(&line));
     } else {
         ok = typed_run(session, buffer_text(&line), program->reply);
     }
     signals_busy(busy);
-    if (from != LINE_SILENT) {
+    if (origin != LINE_SILENT) {
         buffer_clear(&program->offer); /* the offer is always the last message */
     }
-    if (ok && !nested && from == LINE_TYPED) {
+    if (ok && !nested && origin == LINE_TYPED) {
         struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
         if (poll(&ahead, 1, 0) > 0) {
             input_read(&panes->input, (ahead.revents & POLL_CLOSED) != 0);
@@ -365,7 +365,7 @@ static void execute_line(struct panes *panes)
         panes->interrupted = false;
     }
     panes->screen_stale = true;
-    if (from != LINE_SILENT && !nested) {
+    if (origin != LINE_SILENT && !nested) {
         struct buffer reading = {0};
         reading_command(panes, said_before, &reading);
         if (reading.len > 0)
@@ -374,7 +374,7 @@ static void execute_line(struct panes *panes)
     }
     edit_put_aside(panes);
     keys_choose(session);
-    if (from != LINE_SILENT && !keys_on_plot()) {
+    if (origin != LINE_SILENT && !keys_on_plot()) {
         buffer_clear(&panes->notice); /* the log can be read */
     }
     buffer_free(&line);
@@ -421,7 +421,7 @@ static void hand_over(struct panes *panes)
         const struct text typed = item == INPUT_BYTE    ? (struct text){(const char *)&byte, 1}
                                   : item == INPUT_PASTE ? paste
                                                         : TEXT("");
-        for (size_t i = 0; i < typed.len && rl_stuff_char(typed.at[i]); i++) {
+        for (size_t i = 0; i < typed.len && rl_stuff_char(typed.data[i]); i++) {
         }
     }
 }
@@ -438,11 +438,11 @@ void panes_run(struct front_program *program)
 {
     struct session *session = program->session;
     struct panes panes = {.program = program, .screen_stale = true, .pacing = PACING_BEGIN};
-    const struct front before = session->front;
+    const struct front saved = session->front;
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
     program->next = FRONT_END;
     line_begin(session); /* line_begin() precedes ncurses: both look the terminal up */
-    panes.color = before.color;
+    panes.color = saved.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
     /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it
      * while it draws. */
@@ -487,7 +487,7 @@ void panes_run(struct front_program *program)
     screen_end(&panes.screen);
     signals_watch(0);
     fclose(nowhere);
-    session->front = before;
+    session->front = saved;
     program->reply->sink = streams_sink(program->streams);
     if (panes.input.closed) {
         signals_hang_up();

@@ -99,10 +99,10 @@ void screen_retake(struct terminal_screen *screen);
 void screen_repaint(struct terminal_screen *screen);
 /* Reads the size from the terminal and adapts to it. */
 void screen_resize(struct terminal_screen *screen);
-/* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes
- * with the next call.
+/* Sends what differs from `shown`, from row `first_row` on, at most about so many bytes: the rest
+ * comes with the next call.
  */
-enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x,
+enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes, int cursor_x,
                        int cursor_y);
 
 /* ---- the front end ---- */
@@ -142,15 +142,15 @@ static inline struct session *panes_session(const struct panes *panes)
 bool panes_over(const struct panes *panes);
 /* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is or
  * saves. */
-void panes_wait(struct panes *panes, int64_t until);
+void panes_wait(struct panes *panes, int64_t deadline);
 /* The same without drawing or saving. Returns true if something was typed. */
-bool panes_read(struct panes *panes, int64_t until);
+bool panes_read(struct panes *panes, int64_t deadline);
 void panes_save(struct panes *panes, bool line);
 /* Everything that has been typed: keys to readline, complete lines to the session, one after the
  * other. */
 void panes_process(struct panes *panes);
 /* A command line to be executed as soon as readline has returned. */
-void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
+void panes_enqueue(struct panes *panes, struct text line, enum line_from origin);
 /* The lowest row as it is now; `scratch` holds a text it may need. */
 void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch);
 /* Shows the panes, in at most about `bytes` bytes. With only_prompt it draws the row of the prompt

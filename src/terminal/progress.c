@@ -11,12 +11,12 @@ static struct progress_line {
     bool visible;
 } progress;
 
-/* Four times a second at most, from one second on. *over: it has ended, and something is to be
- * erased. */
-bool progress_due(double fraction, bool *over)
+/* Four times a second at most, from one second on. *is_finished: it has ended, and something is to
+ * be erased. */
+bool progress_due(double fraction, bool *is_finished)
 {
     const int64_t now = clock_ns();
-    *over = fraction > 1 && progress.visible;
+    *is_finished = fraction > 1 && progress.visible;
     if (fraction > 1) {
         progress = (struct progress_line){0};
         return false;
@@ -54,12 +54,12 @@ void progress_text(const struct session *session, const struct run *run, double 
 void progress_print(void *context, const struct run *run, double fraction)
 {
     struct buffer text = {0};
-    bool over;
-    if (progress_due(fraction, &over)) {
+    bool is_finished;
+    if (progress_due(fraction, &is_finished)) {
         progress_text(context, run, fraction, &text);
         fprintf(stderr, "\r%s\033[K", text.data ? text.data : "");
         buffer_free(&text);
-    } else if (over) {
+    } else if (is_finished) {
         fputs("\r\033[K", stderr);
     }
 }

@@ -158,7 +158,7 @@ bool lines_run(struct session *session, const char *name, struct text lines, str
 
 bool typed_run(struct session *session, struct text typed, struct reply *reply)
 {
-    const bool pasted = typed.len > 0 && memchr(typed.at, '\n', typed.len) != NULL;
+    const bool pasted = typed.len > 0 && memchr(typed.data, '\n', typed.len) != NULL;
     return lines_run(session, pasted ? "paste" : NULL, typed, reply);
 }
 
@@ -238,7 +238,7 @@ static void set_front(struct front_program *program)
 void prompt_run(struct front_program *program)
 {
     struct session *session = program->session;
-    const struct front before = session->front;
+    const struct front saved = session->front;
     program->next = FRONT_END;
     program->reply->sink = streams_sink(program->streams);
     at_prompt = program;
@@ -268,5 +268,5 @@ void prompt_run(struct front_program *program)
     }
     rl_getc_function = rl_getc;
     crash_disarm();
-    session->front = before;
+    session->front = saved;
 }

@@ -31,7 +31,7 @@ static int character_gather(int c)
     return c;
 }
 
-static void send(const char *sequence)
+static void screen_send(const char *sequence)
 {
     int ignored;
     write_all(STDOUT_FILENO, text_of(sequence), &ignored);
@@ -123,10 +123,10 @@ bool panes_possible(struct error *error)
 {
     const char *term = getenv("TERM");
     struct winsize size;
-    struct stat in, out;
+    struct stat input_stat, output_stat;
     int status;
-    if (fstat(STDIN_FILENO, &in) != 0 || fstat(STDOUT_FILENO, &out) != 0 ||
-        in.st_rdev != out.st_rdev) {
+    if (fstat(STDIN_FILENO, &input_stat) != 0 || fstat(STDOUT_FILENO, &output_stat) != 0 ||
+        input_stat.st_rdev != output_stat.st_rdev) {
         return error_set(error, ERROR_COMMAND, "input and output are different terminals");
     }
     if (!term || !*term || setupterm(term, STDOUT_FILENO, &status) != OK) {
@@ -157,13 +157,13 @@ bool screen_begin(struct terminal_screen *screen)
     arm_crash();
     set_modes();
     set_size(screen);
-    send(screen_capability("BE"));
+    screen_send(screen_capability("BE"));
     return true;
 }
 
 void screen_end(struct terminal_screen *screen)
 {
-    send(screen_capability("BD"));
+    screen_send(screen_capability("BD"));
     endwin();
     delscreen(screen->handle);
     crash_disarm();
@@ -175,7 +175,7 @@ void screen_end(struct terminal_screen *screen)
 void screen_leave(struct terminal_screen *screen)
 {
     (void)screen;
-    send(screen_capability("BD"));
+    screen_send(screen_capability("BD"));
     endwin();
 }
 
@@ -186,14 +186,14 @@ void screen_return(struct terminal_screen *screen)
     set_modes();
     set_size(screen);
     clearok(stdscr, TRUE);
-    send(screen_capability("BE"));
+    screen_send(screen_capability("BE"));
 }
 
 void screen_retake(struct terminal_screen *screen)
 {
     reset_prog_mode();
-    send(screen_capability("smcup"));
-    send(screen_capability("BE"));
+    screen_send(screen_capability("smcup"));
+    screen_send(screen_capability("BE"));
     screen_resize(screen);
 }
 
@@ -296,22 +296,23 @@ static int row_cost(const struct cell *a, const struct cell *b, int n)
     return cost > 0 ? cost + MOVE_COST : 0;
 }
 
-enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x,
+enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes, int cursor_x,
                        int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
         set_size(screen); /* there was no memory for it */
         return SHOWN_NOTHING;
     }
-    const int all = screen->height - from;
+    const int all = screen->height - first_row;
     int sent = 0, i = 0;
     for (; i < all && sent < bytes; i++) {
-        const int y = from + (screen->next + i) % all; /* goes on where the last part ended */
-        const size_t at = (size_t)y * (size_t)screen->width;
-        const int cost = row_cost(screen->canvas.cell + at, screen->shown.cell + at, screen->width);
+        const int y = first_row + (screen->next + i) % all; /* goes on where the last part ended */
+        const size_t offset = (size_t)y * (size_t)screen->width;
+        const int cost =
+            row_cost(screen->canvas.cell + offset, screen->shown.cell + offset, screen->width);
         if (screen->stale || cost > 0) {
             put_row(screen, y);
-            memcpy(screen->shown.cell + at, screen->canvas.cell + at,
+            memcpy(screen->shown.cell + offset, screen->canvas.cell + offset,
                    (size_t)screen->width * sizeof(struct cell));
             sent += screen->stale ? screen->width : cost;
         }

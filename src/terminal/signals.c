@@ -24,21 +24,21 @@ static const int number_of[HAPPENED_COUNT] = {[HAPPENED_RESIZE] = SIGWINCH,
                                               [HAPPENED_CONTINUE] = SIGCONT,
                                               [HAPPENED_ALARM] = SIGALRM};
 
-static void wake(void)
+static void signals_wake(void)
 {
-    int before = errno;
+    int saved_errno = errno;
     if (ends[1] >= 0) {
         ssize_t ignored = write(ends[1], "", 1); /* a full pipe wakes as well */
         (void)ignored;
     }
-    errno = before;
+    errno = saved_errno;
 }
 
 static void on_interrupt(int number)
 {
     (void)number;
     atomic_store_explicit(&interrupt.requested, 1, memory_order_relaxed);
-    wake();
+    signals_wake();
 }
 
 static void handle(int number, void (*handler)(int));
@@ -59,16 +59,16 @@ static void on_ending(int number)
     }
     ending = number;
     atomic_store_explicit(&interrupt.requested, 1, memory_order_relaxed);
-    wake();
+    signals_wake();
 }
 
 static void on_event(int number)
 {
     if (number == SIGTSTP && busy) {
-        const int before = errno;
+        const int saved_errno = errno;
         crash_restore();
         signals_stop();
-        errno = before;
+        errno = saved_errno;
         /* the terminal is to be taken back, also where the system would not stop us */
         number = SIGCONT;
     }
@@ -77,7 +77,7 @@ static void on_event(int number)
             happened[i] = 1;
         }
     }
-    wake();
+    signals_wake();
 }
 
 static void handle(int number, void (*handler)(int))
@@ -127,26 +127,26 @@ void signals_alarm(int64_t ns)
 {
     const struct itimerval timer = {.it_value = {.tv_sec = (time_t)(ns / 1000000000),
                                                  .tv_usec = (suseconds_t)(ns % 1000000000 / 1000)}};
-    sigset_t ends_it, before;
+    sigset_t ends_it, saved_mask;
     sigemptyset(&ends_it);
     sigaddset(&ends_it, SIGHUP);
     sigaddset(&ends_it, SIGTERM);
-    sigprocmask(SIG_BLOCK, &ends_it, &before); /* or its own alarm would be set anew */
+    sigprocmask(SIG_BLOCK, &ends_it, &saved_mask); /* or its own alarm would be set anew */
     if (!ending)
         setitimer(ITIMER_REAL, &timer, NULL);
-    sigprocmask(SIG_SETMASK, &before, NULL);
+    sigprocmask(SIG_SETMASK, &saved_mask, NULL);
 }
 
 bool signals_busy(bool now)
 {
-    const bool before = busy;
+    const bool was_busy = busy;
     busy = now;
     if (now &&
         signals_happened(
             HAPPENED_SUSPEND)) { /* it came after the last look: nobody would see it for long */
         raise(SIGTSTP);
     }
-    return before;
+    return was_busy;
 }
 
 bool signals_happened(enum signalled what)
@@ -175,12 +175,12 @@ void signals_drain(void)
 
 void signals_stop(void)
 {
-    sigset_t stop, before;
+    sigset_t stop, saved_mask;
     sigemptyset(&stop);
     sigaddset(&stop, SIGTSTP);
     handle(SIGTSTP, SIG_DFL);
-    sigprocmask(SIG_UNBLOCK, &stop, &before);
+    sigprocmask(SIG_UNBLOCK, &stop, &saved_mask);
     raise(SIGTSTP);
-    sigprocmask(SIG_SETMASK, &before, NULL);
+    sigprocmask(SIG_SETMASK, &saved_mask, NULL);
     handle(SIGTSTP, on_event);
 }

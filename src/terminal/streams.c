@@ -34,15 +34,15 @@ bool write_all(int fd, struct text text, int *failure)
 
 bool streams_flush(struct streams *streams)
 {
-    if (streams->out.failed) {
+    if (streams->output.failed) {
         streams->broken = true;
         streams->failure = ENOMEM;
     }
     if (!streams->broken &&
-        !write_all(STDOUT_FILENO, buffer_text(&streams->out), &streams->failure)) {
+        !write_all(STDOUT_FILENO, buffer_text(&streams->output), &streams->failure)) {
         streams->broken = true;
     }
-    buffer_clear(&streams->out);
+    buffer_clear(&streams->output);
     return !streams->broken;
 }
 
@@ -54,25 +54,25 @@ static void shown_text_keep(struct streams *streams, struct text text)
     }
 }
 
-static bool out(void *context, struct text text)
+static bool streams_put_output(void *context, struct text text)
 {
     struct streams *streams = context;
     shown_text_keep(streams, text);
     if (streams->split && split_takes(streams->split, text))
         return true;
-    buffer_put(&streams->out, text);
-    return streams->out.len < (streams->holding ? HELD_BYTES_MAX : GATHER_BYTES)
+    buffer_put(&streams->output, text);
+    return streams->output.len < (streams->holding ? HELD_BYTES_MAX : GATHER_BYTES)
                ? !streams->broken
                : streams_flush(streams);
 }
 
-static bool err(void *context, struct text text)
+static bool streams_put_error(void *context, struct text text)
 {
     struct streams *streams = context;
     shown_text_keep(streams, text);
     /* messages appear in order among the results */
     if (streams->holding && isatty(STDERR_FILENO)) {
-        buffer_put(&streams->out, text);
+        buffer_put(&streams->output, text);
         return true;
     }
     streams_flush(streams);
@@ -82,12 +82,12 @@ static bool err(void *context, struct text text)
 
 struct sink streams_sink(struct streams *streams)
 {
-    return (struct sink){out, err, streams};
+    return (struct sink){streams_put_output, streams_put_error, streams};
 }
 
 void streams_free(struct streams *streams)
 {
-    buffer_free(&streams->out);
+    buffer_free(&streams->output);
 }
 
 /* ---- the pager ---- */
@@ -105,7 +105,7 @@ static void pager_command(char **argv, struct buffer *words)
     argv[count] = NULL;
 }
 
-static bool pager_start(char *const *argv, int from, pid_t *pid)
+static bool pager_start(char *const *argv, int input_fd, pid_t *pid)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -122,7 +122,7 @@ static bool pager_start(char *const *argv, int from, pid_t *pid)
     }
     setenv("LESS", "FRX", 0); /* as git does: what fits is left at once, colours are shown */
     const short flags = POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
-    const bool ok = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO) == 0 &&
+    const bool ok = posix_spawn_file_actions_adddup2(&actions, input_fd, STDIN_FILENO) == 0 &&
                     posix_spawnattr_setsigmask(&attributes, &none) == 0 &&
                     posix_spawnattr_setsigdefault(&attributes, &ours) == 0 &&
                     posix_spawnattr_setflags(&attributes, flags) == 0 &&
@@ -133,7 +133,7 @@ static bool pager_start(char *const *argv, int from, pid_t *pid)
 }
 
 /* Returns false if it could not be started, or failed. */
-static bool page(struct text text)
+static bool pager_run(struct text text)
 {
     char *argv[PAGER_WORDS + 1];
     struct buffer words = {0};
@@ -174,9 +174,9 @@ static int rows_of(struct text text, int width, int max)
 void streams_page(struct streams *streams, int width, int height)
 {
     streams->holding = false;
-    if (width > 0 && height > 0 && !streams->out.failed && isatty(STDOUT_FILENO) &&
-        isatty(STDIN_FILENO) && rows_of(buffer_text(&streams->out), width, height) >= height &&
-        page(buffer_text(&streams->out)))
-        buffer_clear(&streams->out);
+    if (width > 0 && height > 0 && !streams->output.failed && isatty(STDOUT_FILENO) &&
+        isatty(STDIN_FILENO) && rows_of(buffer_text(&streams->output), width, height) >= height &&
+        pager_run(buffer_text(&streams->output)))
+        buffer_clear(&streams->output);
     streams_flush(streams);
 }

@@ -41,7 +41,7 @@ void options_help(struct buffer *text);
 /* ---- standard streams ---- */
 
 struct streams {
-    struct buffer out;
+    struct buffer output;
     bool broken;         /* standard output cannot be written; remembered until exit */
     int failure;         /* errno of that */
     struct log *log;     /* log that keeps messages for the screen as well, or NULL */
@@ -128,9 +128,9 @@ void crash_modes(void);
 /* Makes an abnormal end write `text` (escape sequences) and restore those modes. */
 void crash_arm(struct text text);
 void crash_disarm(void);
-/* Gives a thread the stack on which its fatal signals are handled, in place of *before, which is to
- * be given back at its end. */
-void crash_stack(stack_t *before);
+/* Gives a thread the stack on which its fatal signals are handled, in place of *previous, which is
+ * to be given back at its end. */
+void crash_stack(stack_t *previous);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
 /* Registers a serial line whose modes an abnormal end restores, too. NULL ends this. */
 struct termios;
@@ -202,7 +202,7 @@ void front_greet(struct reply *reply);
 
 /* ---- progress.c: of what takes long ---- */
 
-bool progress_due(double fraction, bool *over);
+bool progress_due(double fraction, bool *is_finished);
 void progress_text(const struct session *session, const struct run *run, double fraction,
                    struct buffer *text);
 /* Writes the progress to standard error; meant for front.progress, with the session as context. */

@@ -13,7 +13,7 @@ static void echo_typed(struct panes *panes)
         panes_show(panes, true, INT_MAX);
 }
 
-static bool slice(void *context, struct session *session, int64_t until)
+static bool slice(void *context, struct session *session, int64_t deadline)
 {
     struct panes *panes = context;
     (void)session;
@@ -24,10 +24,10 @@ static bool slice(void *context, struct session *session, int64_t until)
     do {
         panes_process(panes);
         echo_typed(panes);
-        panes_wait(panes, until);
+        panes_wait(panes, deadline);
         panes_process(panes);
         echo_typed(panes);
-    } while (clock_ns() < until && !panes_over(panes) && !panes->interrupted);
+    } while (clock_ns() < deadline && !panes_over(panes) && !panes->interrupted);
     panes->running = false;
     signals_busy(true);
     const bool go_on = !panes_over(panes) && !panes->interrupted;
@@ -87,15 +87,15 @@ static bool change(void *context, enum front_change change, struct error *error)
 static void show_progress(void *context, const struct run *run, double fraction)
 {
     struct panes *panes = context;
-    bool over;
+    bool is_finished;
     if (run) {
         return;
     }
     if (fraction <= 1) {
         panes_save(panes, false);
     }
-    const bool due = progress_due(fraction, &over);
-    if (!due && !over) {
+    const bool due = progress_due(fraction, &is_finished);
+    if (!due && !is_finished) {
         return;
     }
     buffer_clear(&panes->notice);

@@ -21,17 +21,17 @@ static bool is_bare_frame(const struct screen *screen, const struct canvas *canv
 }
 
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
-                  struct canvas *canvas, struct rectangle at, bool letters)
+                  struct canvas *canvas, struct rectangle area, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
     uint32_t line = screen->charset->plain ? ':' : 0x250A;
     int column, row;
 
     for (int i = 0; i < 2 && cursors->shown && !cursors->plane; i++) {
-        if (!cursors->at[i].set ||
-            !figure_cell(layout, cursors->at[i].t, layout->y.from, &column, &row))
+        if (!cursors->cursor[i].set ||
+            !figure_cell(layout, cursors->cursor[i].t, layout->y.first_value, &column, &row))
             continue;
-        int x = at.x + layout->left + column, y = at.y + layout->top;
+        int x = area.x + layout->left + column, y = area.y + layout->top;
         for (row = 0; row < layout->rows; row++) { /* the curve stays in front */
             const struct cell *cell =
                 &canvas->cell[(size_t)(y + row) * (size_t)canvas->width + (size_t)x];
@@ -39,61 +39,62 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
                 canvas_put(canvas, x, y + row, line, i == cursors->active ? STYLE_BOLD : STYLE_DIM);
         }
         if (letters)
-            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y,
+            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, area.y) ? area.y : y,
                        (uint32_t) "AB"[i], STYLE_BOLD);
     }
 }
 
-static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
+static void put_cursor(struct buffer *output, const struct cursors *cursors, int i)
 {
-    buffer_format(out, "%s%c  ", i == cursors->active ? ">" : " ", "AB"[i]);
-    if (!cursors->at[i].set) {
-        buffer_put(out, TEXT("not set"));
+    buffer_format(output, "%s%c  ", i == cursors->active ? ">" : " ", "AB"[i]);
+    if (!cursors->cursor[i].set) {
+        buffer_put(output, TEXT("not set"));
         return;
     }
-    const struct unit *unit =
-        unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
-    buffer_put(out, TEXT("t = "));
-    buffer_parenthesis(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
+    const struct unit *unit = unit_display(
+        cursors->quantity, fmax(cursors->cursor[i].amplitude, fabs(cursors->cursor[i].y)));
+    buffer_put(output, TEXT("t = "));
+    buffer_parenthesis(output, cursors->cursor[i].t, cursors->cursor[i].t_uncertainty);
     /* never -0.00 */
-    double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0;
-    buffer_format(out, " s   y = %.2f %s", y,
+    double y = floor(cursors->cursor[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0;
+    buffer_format(output, " s   y = %.2f %s", y,
                   unit ? unit->row.name : quantity_unit(cursors->quantity));
-    if (cursors->at[i].crossing > 0)
-        buffer_format(out, "  up-crossing #%d", cursors->at[i].crossing);
+    if (cursors->cursor[i].crossing > 0)
+        buffer_format(output, "  up-crossing #%d", cursors->cursor[i].crossing);
     /* the portrait sheet shows the amplitude here */
-    else if (isfinite(cursors->at[i].amplitude))
-        buffer_format(out, "  amplitude %.2f %s",
-                      cursors->at[i].amplitude / (unit ? unit->factor : 1),
+    else if (isfinite(cursors->cursor[i].amplitude))
+        buffer_format(output, "  amplitude %.2f %s",
+                      cursors->cursor[i].amplitude / (unit ? unit->factor : 1),
                       unit ? unit->row.name : quantity_unit(cursors->quantity));
 }
 
-static void put_interval(struct buffer *out, const struct cursor_reading *reading)
+static void put_interval(struct buffer *output, const struct cursor_reading *reading)
 {
-    buffer_format(out, " B-A = %.4f s", reading->dt);
+    buffer_format(output, " B-A = %.4f s", reading->dt);
     if (!isfinite(reading->period.value))
         return;
-    buffer_format(out, " / %.6g period%s   T = ", reading->periods,
+    buffer_format(output, " / %.6g period%s   T = ", reading->periods,
                   reading->periods == 1 ? "" : "s");
-    buffer_parenthesis(out, reading->period.value, reading->period.uncertainty);
-    buffer_put(out, TEXT(" s   f = "));
-    buffer_parenthesis(out, reading->frequency.value, reading->frequency.uncertainty);
-    buffer_put(out, TEXT(" Hz"));
+    buffer_parenthesis(output, reading->period.value, reading->period.uncertainty);
+    buffer_put(output, TEXT(" s   f = "));
+    buffer_parenthesis(output, reading->frequency.value, reading->frequency.uncertainty);
+    buffer_put(output, TEXT(" Hz"));
 }
 
-static void put_theory(struct buffer *out, const struct cursor_reading *reading)
+static void put_theory(struct buffer *output, const struct cursor_reading *reading)
 {
     const char *name = reading->theory_name;
     if (isfinite(reading->theory))
-        buffer_format(out, " theory %s = %.4f s", name, reading->theory);
+        buffer_format(output, " theory %s = %.4f s", name, reading->theory);
     if (isfinite(reading->deviation))
-        buffer_format(out, "  (T-%s)/%s = %+.2g %%", name, name, reading->deviation * 100);
+        buffer_format(output, "  (T-%s)/%s = %+.2g %%", name, name, reading->deviation * 100);
     if (isfinite(reading->quality))
-        buffer_format(out, "   log decrement %.3g  Q = %.3g", reading->decrement, reading->quality);
+        buffer_format(output, "   log decrement %.3g  Q = %.3g", reading->decrement,
+                      reading->quality);
 }
 
 /* Draws the table of the point on a portrait. */
-static void plane_table(const struct screen *screen, struct rectangle at)
+static void plane_table(const struct screen *screen, struct rectangle area)
 {
     struct buffer said = {0};
     cursor_plane_lines(screen->session, &said);
@@ -102,20 +103,21 @@ static void plane_table(const struct screen *screen, struct rectangle at)
         TEXT(" x start clear   : a command   q leave   ? help   PgUp log")};
     struct text rest = buffer_text(&said), line;
     int y = 0;
-    for (; y < at.height && text_split(&rest, '\n', &line); y++)
-        line_draw(screen, at.x + 1, at.y + y, at.width - 1, line, y ? STYLE_PLAIN : STYLE_BOLD);
-    for (size_t i = 0; i < COUNT_OF(lines) && y < at.height; i++)
-        line_draw(screen, at.x, at.y + y++, at.width, lines[i], STYLE_DIM);
+    for (; y < area.height && text_split(&rest, '\n', &line); y++)
+        line_draw(screen, area.x + 1, area.y + y, area.width - 1, line,
+                  y ? STYLE_PLAIN : STYLE_BOLD);
+    for (size_t i = 0; i < COUNT_OF(lines) && y < area.height; i++)
+        line_draw(screen, area.x, area.y + y++, area.width, lines[i], STYLE_DIM);
     buffer_free(&said);
 }
 
-void cursors_table(const struct screen *screen, struct rectangle at)
+void cursors_table(const struct screen *screen, struct rectangle area)
 {
     const struct session *session = screen->session;
     const struct cursors *cursors = &session->view.cursors;
     struct buffer line[TABLE_ROWS] = {{0}};
     if (cursors->plane) {
-        plane_table(screen, at);
+        plane_table(screen, area);
         return;
     }
     /* The most important rows come first; the last ones are left out if there is no room. */
@@ -133,14 +135,14 @@ void cursors_table(const struct screen *screen, struct rectangle at)
                TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock"));
     buffer_put(&line[5],
                TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help  PgUp log"));
-    for (int i = 0; i < smaller(at.height, TABLE_ROWS); i++)
+    for (int i = 0; i < smaller(area.height, TABLE_ROWS); i++)
         shown[order[i]] = true;
     int side_x =
         larger(CURSOR_DETAILS_WIDTH,
                larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
-    for (int i = 0, y = at.y; i < TABLE_ROWS; i++) {
+    for (int i = 0, y = area.y; i < TABLE_ROWS; i++) {
         if (shown[i])
-            line_draw(screen, at.x, y++, at.width, buffer_text(&line[i]),
+            line_draw(screen, area.x, y++, area.width, buffer_text(&line[i]),
                       i == cursors->active ? STYLE_BOLD
                       : i < 4              ? STYLE_PLAIN
                                            : STYLE_DIM);
@@ -150,8 +152,8 @@ void cursors_table(const struct screen *screen, struct rectangle at)
     snprintf(side[0], sizeof side[0], "snap: %s%s",
              catalog_row(&snap_catalog, (size_t)cursors->snap)->name,
              cursors->locked ? ", locked" : "");
-    snprintf(side[1], sizeof side[1], "on: %s", cursors->of);
-    for (int i = 0; i < 2 && at.height > 2 && at.width >= side_x + 10; i++)
-        line_draw(screen, at.x + side_x, at.y + i, at.width - side_x, text_of(side[i]),
+    snprintf(side[1], sizeof side[1], "on: %s", cursors->subject);
+    for (int i = 0; i < 2 && area.height > 2 && area.width >= side_x + 10; i++)
+        line_draw(screen, area.x + side_x, area.y + i, area.width - side_x, text_of(side[i]),
                   STYLE_PLAIN);
 }

@@ -7,31 +7,31 @@
 
 /* The samples of a curve, with a NAN wherever a column or more of the time has none. Returns NULL
  * if out of memory. */
-static const struct curve *joined(struct arena *arena, const struct curve *from, int columns)
+static const struct curve *joined(struct arena *arena, const struct curve *source, int columns)
 {
-    const double *t = from->t ? from->t : from->x;
-    const double longest = (t[from->n - 1] - t[0]) / columns;
+    const double *t = source->t ? source->t : source->x;
+    const double longest = (t[source->n - 1] - t[0]) / columns;
     struct curve *curve = arena_array(arena, 1, sizeof *curve);
-    double *x = arena_array(arena, 2 * from->n, sizeof *x),
-           *y = arena_array(arena, 2 * from->n, sizeof *y);
-    double *times = from->t ? arena_array(arena, 2 * from->n, sizeof *times) : NULL;
-    if (!curve || !x || !y || (from->t && !times))
+    double *x = arena_array(arena, 2 * source->n, sizeof *x),
+           *y = arena_array(arena, 2 * source->n, sizeof *y);
+    double *times = source->t ? arena_array(arena, 2 * source->n, sizeof *times) : NULL;
+    if (!curve || !x || !y || (source->t && !times))
         return NULL;
     size_t n = 0;
-    for (size_t i = 0; i < from->n; i++) {
+    for (size_t i = 0; i < source->n; i++) {
         if (i > 0 && t[i] - t[i - 1] > longest) {
             x[n] = y[n] = NAN;
             if (times)
                 times[n] = NAN;
             n++;
         }
-        x[n] = from->x[i];
-        y[n] = from->y[i];
+        x[n] = source->x[i];
+        y[n] = source->y[i];
         if (times)
             times[n] = t[i];
         n++;
     }
-    *curve = *from;
+    *curve = *source;
     curve->points = false;
     curve->x = x;
     curve->y = y;

@@ -26,7 +26,7 @@ struct rectangle {
  * last of them has labels below. */
 struct placed_pane {
     enum plot_kind pane;
-    struct rectangle at;
+    struct rectangle area;
     bool open;   /* continues in the place below: no time labels, no lower frame */
     bool joined; /* continues the place above: its upper frame is a divider */
     int number;  /* written in the frame; 0 if there is none */
@@ -76,8 +76,8 @@ int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int
 /* ---- cursors.c ---- */
 
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
-                  struct canvas *canvas, struct rectangle at, bool letters);
-void cursors_table(const struct screen *screen, struct rectangle at);
+                  struct canvas *canvas, struct rectangle area, bool letters);
+void cursors_table(const struct screen *screen, struct rectangle area);
 
 /* ---- one file each ---- */
 
@@ -90,7 +90,7 @@ void labels_shorten(struct screen *screen, int width, int height,
                     const struct figure_request *request, struct figure *figure);
 void state_line_draw(const struct screen *screen, int y);
 void numbers_draw(const struct screen *screen, struct text hint, int y);
-void log_draw(const struct screen *screen, struct rectangle at);
+void log_draw(const struct screen *screen, struct rectangle area);
 void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y,
                  int *cursor_x);
 

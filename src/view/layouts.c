@@ -67,14 +67,14 @@ static const struct arrangement arrangements[] = {
 /* The panes that make sense here. An orbit, where there is one, says more than the phase plot of
  * one coordinate. */
 static int choose_panes(const struct session *session, const enum plot_kind *wanted, int count,
-                        enum plot_kind *out)
+                        enum plot_kind *chosen)
 {
     const bool orbit =
         plot_offered(session, PLOT_ORBIT) && view_focus(&session->view) != PLOT_PHASE;
     int n = 0;
     for (int i = 0; i < count; i++)
         if (plot_offered(session, wanted[i]))
-            out[n++] = wanted[i] == PLOT_PHASE && orbit ? PLOT_ORBIT : wanted[i];
+            chosen[n++] = wanted[i] == PLOT_PHASE && orbit ? PLOT_ORBIT : wanted[i];
     return n;
 }
 
@@ -109,7 +109,7 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
         if (last)
             height = area.y + area.height - y;
         placed[i] = (struct placed_pane){.pane = pane[i],
-                                         .at = {area.x, y, area.width, height},
+                                         .area = {area.x, y, area.width, height},
                                          .open = shared && !last,
                                          .joined = shared && i > 0};
         y += height;
@@ -145,7 +145,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         placed[0] = (struct placed_pane){.pane = offered ? view_focus(view)
                                                  : lefts ? left[0]
                                                          : right[0],
-                                         .at = area};
+                                         .area = area};
         return 1;
     }
     /* The focused one stands in the first place if the layout does not have it. */

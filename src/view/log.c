@@ -15,7 +15,7 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
     bool cut;
     const struct text shown = text_in_room(text, width, &cut);
     const int end = canvas_text(screen->canvas, x, y, shown, style);
-    const bool word = cut && shown.len < text.len && text.at[shown.len] == ' ';
+    const bool word = cut && shown.len < text.len && text.data[shown.len] == ' ';
     if (cut)
         canvas_put(screen->canvas, end + word, y, screen->charset->plain ? '>' : 0x2026, STYLE_DIM);
 }
@@ -24,38 +24,38 @@ static enum style style_of(struct text line)
 {
     if (text_starts(line, TEXT("hooke> ")))
         return STYLE_BOLD;
-    return text_starts(line, TEXT("error: ")) || memmem(line.at, line.len, ": error: ", 9)
+    return text_starts(line, TEXT("error: ")) || memmem(line.data, line.len, ": error: ", 9)
                ? STYLE_ALERT
                : STYLE_PLAIN;
 }
 
-void log_draw(const struct screen *screen, struct rectangle at)
+void log_draw(const struct screen *screen, struct rectangle area)
 {
     const struct log *log = &screen->session->log;
     const struct text newest = text_of(log_line(log, 0));
-    if (at.height == 1 &&
+    if (area.height == 1 &&
         screen->session->view.scroll <= 0) { /* the beginning of a line says more than its end */
-        line_draw(screen, at.x, at.y, at.width, newest, style_of(newest));
+        line_draw(screen, area.x, area.y, area.width, newest, style_of(newest));
         return;
     }
     /* Back from the newest line to that of the first row that is seen. */
-    const int wanted = at.height + larger(screen->session->view.scroll, 0);
+    const int wanted = area.height + larger(screen->session->view.scroll, 0);
     int rows = 0, oldest = 0;
     while (oldest < log->count && rows < wanted)
-        rows += log_rows(text_of(log_line(log, oldest++)), at.width);
+        rows += log_rows(text_of(log_line(log, oldest++)), area.width);
 
     /* the oldest line stays at the top, however far one scrolls */
     int row = smaller(wanted - rows, 0);
-    for (int i = oldest - 1; i >= 0 && row < at.height; i--) {
+    for (int i = oldest - 1; i >= 0 && row < area.height; i--) {
         const struct text line = text_of(log_line(log, i));
-        size_t from = 0;
+        size_t offset = 0;
         int indent;
         do {
-            const struct text part = log_row(line, &from, at.width, &indent);
-            if (row >= 0 && row < at.height)
-                line_draw(screen, at.x + indent, at.y + row, at.width - indent, part,
+            const struct text part = log_row(line, &offset, area.width, &indent);
+            if (row >= 0 && row < area.height)
+                line_draw(screen, area.x + indent, area.y + row, area.width - indent, part,
                           style_of(line));
             row++;
-        } while (from < line.len);
+        } while (offset < line.len);
     }
 }

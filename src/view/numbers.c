@@ -18,7 +18,7 @@ static double present(const struct run *run, const char *name)
 }
 
 /* Appends "E=1.741 mJ" with four digits, in the unit of the start as long as that is near. */
-static void put_energy(struct buffer *out, const struct run *run, double energy)
+static void put_energy(struct buffer *output, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) +
                    system_potential(&run->system, run->system.start);
@@ -26,12 +26,12 @@ static void put_energy(struct buffer *out, const struct run *run, double energy)
     const struct unit *unit = unit_display(
         quantity,
         fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
-    buffer_format(out, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin",
+    buffer_format(output, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin",
                   energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
 }
 
 /* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
-static void put_error(struct buffer *out, const struct run *run, double error)
+static void put_error(struct buffer *output, const struct run *run, double error)
 {
     int exponent = error != 0 ? (int)floor(log10(fabs(error))) : 0;
     double mantissa = error / pow(10, exponent);
@@ -39,7 +39,7 @@ static void put_error(struct buffer *out, const struct run *run, double error)
         mantissa /= 10;
         exponent++;
     }
-    buffer_format(out, "%s=%+.1fe%d", run->plan.ledger ? "E bal" : "dE/E0", mantissa, exponent);
+    buffer_format(output, "%s=%+.1fe%d", run->plan.ledger ? "E bal" : "dE/E0", mantissa, exponent);
 }
 
 /* Puts ` text ` into the line if it fits; returns the column after it. */
@@ -88,10 +88,12 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",
                       keys[] = "F1 help  F5 run  F7 cursors";
     int width = screen->canvas->width;
-    const uint32_t across = screen->charset->words ? ' ' : screen->charset->plain ? '-' : 0x2500;
+    const uint32_t line_glyph = screen->charset->words   ? ' '
+                                : screen->charset->plain ? '-'
+                                                         : 0x2500;
 
     for (int x = 0; x < width; x++)
-        canvas_put(screen->canvas, x, y, across, STYLE_DIM);
+        canvas_put(screen->canvas, x, y, line_glyph, STYLE_DIM);
     if (hint.len) {
         canvas_put(screen->canvas, LEAD_CELLS, y, ' ', STYLE_PLAIN);
         line_draw(screen, LEAD_CELLS + 1, y, width - LEAD_CELLS - 2, hint, STYLE_PLAIN);

@@ -74,7 +74,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         .pages = !view->paging                                        ? larger(width, 1)
                  : session_grows(session, session_recording(session)) ? PAGES_COLLECTED
                                                                       : LIVE_WINDOW_PARTS,
-        .until = run && run_in_progress(session) ? planned_end(run) : NAN,
+        .t_end = run && run_in_progress(session) ? planned_end(run) : NAN,
     };
     if (view_has_time_range(view)) {
         request.window[0] = view->x[0];
@@ -96,7 +96,11 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
     struct system system;
     struct error ignored;
     *figure = (struct figure){
-        .x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
+        .x = {.label = "t",
+              .unit = "s",
+              .first_value = 0,
+              .last_value = setup->settings.duration,
+              .fixed = true},
         .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
         .zero_line = true};
     if (placed->pane == PLOT_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
@@ -105,8 +109,8 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
             figure->y.unit = unit->row.name;
             figure->y.factor = unit->factor;
         }
-        figure->y.from = -system.scale[0];
-        figure->y.to = system.scale[0];
+        figure->y.first_value = -system.scale[0];
+        figure->y.last_value = system.scale[0];
         figure->y.fixed = true;
     }
 }
@@ -128,7 +132,7 @@ static const char *numbered_title(struct screen *screen, const struct placed_pan
 int pane_drawn_height(const struct placed_pane *placed)
 {
     /* axis, labels and lower frame will not be seen */
-    return placed->at.height + (placed->open ? 3 : 0);
+    return placed->area.height + (placed->open ? 3 : 0);
 }
 
 /* Time axis that the time plots of a screen share. */
@@ -143,7 +147,7 @@ struct shared_time {
 static struct shared_time share_time(struct screen *screen, const struct placed_pane *placed,
                                      int placed_count)
 {
-    struct shared_time time = {.width = placed[0].at.width, .alone = placed_count == 1};
+    struct shared_time time = {.width = placed[0].area.width, .alone = placed_count == 1};
     if (screen->charset->words)
         time.width = WORDS_COLUMNS;
     int runs[1 + LIMIT_OVERLAY], first = 0;
@@ -153,7 +157,7 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
         make_request(screen, placed[first].pane, time.width, time.alone, runs);
     time.known = session_window(screen->session, &request, &screen->arena, &time.window);
     if (time.known && !view_has_time_range(&screen->session->view))
-        ranges_reach_label(&time.window.axis, placed[first].at.width);
+        ranges_reach_label(&time.window.axis, placed[first].area.width);
     return time;
 }
 
@@ -184,7 +188,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         figure->y.label = row->energy ? figure->title : row->pane_label;
     figure->title = numbered_title(screen, placed);
     figure->has_point = figure->has_point && plot_is_plane(placed->pane);
-    if (plot_is_plane(placed->pane) && placed->at.width >= CAPTION_WIDTH) {
+    if (plot_is_plane(placed->pane) && placed->area.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;
         figure->note = NULL;
     }
@@ -202,68 +206,68 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         figure->curves = plain ? figure->curves : 0;
     }
     if (figure->title && request.runs > 1)
-        labels_shorten(screen, placed->at.width, pane_drawn_height(placed), &request, figure);
+        labels_shorten(screen, placed->area.width, pane_drawn_height(placed), &request, figure);
     return figure->title != NULL;
 }
 
 /* A parameter was changed here while the run went on. */
 static void draw_marks(const struct screen *screen, const struct figure_layout *layout,
-                       struct canvas *canvas, struct rectangle at)
+                       struct canvas *canvas, struct rectangle area)
 {
     const struct live *live = &screen->session->live;
     uint32_t mark = screen->charset->plain ? '^' : 0x25B2;
     int column, row;
     for (int i = 0; i < live->mark_count && layout->x_labels; i++)
-        if (figure_cell(layout, live->marks[i], layout->y.from, &column, &row))
-            canvas_put(canvas, at.x + layout->left + column, at.y + layout->top + layout->rows,
+        if (figure_cell(layout, live->marks[i], layout->y.first_value, &column, &row))
+            canvas_put(canvas, area.x + layout->left + column, area.y + layout->top + layout->rows,
                        mark, STYLE_BOLD);
 }
 
 /* Corners become branches where a pane continues the frame above. */
-static void draw_branches(const struct screen *screen, struct rectangle at)
+static void draw_branches(const struct screen *screen, struct rectangle area)
 {
     if (screen->charset->plain)
         return;
-    canvas_put(screen->canvas, at.x, at.y, 0x251C, STYLE_DIM);
-    canvas_put(screen->canvas, at.x + at.width - 1, at.y, 0x2524, STYLE_DIM);
+    canvas_put(screen->canvas, area.x, area.y, 0x251C, STYLE_DIM);
+    canvas_put(screen->canvas, area.x + area.width - 1, area.y, 0x2524, STYLE_DIM);
 }
 
-static void copy_rows(const struct canvas *from, struct canvas *to, struct rectangle at)
+static void copy_rows(const struct canvas *source, struct canvas *target, struct rectangle area)
 {
-    for (int y = 0; y < at.height; y++)
-        for (int x = 0; x < at.width; x++)
-            to->cell[(size_t)(at.y + y) * (size_t)to->width + (size_t)(at.x + x)] =
-                from->cell[(size_t)y * (size_t)from->width + (size_t)x];
+    for (int y = 0; y < area.height; y++)
+        for (int x = 0; x < area.width; x++)
+            target->cell[(size_t)(area.y + y) * (size_t)target->width + (size_t)(area.x + x)] =
+                source->cell[(size_t)y * (size_t)source->width + (size_t)x];
 }
 
 /* While a run goes on only where it stands is said: in the state line. */
 static void words_pane(struct screen *screen, const struct placed_pane *placed,
                        const struct figure *figure)
 {
-    const struct rectangle at = placed->at;
-    const int width = at.x + at.width < screen->canvas->width ? at.width - 1 : at.width;
+    const struct rectangle area = placed->area;
+    const int width = area.x + area.width < screen->canvas->width ? area.width - 1 : area.width;
     if (screen->session->live.state == LIVE_RUNNING)
-        canvas_text(screen->canvas, at.x, at.y, text_of(figure->title), STYLE_PLAIN);
+        canvas_text(screen->canvas, area.x, area.y, text_of(figure->title), STYLE_PLAIN);
     else
-        figure_draw(figure, screen->canvas, at.x, at.y, width, at.height, screen->charset);
+        figure_draw(figure, screen->canvas, area.x, area.y, width, area.height, screen->charset);
 }
 
 static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
                       const struct figure *figure)
 {
-    struct rectangle at = {0, 0, placed->at.width, pane_drawn_height(placed)};
+    struct rectangle area = {0, 0, placed->area.width, pane_drawn_height(placed)};
     if (screen->charset->words) {
         words_pane(screen, placed, figure);
         return true;
     }
     struct canvas sheet = {
-        at.width, at.height,
-        arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
+        area.width, area.height,
+        arena_array(&screen->arena, (size_t)area.width * (size_t)area.height, sizeof *sheet.cell)};
     struct figure_panel panel[PANELS_MAX];
 
-    if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))
+    if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, area.width, area.height, screen->charset))
         return false;
-    const int panels = figure_panels(figure, at.width, at.height, screen->charset, panel);
+    const int panels = figure_panels(figure, area.width, area.height, screen->charset, panel);
     for (int i = 0; i < panels && plot_is_timed(placed->pane); i++) {
         const struct rectangle part = {panel[i].x, panel[i].y, panel[i].width, panel[i].height};
         struct figure_layout layout;
@@ -272,9 +276,9 @@ static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
         if (i == panels - 1)
             draw_marks(screen, &layout, &sheet, part);
     }
-    copy_rows(&sheet, screen->canvas, placed->at);
+    copy_rows(&sheet, screen->canvas, placed->area);
     if (placed->joined)
-        draw_branches(screen, placed->at);
+        draw_branches(screen, placed->area);
     return true;
 }
 
@@ -283,8 +287,8 @@ static int widest_gutter(const struct screen *screen, const struct placed_pane *
                          const struct figure *figure)
 {
     struct figure_panel panel[PANELS_MAX];
-    const int panels =
-        figure_panels(figure, placed->at.width, pane_drawn_height(placed), screen->charset, panel);
+    const int panels = figure_panels(figure, placed->area.width, pane_drawn_height(placed),
+                                     screen->charset, panel);
     int gutter = 0;
     for (int i = 0; i < panels; i++) {
         struct figure_layout layout;
@@ -305,7 +309,7 @@ bool panes_figures(struct screen *screen, const struct placed_pane *placed, int 
     for (int i = 0; i < placed_count; i++) {
         int gutter = 0;
         for (int j = 0; j < placed_count && plot_is_timed(placed[i].pane); j++) {
-            if (!plot_is_timed(placed[j].pane) || placed[j].at.x != placed[i].at.x)
+            if (!plot_is_timed(placed[j].pane) || placed[j].area.x != placed[i].area.x)
                 continue;
             gutter = larger(gutter, widest_gutter(screen, &placed[j], &figure[j]));
         }
@@ -335,10 +339,10 @@ bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, i
         found++;
     if (found == placed_count || !panes_figures(screen, placed, placed_count, figure))
         return false;
-    figure_layout(&figure[found], placed[found].at.width, pane_drawn_height(&placed[found]),
+    figure_layout(&figure[found], placed[found].area.width, pane_drawn_height(&placed[found]),
                   screen->charset, &layout);
-    cell[0] = (layout.x.to - layout.x.from) / larger(layout.columns - 1, 1);
-    cell[1] = (layout.y.to - layout.y.from) / larger(layout.rows - 1, 1);
+    cell[0] = (layout.x.last_value - layout.x.first_value) / larger(layout.columns - 1, 1);
+    cell[1] = (layout.y.last_value - layout.y.first_value) / larger(layout.rows - 1, 1);
     return true;
 }
 
@@ -355,10 +359,10 @@ int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int
             found = i;
     if (found < 0 || !panes_figures(screen, placed, placed_count, figure))
         return 0;
-    figure_panels(&figure[found], placed[found].at.width, pane_drawn_height(&placed[found]),
+    figure_panels(&figure[found], placed[found].area.width, pane_drawn_height(&placed[found]),
                   screen->charset, panel);
     figure_layout(&panel[0].figure, panel[0].width, panel[0].height, screen->charset, &layout);
-    span[0] = layout.x.from;
-    span[1] = layout.x.to;
+    span[0] = layout.x.first_value;
+    span[1] = layout.x.last_value;
     return larger(layout.columns, 1);
 }

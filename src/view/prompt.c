@@ -10,52 +10,52 @@
 
 /* Takes the next thing off the text as it is shown: a code point, `^J` for a control character,
  * `\xNN` for a byte that is no UTF-8. */
-static struct text next_piece(struct text *text, char out[ESCAPE_SIZE])
+static struct text next_piece(struct text *text, char output[ESCAPE_SIZE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */
     size_t used;
     uint32_t codepoint = text_codepoint(*text, &used);
-    struct text piece = {text->at, used};
-    text->at += used;
+    struct text piece = {text->data, used};
+    text->data += used;
     text->len -= used;
     if (codepoint == CODEPOINT_INVALID && !text_is(piece, invalid))
         piece = (struct text){
-            out, (size_t)snprintf(out, ESCAPE_SIZE, "\\x%02X", (unsigned char)*piece.at)};
+            output, (size_t)snprintf(output, ESCAPE_SIZE, "\\x%02X", (unsigned char)*piece.data)};
     else if (codepoint < 0x20 || codepoint == 0x7F)
-        piece =
-            (struct text){out, (size_t)snprintf(out, ESCAPE_SIZE, "^%c", (int)(codepoint ^ 0x40))};
+        piece = (struct text){
+            output, (size_t)snprintf(output, ESCAPE_SIZE, "^%c", (int)(codepoint ^ 0x40))};
     else if (codepoint < 0xA0 && codepoint >= 0x80)
-        piece =
-            (struct text){out, (size_t)snprintf(out, ESCAPE_SIZE, "\\x%02X", (unsigned)codepoint)};
+        piece = (struct text){
+            output, (size_t)snprintf(output, ESCAPE_SIZE, "\\x%02X", (unsigned)codepoint)};
     return piece;
 }
 
 /* [cell] of the first `bytes` of the text. */
 static int shown_width(struct text text, size_t bytes)
 {
-    size_t behind = bytes < text.len ? text.len - bytes : 0;
-    char out[ESCAPE_SIZE];
+    size_t remaining = bytes < text.len ? text.len - bytes : 0;
+    char output[ESCAPE_SIZE];
     int width = 0;
-    while (text.len > behind)
-        width += text_width(next_piece(&text, out));
+    while (text.len > remaining)
+        width += text_width(next_piece(&text, output));
     return width;
 }
 
 /* Columns from..to of the text, from column x of the screen on. */
-static void draw_part(const struct screen *screen, struct text text, int from, int to, int x, int y,
-                      enum style style)
+static void draw_part(const struct screen *screen, struct text text, int column_begin,
+                      int column_end, int x, int y, enum style style)
 {
-    char out[ESCAPE_SIZE];
-    for (int column = 0; text.len && column < to;) {
-        struct text piece = next_piece(&text, out);
+    char output[ESCAPE_SIZE];
+    for (int column = 0; text.len && column < column_end;) {
+        struct text piece = next_piece(&text, output);
         for (struct text glyph = piece; glyph.len;) {
             size_t used;
             int width = codepoint_width(text_codepoint(glyph, &used));
-            if (column >= from && column + width <= to)
-                canvas_text(screen->canvas, x + column - from, y, (struct text){glyph.at, used},
-                            style);
+            if (column >= column_begin && column + width <= column_end)
+                canvas_text(screen->canvas, x + column - column_begin, y,
+                            (struct text){glyph.data, used}, style);
             column += width;
-            glyph.at += used;
+            glyph.data += used;
             glyph.len -= used;
         }
     }
@@ -78,12 +78,12 @@ void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, 
         offset = (cursor - (field - 2) + step - 1) / step * step;
     if (!marks)
         offset = larger(cursor - (field - 1), 0);
-    bool before = marks && offset > 0, after = marks && total - offset > field;
-    draw_part(screen, prompt->line, offset + before, offset + field - after, lead + before, y,
-              STYLE_PLAIN);
-    if (before)
+    bool is_cut_left = marks && offset > 0, is_cut_right = marks && total - offset > field;
+    draw_part(screen, prompt->line, offset + is_cut_left, offset + field - is_cut_right,
+              lead + is_cut_left, y, STYLE_PLAIN);
+    if (is_cut_left)
         canvas_put(screen->canvas, lead, y, '<', STYLE_DIM);
-    if (after)
+    if (is_cut_right)
         canvas_put(screen->canvas, lead + field - 1, y, '>', STYLE_DIM);
     *cursor_x = smaller(lead + cursor - offset, width - 1);
 }

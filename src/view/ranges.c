@@ -58,18 +58,19 @@ static void axis_settle(struct axis *axis, struct extent extent, int rows)
     if (!(step > 0))
         return;
     axis->fixed = true;
-    axis->from = floor((extent.low + touch) / step) * step;
-    axis->to = ceil((extent.high - touch) / step) * step;
+    axis->first_value = floor((extent.low + touch) / step) * step;
+    axis->last_value = ceil((extent.high - touch) / step) * step;
 }
 
 void ranges_reach_label(struct axis *axis, int columns)
 {
-    double span = axis->to - axis->from, factor = axis->factor > 0 ? axis->factor : 1;
-    struct ticks ticks = ticks_linear(axis->from / factor, axis->to / factor, 2 + columns / 12,
-                                      larger(columns / 4, 2));
+    double span = axis->last_value - axis->first_value,
+           factor = axis->factor > 0 ? axis->factor : 1;
+    struct ticks ticks = ticks_linear(axis->first_value / factor, axis->last_value / factor,
+                                      2 + columns / 12, larger(columns / 4, 2));
     double next = (ticks.first + ticks.count * ticks.step) * factor;
-    if (ticks.count > 1 && next > axis->to && next - axis->to < LABEL_REACH * span)
-        axis->to = next;
+    if (ticks.count > 1 && next > axis->last_value && next - axis->last_value < LABEL_REACH * span)
+        axis->last_value = next;
 }
 
 /* So do those of what is being collected, where it is known by now. */
@@ -80,9 +81,10 @@ static void extend_collected(const struct session *session, const struct figure 
     const struct plot_row *row = plot_row(pane);
     if (row->energy || !plot_shows_state(pane) || !isfinite(now->swing))
         return;
-    const bool rate = row->vertical == VERTICAL_RATE && (row->across == ACROSS_TIME || vertical);
+    const bool rate =
+        row->vertical == VERTICAL_RATE && (row->horizontal == ACROSS_TIME || vertical);
     const double size = now->swing * (rate && !figure->equal ? TWO_PI / now->steady : 1),
-                 middle = rate || row->across != ACROSS_TIME
+                 middle = rate || row->horizontal != ACROSS_TIME
                               ? 0
                               : now->middle - session_recording(session)->zero;
     extend(extent, middle - size);
@@ -112,7 +114,7 @@ static void extend_expected(const struct session *session, const struct figure *
     if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
         return; /* it falls: an event may catch it */
     bool speed = row->vertical == VERTICAL_RATE &&
-                 (row->across == ACROSS_TIME || (vertical && !figure->equal));
+                 (row->horizontal == ACROSS_TIME || (vertical && !figure->equal));
     double size = system->scale[speed ? system->n / 2 : 0];
     extend(extent, size);
     extend(extent, system->order == 2 ? -size : 0);
@@ -127,8 +129,8 @@ static void settle_decades(struct axis *axis, struct extent extent)
     if (axis->fixed || !isfinite(low) || !isfinite(high) || fabs(low) > 290 || fabs(high) > 290)
         return;
     axis->fixed = true;
-    axis->from = pow(10, floor(low + RANGE_TOLERANCE)) * factor;
-    axis->to =
+    axis->first_value = pow(10, floor(low + RANGE_TOLERANCE)) * factor;
+    axis->last_value =
         pow(10, fmax(ceil(high - RANGE_TOLERANCE), floor(low + RANGE_TOLERANCE) + 1)) * factor;
 }
 
@@ -138,11 +140,11 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
 {
     const struct session *session = screen->session;
     const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
-    const double window[2] = {figure->x.from, figure->x.to};
+    const double window[2] = {figure->x.first_value, figure->x.last_value};
     struct extent_window shown = {.panel = panel + 1};
-    struct extent across = curves_extent(figure->curve, figure->curves, &shown);
+    struct extent x_extent = curves_extent(figure->curve, figure->curves, &shown);
     shown.vertical = true;
-    shown.across = figure->x.fixed ? window : NULL;
+    shown.other_range = figure->x.fixed ? window : NULL;
     struct extent extent = curves_extent(figure->curve, figure->curves, &shown);
     if (y->log) {
         settle_decades(y, extent);
@@ -152,19 +154,19 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
         extend(&extent, 0);
     if (first)
         extend_expected(session, figure, placed->pane, true, &extent);
-    axis_settle(y, extent, placed->at.height);
+    axis_settle(y, extent, placed->area.height);
     if (!plot_is_plane(placed->pane))
         return;
     if (first)
-        extend_expected(session, figure, placed->pane, false, &across);
-    axis_settle(x, across, placed->at.height);
+        extend_expected(session, figure, placed->pane, false, &x_extent);
+    axis_settle(x, x_extent, placed->area.height);
     if (figure->equal && (!x->fixed || !y->fixed)) { /* a body at rest has no range */
-        double margin = 0.1 * fmax(fabs(across.low), fabs(across.high));
+        double margin = 0.1 * fmax(fabs(x_extent.low), fabs(x_extent.high));
         x->fixed = y->fixed = margin > 0 && isfinite(margin);
-        x->from = across.low - margin;
-        x->to = across.high + margin;
-        y->from = extent.low - margin;
-        y->to = extent.high + margin;
+        x->first_value = x_extent.low - margin;
+        x->last_value = x_extent.high + margin;
+        y->first_value = extent.low - margin;
+        y->last_value = extent.high + margin;
     }
 }
 

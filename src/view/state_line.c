@@ -30,41 +30,41 @@ static const struct line_form forms[] = {
     {false, false, false, false, false, false, false, false},
 };
 
-static void put_quantity(struct buffer *out, double value, enum quantity quantity, bool blanks)
+static void put_quantity(struct buffer *output, double value, enum quantity quantity, bool blanks)
 {
     struct buffer text = {0};
     buffer_quantity(&text, value, quantity, 3);
     for (size_t i = 0; i < text.len; i++)
         if (blanks || text.data[i] != ' ')
-            buffer_char(out, text.data[i]);
+            buffer_char(output, text.data[i]);
     buffer_free(&text);
 }
 
-static void put_parameter(struct buffer *out, const struct scene *scene, int i, const char *gap)
+static void put_parameter(struct buffer *output, const struct scene *scene, int i, const char *gap)
 {
     const struct param_row *param = param_at(scene, i);
-    buffer_format(out, "%s%s=", gap, param->row.name);
+    buffer_format(output, "%s%s=", gap, param->row.name);
     if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
-        buffer_short(out, scene->value[i], 3);
+        buffer_short(output, scene->value[i], 3);
     else
-        buffer_quantity(out, scene->value[i], param->quantity, 3);
+        buffer_quantity(output, scene->value[i], param->quantity, 3);
 }
 
 /* Those that matter, `max` in all; where it starts only on request. */
-static void put_parameters(struct buffer *out, const struct scene *scene, int max, bool start)
+static void put_parameters(struct buffer *output, const struct scene *scene, int max, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
     for (int i = 0; i < count && max > 0; i++) {
         if (!param_matters(scene, i) || param_is_start(scene, i))
             continue;
-        put_parameter(out, scene, i, "  ");
+        put_parameter(output, scene, i, "  ");
         max--;
     }
     const char *gap = "  ";
     for (int i = 0; i < count && start; i++) {
         if (i == t0 || !param_is_start(scene, i))
             continue;
-        put_parameter(out, scene, i, gap);
+        put_parameter(output, scene, i, gap);
         gap = " ";
     }
 }
@@ -79,7 +79,7 @@ static int time_decimals(double dt)
     return decimals;
 }
 
-static void put_progress(struct buffer *out, const struct session *session,
+static void put_progress(struct buffer *output, const struct session *session,
                          const struct line_form *form)
 {
     const struct live *live = &session->live;
@@ -89,29 +89,29 @@ static void put_progress(struct buffer *out, const struct session *session,
 
     for (size_t i = 0; module_list[i]; i++)
         if (module_list[i]->prompt.state &&
-            module_list[i]->prompt.state(session, form->steps, form->blanks, out))
+            module_list[i]->prompt.state(session, form->steps, form->blanks, output))
             return;
     if (form->state && live->state == LIVE_RUNNING) {
-        buffer_put(out, TEXT("RUNNING "));
+        buffer_put(output, TEXT("RUNNING "));
         if (isinf(speed))
-            buffer_put(out, TEXT("max"));
+            buffer_put(output, TEXT("max"));
         else
-            buffer_format(out, speed >= 0.095 ? "%.1fx" : "%.2gx", speed);
+            buffer_format(output, speed >= 0.095 ? "%.1fx" : "%.2gx", speed);
         if (slow && form->blanks)
-            buffer_put(out, TEXT(" (CPU)"));
-        buffer_put(out, form->blanks ? TEXT("  ") : TEXT(" "));
+            buffer_put(output, TEXT(" (CPU)"));
+        buffer_put(output, form->blanks ? TEXT("  ") : TEXT(" "));
     } else if (form->state && live->state == LIVE_PAUSED) {
-        buffer_put(out, TEXT("PAUSED "));
+        buffer_put(output, TEXT("PAUSED "));
     } else if (form->state &&
                (live->state == LIVE_DIVERGED || (run && run->stop == STOP_DIVERGED))) {
-        buffer_put(out, TEXT("DIVERGED "));
+        buffer_put(output, TEXT("DIVERGED "));
     }
     if (!run)
         return;
-    buffer_format(out, "t=%.*f%s", time_decimals(run->settings.dt), run->t,
+    buffer_format(output, "t=%.*f%s", time_decimals(run->settings.dt), run->t,
                   form->blanks ? " s" : "");
     if (form->steps)
-        buffer_format(out, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
+        buffer_format(output, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
 }
 
 struct solving {
@@ -119,36 +119,37 @@ struct solving {
     struct run_settings settings;
 };
 
-static void put_step(struct buffer *out, const struct solving *by, const struct line_form *form)
+static void put_step(struct buffer *output, const struct solving *solving,
+                     const struct line_form *form)
 {
-    const bool adaptive = by->settings.tol > 0;
-    buffer_put(out, adaptive ? TEXT(" tol=") : TEXT(" dt="));
+    const bool adaptive = solving->settings.tol > 0;
+    buffer_put(output, adaptive ? TEXT(" tol=") : TEXT(" dt="));
     if (adaptive)
-        buffer_short(out, by->settings.tol, 2);
+        buffer_short(output, solving->settings.tol, 2);
     else
-        put_quantity(out, by->settings.dt, QUANTITY_TIME, form->blanks);
+        put_quantity(output, solving->settings.dt, QUANTITY_TIME, form->blanks);
 }
 
 /* Appends the method of the curve, and that of the next run if it differs. */
-static void put_method(struct buffer *out, const struct session *session,
+static void put_method(struct buffer *output, const struct session *session,
                        const struct line_form *form)
 {
     const struct run *run = session_run(session);
     const struct solving next = {session->setup.method, session_run_settings(session)};
-    const struct solving by = run ? (struct solving){run->method, run->settings} : next;
-    const bool other = by.settings.tol != next.settings.tol ||
-                       (by.settings.tol == 0 && by.settings.dt != next.settings.dt);
-    buffer_put(out, text_of(by.method->row.name));
+    const struct solving solving = run ? (struct solving){run->method, run->settings} : next;
+    const bool other = solving.settings.tol != next.settings.tol ||
+                       (solving.settings.tol == 0 && solving.settings.dt != next.settings.dt);
+    buffer_put(output, text_of(solving.method->row.name));
     if (form->step)
-        put_step(out, &by, form);
-    if (by.method == next.method && !(form->step && other))
+        put_step(output, &solving, form);
+    if (solving.method == next.method && !(form->step && other))
         return;
-    buffer_format(out, ", next %s", next.method->row.name);
+    buffer_format(output, ", next %s", next.method->row.name);
     if (form->step && other)
-        put_step(out, &next, form);
+        put_step(output, &next, form);
 }
 
-static void put_form(struct buffer *out, const struct session *session,
+static void put_form(struct buffer *output, const struct session *session,
                      const struct line_form *form, int parameters)
 {
     const struct setup *setup = &session->setup;
@@ -156,17 +157,17 @@ static void put_form(struct buffer *out, const struct session *session,
     struct buffer progress = {0};
 
     if (form->scene)
-        buffer_format(out, "%s%s", form->blanks ? " " : "", setup->scene.preset->row.name);
+        buffer_format(output, "%s%s", form->blanks ? " " : "", setup->scene.preset->row.name);
     if (form->parameters)
-        put_parameters(out, &setup->scene, parameters, form->start);
+        put_parameters(output, &setup->scene, parameters, form->start);
     if (form->method) {
-        buffer_put(out, form->scene ? bar : TEXT(""));
-        put_method(out, session, form);
+        buffer_put(output, form->scene ? bar : TEXT(""));
+        put_method(output, session, form);
     }
     put_progress(&progress, session, form);
-    if (progress.len && out->len)
-        buffer_put(out, bar);
-    buffer_put(out, buffer_text(&progress));
+    if (progress.len && output->len)
+        buffer_put(output, bar);
+    buffer_put(output, buffer_text(&progress));
     buffer_free(&progress);
 }
 
@@ -174,9 +175,9 @@ static void put_form(struct buffer *out, const struct session *session,
 static void mark_word(const struct screen *screen, int y, struct text line, const char *word,
                       enum style style)
 {
-    const char *at = line.len ? memmem(line.at, line.len, word, strlen(word)) : NULL;
-    if (at)
-        canvas_text(screen->canvas, (int)(at - line.at), y, text_of(word), style);
+    const char *cursor = line.len ? memmem(line.data, line.len, word, strlen(word)) : NULL;
+    if (cursor)
+        canvas_text(screen->canvas, (int)(cursor - line.data), y, text_of(word), style);
 }
 
 /* Two blanks become one. */

@@ -57,7 +57,7 @@ static double in_hooke(void *self)
         if (real_scan(rest, '.', &value, &used) != REAL_OK)
             return NAN;
         sink = value;
-        rest = (struct text){rest.at + used + 1, rest.len - used - 1};
+        rest = (struct text){rest.data + used + 1, rest.len - used - 1};
     }
     return (double)(clock_ns() - begin) / NUMBERS;
 }

@@ -30,7 +30,7 @@ static _Thread_local bool watched;
 static void tell(struct text what)
 {
     void *at[48];
-    ssize_t ignored = write(STDERR_FILENO, what.at, what.len);
+    ssize_t ignored = write(STDERR_FILENO, what.data, what.len);
     (void)ignored;
     backtrace_symbols_fd(at, backtrace(at, (int)COUNT_OF(at)), STDERR_FILENO);
     const char *how = getenv("HOOKE_WATCH");

@@ -17,7 +17,8 @@ enum { NAMES = 4 };
 static bool find(const void *context, struct text name, int *slot)
 {
     (void)context;
-    *slot = name.len == 1 && name.at[0] >= 'u' && name.at[0] < 'u' + NAMES ? name.at[0] - 'u' : -1;
+    *slot = name.len == 1 && name.data[0] >= 'u' && name.data[0] < 'u' + NAMES ? name.data[0] - 'u'
+                                                                               : -1;
     return *slot >= 0;
 }
 

@@ -59,9 +59,9 @@ int poll(struct pollfd *ready, nfds_t count, int timeout)
     const size_t wish =
         keys.at_once ? SIZE_MAX : 1 + (size_t)(fuzz_random(&keys.random) % KEYS_CHUNK);
     const ssize_t put =
-        write(keys.pipe[1], keys.rest.at, wish < keys.rest.len ? wish : keys.rest.len);
+        write(keys.pipe[1], keys.rest.data, wish < keys.rest.len ? wish : keys.rest.len);
     if (put > 0)
-        keys.rest = (struct text){keys.rest.at + put, keys.rest.len - (size_t)put};
+        keys.rest = (struct text){keys.rest.data + put, keys.rest.len - (size_t)put};
     ready[0].revents = POLLIN;
     return 1;
 }
@@ -124,7 +124,7 @@ static void put_key(struct buffer *out)
     case 3: {
         const struct text line = tokens.line[tokens_choose(tokens.lines)];
         buffer_format(out, tokens_choose(4) ? "%.*s\r" : "\033[200~%.*s\n\033[201~", (int)line.len,
-                      line.at);
+                      line.data);
         break;
     }
     case 4: /* completed */

@@ -172,7 +172,7 @@ static inline size_t scripted_seed(size_t i, uint8_t *data, size_t max)
         const struct text line = tokens.line[n];
         if (line.len + 1 > max - len)
             break;
-        memcpy(data + len, line.at, line.len);
+        memcpy(data + len, line.data, line.len);
         data[len + line.len] = '\n';
         len += line.len + 1;
     }

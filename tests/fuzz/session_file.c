@@ -82,7 +82,7 @@ static void change_field(struct text content, struct buffer *out, uint64_t *rand
         count++;
     size_t chosen = count ? pick(random, count) : 0;
     for (rest = content; before = rest, field_next(&rest, &name, &value); chosen--) {
-        const struct text whole = {before.at, before.len - rest.len};
+        const struct text whole = {before.data, before.len - rest.len};
         const size_t act = chosen == 0 ? pick(random, 4) : 4;
         if (act == 0)
             continue;
@@ -98,7 +98,7 @@ static void change_field(struct text content, struct buffer *out, uint64_t *rand
         buffer_put(out, name);
         const uint32_t len = (uint32_t)pick(random, value.len + 1);
         buffer_put(out, (struct text){(const char *)&len, sizeof len});
-        buffer_put(out, (struct text){value.at, len});
+        buffer_put(out, (struct text){value.data, len});
     }
 }
 
@@ -127,7 +127,8 @@ static void change_number(struct text content, struct buffer *out, uint64_t *ran
     static const uint64_t edges[] = {0,          1,          2,          7,          0xff,
                                      0x7fffffff, 0x80000000, 1ull << 62, UINT64_MAX, 1ull << 40};
     const struct text field = some_field(content, random);
-    const size_t from = out->len + (size_t)(field.at - content.at), bytes = 1u << pick(random, 4);
+    const size_t from = out->len + (size_t)(field.data - content.data),
+                 bytes = 1u << pick(random, 4);
     uint64_t number = edges[pick(random, COUNT_OF(edges))];
     buffer_put(out, content);
     if (field.len < bytes || out->failed)
@@ -142,7 +143,7 @@ static void change_number(struct text content, struct buffer *out, uint64_t *ran
 /* A record that is missing, doubled, elsewhere, or has another content. */
 static void change_record(struct text in, struct buffer *out, uint64_t *random)
 {
-    const uint8_t *data = (const uint8_t *)in.at;
+    const uint8_t *data = (const uint8_t *)in.data;
     size_t from = next_record(data, in.len, 1), count = 0;
     for (size_t at = from; at < in.len; at = next_record(data, in.len, at + 1))
         count++;
@@ -150,22 +151,22 @@ static void change_record(struct text in, struct buffer *out, uint64_t *random)
         from = next_record(data, in.len, from + 1);
     const size_t end = from < in.len ? next_record(data, in.len, from + 1) : in.len;
     const size_t act = pick(random, 8);
-    const struct text record = {in.at + from, end - from};
+    const struct text record = {in.data + from, end - from};
     const size_t head = sizeof(struct record_head);
-    buffer_put(out, (struct text){in.at, from});
+    buffer_put(out, (struct text){in.data, from});
     if (act >= 1 && act <= 2)
         buffer_put(out, record);
     if (act >= 2 && act <= 7 && record.len >= head) {
-        const struct text content = {record.at + head, record.len - head};
-        buffer_put(out, (struct text){record.at, head});
-        if (record.at[offsetof(struct record_head, kind)] == RECORD_ROWS)
+        const struct text content = {record.data + head, record.len - head};
+        buffer_put(out, (struct text){record.data, head});
+        if (record.data[offsetof(struct record_head, kind)] == RECORD_ROWS)
             change_rows(content, out, random);
         else if (act >= 5)
             change_number(content, out, random);
         else
             change_field(content, out, random);
     }
-    buffer_put(out, (struct text){in.at + end, in.len - end});
+    buffer_put(out, (struct text){in.data + end, in.len - end});
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned seed)

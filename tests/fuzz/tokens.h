@@ -81,7 +81,7 @@ static void tokens_add_lines(const char *pattern)
         if (!file_read(found.gl_pathv[i], 1 << 20, &text, &error))
             continue;
         for (struct text rest = buffer_text(&text); text_split(&rest, '\n', &line);)
-            if (line.len > 0 && line.at[0] != '#' && tokens.lines < TOKEN_LINES)
+            if (line.len > 0 && line.data[0] != '#' && tokens.lines < TOKEN_LINES)
                 tokens.line[tokens.lines++] = line;
         static struct buffer kept[256];
         static size_t count;
@@ -135,17 +135,17 @@ static size_t tokens_cut(struct text in, struct text *span)
 {
     size_t count = 0;
     for (size_t i = 0, end; i < in.len && count < TOKEN_SPANS; i = end) {
-        for (end = i + 1; isalnum((unsigned char)in.at[i]) && end < in.len &&
-                          (isalnum((unsigned char)in.at[end]) || strchr("._", in.at[end]));)
+        for (end = i + 1; isalnum((unsigned char)in.data[i]) && end < in.len &&
+                          (isalnum((unsigned char)in.data[end]) || strchr("._", in.data[end]));)
             end++;
-        span[count++] = (struct text){in.at + i, end - i};
+        span[count++] = (struct text){in.data + i, end - i};
     }
     return count;
 }
 
 static bool tokens_is_break(struct text span)
 {
-    return span.at[0] == '\n' || span.at[0] == ';';
+    return span.data[0] == '\n' || span.data[0] == ';';
 }
 
 struct token_range {
@@ -181,7 +181,7 @@ static void tokens_put_new(struct buffer *out)
     const size_t count = tokens_cut(line, span);
     switch (tokens_choose(5)) {
     case 0:
-        buffer_format(out, "%.*s\n", (int)line.len, line.at);
+        buffer_format(out, "%.*s\n", (int)line.len, line.data);
         break;
     case 1:
         for (struct token_range some = tokens_range(span, count); some.from < some.end;)

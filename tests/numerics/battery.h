@@ -24,7 +24,7 @@ static inline struct scene typed_scene(struct typed_models *models, const char *
         const struct typed_line typed = typing_line(text_trim(line));
         const struct model *model = typed_add(models, scene.model, &typed, &error);
         if (!model)
-            fail_msg("%.*s: %s (%s)", (int)line.len, line.at, error.text, error.hint);
+            fail_msg("%.*s: %s (%s)", (int)line.len, line.data, error.text, error.hint);
         scene_remodel(&scene, model);
     }
     return scene;

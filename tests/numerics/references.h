@@ -81,8 +81,8 @@ static inline struct run_settings settings_of(const struct attempt *attempt)
 static inline struct text field(struct text *rest)
 {
     struct text got;
-    if (rest->len > 0 && rest->at[0] == '"') {
-        struct text quoted = {rest->at + 1, rest->len - 1};
+    if (rest->len > 0 && rest->data[0] == '"') {
+        struct text quoted = {rest->data + 1, rest->len - 1};
         text_split(&quoted, '"', &got);
         *rest = quoted;
         struct text nothing;
@@ -94,7 +94,7 @@ static inline struct text field(struct text *rest)
 
 static inline void keep(char *to, size_t size, struct text from)
 {
-    snprintf(to, size, "%.*s", (int)from.len, from.at);
+    snprintf(to, size, "%.*s", (int)from.len, from.data);
 }
 
 /* NULL: there is none. */

@@ -9,8 +9,8 @@
 #include <hooke/base/error.h>
 
 struct child {
-    /* Appends to `out`, or fails with an error. What else it changes is lost. */
-    bool (*work)(const void *context, struct buffer *out, struct error *error);
+    /* Appends to `output`, or fails with an error. What else it changes is lost. */
+    bool (*work)(const void *context, struct buffer *output, struct error *error);
     /* Returns true if the work is to be stopped. Called all the time, in both processes. NULL means
      * that it is never stopped. */
     bool (*stopped)(const void *context);
@@ -20,14 +20,14 @@ struct child {
 };
 
 /*
- * Appends to `out` what the work appended there. False, `out` as it was: the work failed (its own
- * error), was stopped (ERROR_CANCELLED), or its process could not be started, crashed, was killed
- * or took too long (ERROR_IO, "<what>: <why>").
+ * Appends to `output` what the work appended there. False, `output` as it was: the work failed (its
+ * own error), was stopped (ERROR_CANCELLED), or its process could not be started, crashed, was
+ * killed or took too long (ERROR_IO, "<what>: <why>").
  *
  * The child has neither the terminal nor standard input and output, flushes no stream, calls no
  * atexit function, leaves no core, takes no signal of this process's terminal or handlers, and dies
  * with this process. For the caller's signals: all are blocked while the process is copied.
  */
-bool child_run(const struct child *child, struct buffer *out, struct error *error);
+bool child_run(const struct child *child, struct buffer *output, struct error *error);
 
 #endif

@@ -38,8 +38,8 @@ FIXED_FUNCTION fixed_hypot(double x, double y);
 
 /* Computes n sines at once, in vectors as wide as the machine has, with the same bits as
  * fixed_sin(). out may be x. */
-void fixed_sines(int n, const double *x, double *out);
-void fixed_cosines(int n, const double *x, double *out);
-void fixed_exponentials(int n, const double *x, double *out);
+void fixed_sines(int n, const double *x, double *results);
+void fixed_cosines(int n, const double *x, double *results);
+void fixed_exponentials(int n, const double *x, double *results);
 
 #endif

@@ -58,46 +58,46 @@ struct field {
 #define FIELD_OF(type, member) FIELD_IN(type, member, 0, 0)
 #define FIELD_OF_QUANTITY(type, member) FIELD_CALLED_AS(#member, type, member, FIELD_QUANTITY, 0, 0)
 
-void field_put(struct buffer *to, const char *name, const void *value, size_t bytes);
-void field_text(struct buffer *to, const char *name, struct text value);
+void field_put(struct buffer *output, const char *name, const void *value, size_t bytes);
+void field_text(struct buffer *output, const char *name, struct text value);
 /* One that holds fields: what is put between begin and end. Returns what end wants. */
-size_t field_begin(struct buffer *to, const char *name);
-void field_end(struct buffer *to, size_t begun);
-void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of);
+size_t field_begin(struct buffer *output, const char *name);
+void field_end(struct buffer *output, size_t begun);
+void fields_put(struct buffer *output, const struct field *field, size_t count, const void *object);
 
-/* Finds a field; *value points into `in`. Returns false if it is missing or damaged. */
-bool field_find(struct text in, const char *name, struct text *value);
+/* Finds a field; *value points into `text`. Returns false if it is missing or damaged. */
+bool field_find(struct text text, const char *name, struct text *value);
 /* The next of the fields, which is taken off them. Returns false if there is no more. */
-bool field_next(struct text *in, struct text *name, struct text *value);
-/* Exactly so many bytes, else false and *to as it was. */
-bool field_get(struct text in, const char *name, void *to, size_t bytes);
+bool field_next(struct text *text, struct text *name, struct text *value);
+/* Exactly so many bytes, else false and *target as it was. */
+bool field_get(struct text text, const char *name, void *target, size_t bytes);
 /* All of them, each as it may be, or false. */
-bool fields_get(struct text in, const struct field *field, size_t count, void *of);
+bool fields_get(struct text text, const struct field *field, size_t count, void *object);
 /* Reads those that the file has in this length, each as it may be; others keep their values.
  * Returns false if one that it has cannot be. */
-bool fields_get_known(struct text in, const struct field *field, size_t count, void *of);
+bool fields_get_known(struct text text, const struct field *field, size_t count, void *object);
 /* Returns true if each of the values that were read is within its limits. */
-bool fields_sound(const struct field *field, size_t count, const void *of);
+bool fields_sound(const struct field *field, size_t count, const void *object);
 
 /*
  * Positions of a catalog's rows in arrays of a file that has one item per row. A program whose
  * catalog has grown, or has another order, finds its own rows by their names.
  */
 struct field_places {
-    int rows, count;           /* length of the catalog; number of items in the file */
-    int at[LIMIT_PARAMETERS];  /* [rows] -1: the file has none */
-    int row[LIMIT_PARAMETERS]; /* [count] of an item in the file; -1 if there is no such row */
+    int rows, count;             /* length of the catalog; number of items in the file */
+    int index[LIMIT_PARAMETERS]; /* [rows] -1: the file has none */
+    int row[LIMIT_PARAMETERS];   /* [count] of an item in the file; -1 if there is no such row */
 };
 
 /* Writes the names that arrays are counted by, as a field of that name. */
-void field_put_names(struct buffer *to, const char *name, const struct catalog *catalog);
+void field_put_names(struct buffer *output, const char *name, const struct catalog *catalog);
 /* Finds the rows among names that end with a NUL each. Returns false if these are damaged. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places);
 /* Copies the items that the file has to the rows [rows], others keep their values. Returns false,
  * and copies nothing, if the array is missing or has another length. */
-bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,
-                      size_t item);
+bool field_get_placed(struct text text, const char *name, const struct field_places *places,
+                      void *target, size_t item);
 
 /* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
  */

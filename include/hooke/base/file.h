@@ -22,7 +22,7 @@ struct read_watch {
     void *context;
     /* Is called after every piece with what has been read, where the piece begins, and the size
      * [byte] of the file, 0 if it is not known. Returns false with `error` set to stop. */
-    bool (*look)(void *context, struct text content, size_t from, uintmax_t size,
+    bool (*look)(void *context, struct text content, size_t piece_begin, uintmax_t size,
                  struct error *error);
     /* Time [ns] within which a pipe or a device has to end, unless it is fast. 0 means any time. */
     int64_t patience;
@@ -102,8 +102,8 @@ bool append_lines(int fd, struct text lines, bool sync, struct error *error);
 typedef bool folder_owns(const char *name);
 
 struct folder {
-    struct writer at; /* destination */
-    int fd;           /* -1 if closed */
+    struct writer writer; /* destination */
+    int fd;               /* -1 if closed */
     folder_owns *own;
 };
 

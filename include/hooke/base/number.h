@@ -28,7 +28,7 @@ enum real_status real_scan(struct text text, char decimal, double *value, size_t
 /* Reads a text that is a number as a whole, with a decimal point. */
 enum real_status real_parse(struct text text, double *value);
 /* Writes the shortest decimal. Returns its length [byte] without the NUL. */
-size_t real_format(double value, char out[REAL_TEXT_SIZE]);
+size_t real_format(double value, char output[REAL_TEXT_SIZE]);
 void buffer_real(struct buffer *buffer, double value); /* appends the shortest decimal */
 /* Appends `digits` significant digits without trailing zeros. */
 void buffer_short(struct buffer *buffer, double value, int digits);

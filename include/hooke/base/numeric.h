@@ -69,6 +69,6 @@ struct eigenvalue {
 
 /* Appends "1.4530(4)": the uncertainty in units of the last digit. One of less than a millionth is
  * left out, as that of a simulation. */
-void buffer_parenthesis(struct buffer *out, double value, double uncertainty);
+void buffer_parenthesis(struct buffer *output, double value, double uncertainty);
 
 #endif

@@ -10,11 +10,11 @@
  * UTF-8, line and paragraph separators, bidirectional and zero-width controls become \xNN or
  * <U+NNNN>; newline and tab, too, unless keep_layout.
  */
-void safe_text(struct buffer *out, struct text text, bool keep_layout);
+void safe_text(struct buffer *output, struct text text, bool keep_layout);
 #define SAFE_NAME_SIZE 160
 /* Writes a name from outside for use in a message: made visible as by safe_text(), and cut with
- * "..." if it is long. Returns `out`. */
-const char *safe_name(struct text name, char out[SAFE_NAME_SIZE]);
+ * "..." if it is long. Returns `output`. */
+const char *safe_name(struct text name, char output[SAFE_NAME_SIZE]);
 /* Returns the message of an errno, in English whatever the locale: "No space left on device". */
 const char *system_message(int number);
 /* Returns true for a code point from U+0080 on that is invisible or changes how others are shown.

@@ -21,8 +21,8 @@
 /* ---- text: a slice that somebody else owns ---- */
 
 struct text {
-    const char *at; /* not NUL-terminated */
-    size_t len;     /* [byte] */
+    const char *data; /* not NUL-terminated */
+    size_t len;       /* [byte] */
 };
 
 #define TEXT(literal) ((struct text){(literal), sizeof(literal) - 1})
@@ -60,8 +60,8 @@ void *arena_array(struct arena *arena, size_t count, size_t size);
 char *arena_text(struct arena *arena,
                  struct text text);    /* returns a NUL-terminated copy, or NULL */
 void arena_reset(struct arena *arena); /* frees everything; the arena can be used again */
-/* Makes `to` the owner of all memory that `from` has handed out. */
-void arena_move(struct arena *from, struct arena *to);
+/* Makes `target` the owner of all memory that `source` has handed out. */
+void arena_move(struct arena *source, struct arena *target);
 /* Does the same as arena_reset() and stops when cancelled: gigabytes take 0.1 s. */
 void arena_give_back(struct arena *arena, const struct cancel *cancel);
 

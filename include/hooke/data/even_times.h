@@ -24,6 +24,6 @@ struct even_times {
  * count as rounded.
  */
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
-                     struct even_times *out);
+                     struct even_times *result);
 
 #endif

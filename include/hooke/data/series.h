@@ -18,7 +18,7 @@ struct series {
 };
 
 /* Returns the part [from, to] of a series, which shares the memory of the whole. */
-struct series series_window(struct series series, double from, double to);
+struct series series_window(struct series series, double t_begin, double t_end);
 /* Standard deviation of the noise of a smooth motion, from sixth differences; NAN if there are too
  * few samples, or if out of memory. */
 double series_noise(const struct series *series, struct arena *arena);
@@ -38,7 +38,7 @@ struct overview {
 
 struct crossing {
     double t, uncertainty; /* [s] */
-    bool up;
+    bool rising;
 };
 
 struct period {
@@ -82,9 +82,9 @@ bool series_is_uneven(const struct series *series);
 /* Prepares a series. One that series_is_uneven() is replaced by as many samples on an even grid.
  * Returns false if out of memory. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
-/* Sets out[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
+/* Sets samples[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
 double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
-                        double *out);
+                        double *samples);
 /* Standard deviation of the noise, from sixth differences; scratch [n]. Returns NAN if there are
  * too few samples. */
 double samples_noise(const struct samples *samples, double *scratch);

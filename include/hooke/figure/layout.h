@@ -21,16 +21,16 @@ static inline bool curve_goes_on(const struct curve *curve, size_t i)
 /* Returns the value of tick i on its axis. */
 double tick_value(const struct ticks *ticks, int i, bool log);
 /* Writes the label of tick i. Returns its length. */
-int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE]);
+int tick_text(const struct ticks *ticks, int i, bool log, char output[TICK_TEXT_SIZE]);
 
 /* Returns into how many parts ticks without labels divide a step: 5 of steps 1, 2.5 and 5, 4 of 2
  * and 4, 3 of 3. */
 int tick_parts(const struct ticks *ticks);
 
 /* Writes the offset that a title subtracts, such as "- 2.2326". Returns its length. */
-int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE]);
+int offset_text(const struct ticks *ticks, char output[TICK_TEXT_SIZE]);
 
-struct scale scale_of(double from, double to, bool log);
+struct scale scale_of(double first, double last, bool log);
 
 /* [axis lengths] Fractions are cut off here, where they are still a whole number of dots. */
 #define FRACTION_MAX 1e6
@@ -56,11 +56,11 @@ struct extent {
 
 /* Choice of the samples that an extent is taken over. All zeros choose every finite sample. */
 struct extent_window {
-    bool vertical;        /* extent of y instead of x */
-    const double *across; /* [2] range on the other axis to which samples belong, or NULL */
-    double min;           /* smallest value that counts, if it is positive */
-    int panel;            /* panel whose curves are taken, from 1, or 0 for all panels */
-    bool bands, bars;     /* whether bands and error bars extend it */
+    bool vertical;             /* extent of y instead of x */
+    const double *other_range; /* [2] range on the other axis to which samples belong, or NULL */
+    double min;                /* smallest value that counts, if it is positive */
+    int panel;                 /* panel whose curves are taken, from 1, or 0 for all panels */
+    bool bands, bars;          /* whether bands and error bars extend it */
 };
 
 /* Returns what curves hold. An end of `across` that is NAN is open. */
@@ -74,7 +74,7 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
 /* Appends the text of the lower frame, at most `available` cells: which curves leave the plot, the
  * figure's note, how many values are hidden. Appends nothing if there is nothing to say. */
 void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
-                 struct buffer *out);
+                 struct buffer *output);
 
 /* Returns true if the figure's panel shows the curve. */
 static inline bool curve_drawn(const struct figure *figure, int curve)

@@ -19,8 +19,8 @@ struct completion {
 };
 
 void complete_offer(struct completion *c, const char *candidate, const char *brief);
-void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
-                      const char *brief);
+void complete_affixed(struct completion *c, const char *prefix, const char *name,
+                      const char *suffix, const char *brief);
 void complete_catalog(struct completion *c, const struct catalog *catalog);
 void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER for all */
 void complete_settable(struct completion *c);
@@ -31,10 +31,10 @@ void complete_operands(struct completion *c); /* these and functions */
 void complete_columns(struct completion *c, const struct catalog *besides);
 void complete_events(struct completion *c); /* offers the events that are watched for */
 /* One item of this type; before: what stands to the left of the word. */
-void complete_item(struct completion *c, const struct argument *argument, struct text before);
+void complete_item(struct completion *c, const struct argument *argument, struct text preceding);
 
 char last_letter(struct text text); /* ignores blanks; returns 0 if there is none */
-bool ends_in_digit(struct text before);
+bool ends_in_digit(struct text preceding);
 /* The value that stands before the word ends in an operator, or inside of parentheses. */
 bool value_is_open(struct text value);
 /*

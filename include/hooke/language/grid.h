@@ -9,7 +9,7 @@ struct value_grid {
     /* name of the parameter or setting with these values, for messages */
     char name[LIMIT_NAME + 1];
     enum quantity quantity;
-    double from, to; /* SI, both included */
+    double first, last; /* SI, both included */
     int count;
     bool log; /* each is a multiple of the one before */
 };

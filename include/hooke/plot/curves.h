@@ -9,7 +9,7 @@
 /* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those
  * that look the same on so many columns. */
 struct row_request {
-    double from, to; /* [s] */
+    double t_begin, t_end; /* [s] */
     int columns;
     double period; /* [s] NAN: not known */
     bool screen;   /* then with the neighbours on both sides, so that a line reaches the ends */
@@ -33,14 +33,14 @@ bool run_never_changed(const struct run *run);
 /* The observable at these rows; one that sums up over the run, and a run whose parameters were
  * changed, are walked through as a whole. */
 bool values_at_rows(const struct run *run, const struct observable *observable,
-                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
 /* Likewise of a column. */
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
-                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
 /* State variable i at these rows. */
-void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values);
 /* The first variable between recorded rows; NAN outside. */
 /* of the catalog; NULL if there is none */
 const struct observable *observable_named(const char *name);

@@ -22,10 +22,10 @@ struct drawing {
     struct error *error;
     struct curve *curve;
     int curves;
-    const struct model *model;                           /* of the runs; NULL if there are none */
-    int coordinates;                                     /* curves that one run has */
-    struct chosen_column column[DRAWN_COLUMNS], against; /* if the request names them */
-    double omega0;                                       /* [rad/s] that v is divided by; 1: not */
+    const struct model *model; /* of the runs; NULL if there are none */
+    int coordinates;           /* curves that one run has */
+    struct chosen_column column[DRAWN_COLUMNS], horizontal_column; /* if the request names them */
+    double omega0; /* [rad/s] that v is divided by; 1: not */
     /* [s] of the first run, NAN if there is none */
     double period;
     double window[2];    /* [s] */

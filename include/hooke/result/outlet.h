@@ -32,6 +32,6 @@ void outlet_pass(struct outlet *sink, size_t max);
 bool cell_is_formula(struct text cell);
 /* Appends a cell of CSV or TSV: in quotes if wanted, or if it holds a separator, a quote or a line
  * end. */
-void buffer_cell(struct buffer *out, struct text cell, char separator, bool quoted);
+void buffer_cell(struct buffer *output, struct text cell, char separator, bool quoted);
 
 #endif

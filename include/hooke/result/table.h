@@ -33,9 +33,9 @@ struct table {
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
  * be a formula or contain the separator are quoted. */
 struct outlet; /* hooke/result/outlet.h */
-typedef void table_format(const struct table *table, struct outlet *to);
+typedef void table_format(const struct table *table, struct outlet *outlet);
 table_format table_csv, table_tsv, table_json; /* others are those of modules */
-void table_put(const struct table *table, table_format *format, struct buffer *out);
+void table_put(const struct table *table, table_format *format, struct buffer *output);
 bool table_write(const struct table *table, table_format *format, const char *path,
                  struct write_policy policy, struct error *error);
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
@@ -46,8 +46,9 @@ bool table_recognise(struct text text);
  * The table keeps `cancel`, too. */
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
                  struct table *table, struct error *error);
-void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
-void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
+void buffer_json_text(struct buffer *output,
+                      struct text text);                    /* quoted and escaped, valid UTF-8 */
+void buffer_json_real(struct buffer *output, double value); /* null where not finite */
 
 /* ---- tables by kind ----
  *
@@ -65,7 +66,7 @@ struct stored_table {
 };
 
 struct table_store {
-    struct stored_table **of; /* [count] allocated */
+    struct stored_table **table; /* [count] allocated */
     int count;
     /* the table that takes the cells of the present record; private */
     struct stored_table *row;
@@ -78,9 +79,9 @@ struct stored_table *table_store_find(const struct table_store *store, struct te
  * lives in. Returns false if out of memory, with nothing changed. */
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
                      const struct table *table);
-/* Takes over those that are wanted, in the place of those of the same kind; `from` is empty then.
+/* Takes over those that are wanted, in the place of those of the same kind; `source` is empty then.
  * wanted() may add keys to the table. Without memory a table is lost. */
-void table_store_take(struct table_store *store, struct table_store *from,
+void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context);
 /* Collect a record: reply_begin() to reply_end() call these. */
 void store_row_begin(struct table_store *store, const char *kind);

@@ -8,14 +8,14 @@
 
 struct stored_rows { /* consecutive rows, as run_store_rows() gives them */
     size_t first, count, row_bytes;
-    const char *at;
+    const char *cursor;
 };
 
 /* All but scene, method and rows, as fields (hooke/base/fields.h). */
-void run_store(const struct run *run, struct buffer *to);
+void run_store(const struct run *run, struct buffer *output);
 size_t run_recorded(const struct run *run); /* that are recorded, as they are stored */
 size_t run_row_bytes(const struct run *run);
-void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *to);
+void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *output);
 /* Rows that have not changed since somebody said that so many are stored; 0 at first. */
 size_t run_rows_stored(const struct run *run);
 void run_set_stored(struct run *run, size_t rows);

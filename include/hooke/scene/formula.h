@@ -108,9 +108,9 @@ struct root_search {
     bool (*found)(void *context, double x, int sign);
     /* Returns true if the value at x is 0 within errors; may be NULL. */
     bool (*touches)(void *context, double x);
-    double near; /* extreme values that are no farther from 0 are asked for, too */
-    double min;  /* stretches are not cut below this length */
-    int budget;  /* bounds asked for, beside some for each root */
+    double touch_tolerance; /* extreme values that are no farther from 0 are asked for, too */
+    double min;             /* stretches are not cut below this length */
+    int budget;             /* bounds asked for, beside some for each root */
 
     /* sign of the last value that is not 0: before the stretch, then at its end */
     int sign;

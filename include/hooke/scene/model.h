@@ -42,7 +42,7 @@ struct scene {
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty; 0 if exact */
     bool chosen[PARAM_MAX];        /* set by the user since the preset */
-    bool across; /* methods step across kinks at turning points, as they are printed */
+    bool steps_across_kinks; /* methods step across kinks at turning points, as they are printed */
     /* [n] errors of adaptive methods that do not matter, SI; 0 if not given */
     double atol[LIMIT_VARIABLES];
 };
@@ -268,9 +268,9 @@ struct system {
     bool pieces;
     /* Sliding along switches of a frozen system; NULL if it slides along none. */
     const struct sliding *sliding;
-    bool kinks;  /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
-    bool across; /* methods step across such kinks, as they are printed */
-    double mass; /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
+    bool kinks; /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
+    bool steps_across_kinks; /* methods step across such kinks, as they are printed */
+    double mass;             /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
     /* Ratio of the mass of each coordinate to `mass`, where typed masses differ. 0 stands for 1. */
     double ratio[LIMIT_VARIABLES / 2];
     struct oscillator oscillator;
@@ -290,7 +290,7 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
 /* Copies what is set of a system: its terms leave most of its ten kilobytes unused. */
-void system_copy(struct system *to, const struct system *from);
+void system_copy(struct system *target, const struct system *source);
 
 /* As if methods did not step across kinks. */
 void system_turn_at_kinks(struct system *system);
@@ -319,10 +319,10 @@ struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, doubl
 
 static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 {
-    double below = flow->pull == 0 ? flow->min : flow->min + flow->pull * fabs(v);
-    if (!(below > 0))
+    double denominator = flow->pull == 0 ? flow->min : flow->min + flow->pull * fabs(v);
+    if (!(denominator > 0))
         return copysign(HUGE_VAL, v);
-    return flow->min == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / below;
+    return flow->min == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / denominator;
 }
 /* d y'/d y, [n][n] row-major */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac);
@@ -338,11 +338,11 @@ double *system_new_jacobian(const struct system *system, double t, const double 
  * has no bend, which costs steps and no more.
  */
 struct burst {
-    double from, to; /* [s] */
+    double t_begin, t_end; /* [s] */
 };
 
-int system_bursts(const struct system *system, const double t[2], const double *from,
-                  const double *to, bool sure, struct burst *burst, int count, int max);
+int system_bursts(const struct system *system, const double t[2], const double *y_begin,
+                  const double *y_end, bool sure, struct burst *burst, int count, int max);
 
 double system_kinetic(const struct system *system, const double *y);   /* [J] */
 double system_potential(const struct system *system, const double *y); /* [J] */

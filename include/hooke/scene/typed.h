@@ -91,21 +91,21 @@ void typed_sweep(struct typed_models *models,
  * keep the name. Returns NULL if an error is set. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
- * Returns `from` with one more line, which replaces a line of the same kind and name. On a built-in
- * model var and equations begin an empty scene, the others add to it. Texts are copied. Returns
- * NULL on an error, whose `where` lies in line->expr or line->name.
+ * Returns `source` with one more line, which replaces a line of the same kind and name. On a
+ * built-in model var and equations begin an empty scene, the others add to it. Texts are copied.
+ * Returns NULL on an error, whose `where` lies in line->expr or line->name.
  */
-const struct model *typed_add(struct typed_models *models, const struct model *from,
+const struct model *typed_add(struct typed_models *models, const struct model *source,
                               const struct typed_line *line, struct error *error);
 /* All lines at once, which do not have to make sense one by one. Texts are copied. Returns NULL if
  * an error is set. */
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error);
-/* Returns `from` without that line. A variable takes its equation and its initial velocity along.
+/* Returns `source` without that line. A variable takes its equation and its initial velocity along.
  * The result may be the built-in model itself. Returns NULL if the line does not exist, or if
  * others use it. */
-const struct model *typed_remove(struct typed_models *models, const struct model *from,
+const struct model *typed_remove(struct typed_models *models, const struct model *source,
                                  enum typed_kind kind, struct text name, struct error *error);
 /* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in
  * model. */
@@ -155,9 +155,9 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
 #define LIMIT_SLIDING 4
 struct sliding {
     int count;
-    int at[LIMIT_SLIDING];
+    int switch_index[LIMIT_SLIDING];
     double level[LIMIT_SLIDING]; /* value of the argument at the switch */
-    double near;                 /* [s] over which arguments are differentiated */
+    double time_shift;           /* [s] over which arguments are differentiated */
     /* Systems [LIMIT_SLIDING + 1]: below all switches, then above each alone. Made by
      * system_slide() and freed by sliding_free(). NULL if the motion slides along none. */
     struct system *side;
@@ -167,16 +167,17 @@ struct sliding {
  * [system->switches]. *frozen refers to *sliding, which is {0} or made before. Returns false if
  * there are too many, or if out of memory. */
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
-                  double near, struct sliding *sliding, struct system *frozen);
+                  double time_offset, struct sliding *sliding, struct system *frozen);
 void sliding_free(struct sliding *sliding);
 /* Puts the state back on the switches from which it is off by what steps leave; returns false if it
  * is there. */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
 /*
  * Returns true if the motion leaves across switch i, along which it was to slide: if jumps change
- * only the rate of its argument, and this rate is more than they change in `within` [s].
+ * only the rate of its argument, and this rate is more than they change in `tolerance` [s].
  */
-bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y, double within);
+bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y,
+                    double tolerance);
 
 /* A state that is on switch i but for rounding is put there, where it is known how: where dry
  * friction turns. */
@@ -197,7 +198,7 @@ bool system_switch_sees(const struct system *system, int i, double t, const doub
  * Returns false for a scene that is not all typed, or whose forces do not repeat.
  */
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
-                   struct interval *by);
+                   struct interval *jacobian);
 
 /* These are 0 … count - 1. */
 int model_observed(const struct model *model);

@@ -29,7 +29,7 @@ struct feed_request {
     const char *source; /* a device, a pipe, a file that grows, STANDARD_INPUT */
     int file;           /* descriptor that each complete line is appended to; the feed closes it */
     long baud;          /* baud rate of a serial line */
-    double from;        /* [s] time at which it begins */
+    double t_begin;     /* [s] time at which it begins */
     uint64_t max;       /* lines */
     bool safe;          /* devices are refused */
 };
@@ -50,7 +50,7 @@ struct feed_access {
     void (*look)(struct feed *feed, struct feed_look *look);
     void (*pause)(struct feed *feed, bool pause); /* drops the lines that come during a pause */
     /* Ends the feed at the first line that comes after `end` [s], or never if that is HUGE_VAL. */
-    void (*until)(struct feed *feed, double end);
+    void (*limit)(struct feed *feed, double end);
     /* Restores the device's settings and fills *look with all that came. */
     void (*close)(struct feed *feed, struct feed_look *look);
     /* Clears a Ctrl-C that has ended the collecting, so that it ends nothing else. */
@@ -81,11 +81,11 @@ struct front {
      * Live runs. `watched` is true if a person watches a screen of panes. Then run and continue
      * advance in slices of at most 10 ms and call `slice` between them: it polls the terminal,
      * executes typed lines (command_exec() may be called again from inside; commands that would
-     * disturb the run are refused) and draws. It returns at `until` [clock_ns] or earlier; false
+     * disturb the run are refused) and draws. It returns at `deadline` [clock_ns] or earlier; false
      * means pause.
      */
     bool watched;
-    bool (*slice)(void *context, struct session *session, int64_t until);
+    bool (*slice)(void *context, struct session *session, int64_t deadline);
     /* Draws the screen into a file, as ncurses would show it (in batch with width x height). */
     bool (*screenshot)(void *context, const struct session *session, const char *path,
                        struct write_policy policy, struct error *error);

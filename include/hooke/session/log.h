@@ -30,8 +30,8 @@ enum request_kind {
  */
 struct request {
     enum request_kind kind;
-    int64_t from;  /* step of the run at which it was asked for */
-    double from_t; /* [s] */
+    int64_t start_step; /* step of the run at which it was asked for */
+    double from_t;      /* [s] */
     /* target time [s] of REQUEST_GO; T_UNREACHABLE with either sign if there is none */
     double t;
     /* Step at which REQUEST_GO ends, INT64_MAX if there is none; step that REQUEST_BACK led to. */
@@ -46,7 +46,7 @@ struct request {
     /* Private to journal.c. */
     int references, count; /* owners of this request; number of requests up to it */
     bool backs;            /* one of them is a REQUEST_BACK */
-    struct request *before;
+    struct request *previous;
     const struct request *go; /* the latest REQUEST_GO before it */
 };
 
@@ -77,8 +77,8 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
  * the run. With `by_event` the event's commands ask for it, else `continue`. Returns false, with an
  * error, if out of memory or if there are too many requests. */
 bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error);
-/* The run has been taken back by `rows`, from step `before`. */
-bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_t rows,
+/* The run has been taken back by `rows`, from step `old_step`. */
+bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error);
 /* The parameters in force now: those of the start and what was changed since, by events too or
  * without them. */
@@ -95,14 +95,14 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
 /* Appends the change of a REQUEST_SET or REQUEST_KICK, such as "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct request *request, struct buffer *text);
 /*
- * Appends the commands that repeat everything done since request `first` and step `since` (0 and -1
- * for all of it): run, continue, change, back. `number` is the number of the run, or 0 for the next
- * one. With `by_events` also the effects of the run's events are written; events that only stop the
- * run have them again. Returns false, with nothing appended, if a condition needs names that no
- * saved session knows, or if out of memory (text->failed).
+ * Appends the commands that repeat everything done since request `first` and step `first_step` (0
+ * and -1 for all of it): run, continue, change, back. `number` is the number of the run, or 0 for
+ * the next one. With `by_events` also the effects of the run's events are written; events that only
+ * stop the run have them again. Returns false, with nothing appended, if a condition needs names
+ * that no saved session knows, or if out of memory (text->failed).
  */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
-                   int64_t since, int number, bool by_events, struct buffer *text);
+                   int64_t first_step, int number, bool by_events, struct buffer *text);
 
 /* ---- lines and statements, and the file that `record` appends to (history.c) ---- */
 
@@ -110,10 +110,10 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
  * its entry. Returns false if out of memory; then nothing of the line may be executed. */
 bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
                   struct error *error);
-/* A statement of that line begins, which is `within` in memory: all that is executed until its end
- * stands after it. */
-bool history_begin(struct session *session, size_t line, struct text within, struct text statement,
-                   size_t *index, struct error *error);
+/* A statement of that line begins, which is `line_text` in memory: all that is executed until its
+ * end stands after it. */
+bool history_begin(struct session *session, size_t line, struct text line_text,
+                   struct text statement, size_t *index, struct error *error);
 /* It is over. full: as a file has to say it, whose last `output` bytes are where its result went.
  * What session->history.happened has takes its place. flags: those that are added. */
 void history_end(struct session *session, size_t index, struct text full, size_t output,

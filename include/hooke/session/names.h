@@ -9,8 +9,8 @@ struct observable;
 
 /* ---- what a scene has, by name ---- */
 
-/* Appends the scene's lines as typed, each after `before`. */
-void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
+/* Appends the scene's lines as typed, each after `prefix`. */
+void scene_lines(const struct scene *scene, const char *prefix, struct buffer *text);
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was
  * typed after it, where it has taken the place of another. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);

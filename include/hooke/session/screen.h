@@ -49,11 +49,11 @@ struct cursors {
         double t, t_uncertainty, y; /* [s] [s] SI */
         int crossing;               /* number of the up-crossing; 0 if it is not at one */
         double amplitude;           /* amplitude of the motion there; NAN if not known */
-    } at[2];
+    } cursor[2];
     enum snap snap;
     double periods; /* number of periods between A and B; NAN if not known */
     /* name of what the cursors stand on, such as "run 2" or "data swing3" */
-    char of[LIMIT_NAME + 16];
+    char subject[LIMIT_NAME + 16];
     size_t samples;         /* it had then */
     enum quantity quantity; /* quantity of y */
 };
@@ -97,11 +97,11 @@ struct log {
 void log_add(struct log *log, struct text text);
 const char *log_line(const struct log *log, int i); /* i = 0: the newest */
 /*
- * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole
- * words, unless one is longer than a row. *indent [cell] goes before it; 0 in the first row. *from
- * is then where the next row begins: line.len after the last.
+ * The row of a line that begins at byte *offset, as it stands in a pane of that width [cell]: whole
+ * words, unless one is longer than a row. *indent [cell] goes before it; 0 in the first row.
+ * *offset is then where the next row begins: line.len after the last.
  */
-struct text log_row(struct text line, size_t *from, int width, int *indent);
+struct text log_row(struct text line, size_t *offset, int width, int *indent);
 int log_rows(struct text line, int width); /* number of rows that the line takes, at least 1 */
 /* Returns the number of rows of the newest `lines` lines. */
 int log_rows_newest(const struct log *log, int lines, int width);

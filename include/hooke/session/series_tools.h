@@ -21,7 +21,7 @@ struct series_tools {
     void (*overview)(const struct series *series, struct arena *arena, struct overview *overview);
     /* Finds the crossings of `level`. Returns their number, which may be larger than `capacity`. */
     size_t (*crossings)(const struct series *series, const struct overview *overview, double level,
-                        struct crossing *out, size_t capacity);
+                        struct crossing *crossings, size_t capacity);
     /* Returns the amplitude about a time, or NAN if it is not known. */
     double (*amplitude)(const struct series *series, double t, struct arena *arena);
     /* Returns false with a reason in `error` where the series does not oscillate. */

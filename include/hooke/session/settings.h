@@ -83,7 +83,8 @@ const struct setting *setting_from(const struct row *row); /* row of the catalog
 
 bool setting_same(const struct setting *setting, const struct settings *a,
                   const struct settings *b);
-void setting_copy(const struct setting *setting, const struct settings *from, struct settings *to);
+void setting_copy(const struct setting *setting, const struct settings *source,
+                  struct settings *target);
 /* struct row at the enum's place: text, csv, json */
 extern const struct catalog format_choice_catalog;
 

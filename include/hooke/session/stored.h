@@ -60,14 +60,14 @@ struct store_array {
 struct reader; /* hooke/session/read.h */
 struct store_tools {
     /* Append fields to a record. `owner` is what the array's offsets count from. */
-    void (*put_array)(const struct store_array *array, const void *owner, struct buffer *to);
-    void (*put_scene)(const struct scene *scene, const char *name, struct buffer *to);
+    void (*put_array)(const struct store_array *array, const void *owner, struct buffer *output);
+    void (*put_scene)(const struct scene *scene, const char *name, struct buffer *output);
     /* Adds a line to what is told of the reading. */
     void (*note)(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
     /* Reads an array into `owner`, which stays unchanged if one of its elements cannot be read. */
     void (*array)(struct reader *reader, const struct store_array *array, void *owner);
     /* Reads a scene and where the file has its parameters; places may be NULL. */
-    bool (*scene)(struct reader *reader, struct text in, const char *name, struct scene *scene,
+    bool (*scene)(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error);
     /* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has
      * them. */

@@ -37,7 +37,7 @@ double scene_period_at(const struct scene *scene, double amplitude);
 /* Returns NAN if there is no scene or if the quantity is not defined. */
 double derived_value(const struct scene *scene, const char *name);
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
-bool session_add_measurement(struct session *session, const char *name, const char *of,
+bool session_add_measurement(struct session *session, const char *name, const char *subject,
                              struct measured value, enum quantity unit, double periods,
                              struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
@@ -67,7 +67,7 @@ struct variable chosen_variable(const struct system *system, const struct chosen
 /* SI, as in files. */
 const char *chosen_unit(const struct system *system, const struct chosen_column *column);
 /* Computes the column over all rows of the trace, into out [trace_count]. */
-bool chosen_values(const struct run *run, const struct chosen_column *column, double *out,
+bool chosen_values(const struct run *run, const struct chosen_column *column, double *values,
                    struct error *error);
 
 /* ---- velocity and energy of a recording of positions (data_motion.c) ---- */
@@ -89,7 +89,7 @@ struct data_motion {
 };
 
 /* The rows where v (energy: the energy) is known, as a series; from, to [s]. */
-bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
+bool motion_series(const struct data_motion *motion, bool energy, double t_begin, double t_end,
                    struct arena *arena, struct series *series, struct error *error);
 
 #endif

@@ -55,13 +55,14 @@ static double wide_less(struct wide a, struct wide b)
  */
 INLINE struct wide first_angle(double y, double x)
 {
-    const double about = y / x;
-    if (about <= ATAN_POLYNOMIAL_MAX) {
-        const struct wide above = {y, 0}, below = {x, 0}, parts = wide_quotient(above, below),
+    const double ratio = y / x;
+    if (ratio <= ATAN_POLYNOMIAL_MAX) {
+        const struct wide numerator = {y, 0}, denominator = {x, 0},
+                          parts = wide_quotient(numerator, denominator),
                           t = ordered_sum(parts.high, parts.low);
         return (struct wide){t.high, t.low + angle_rest(t.high)};
     }
-    const double j = (about * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
+    const double j = (ratio * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
                  c = j / ATAN_CENTRES, upper = upper_part(x);
     const double t = ((y - c * upper) - c * (x - upper)) / (x + c * y);
     const struct wide centre = centre_angle[(int)j], most = ordered_sum(centre.high, t);
@@ -71,13 +72,13 @@ INLINE struct wide first_angle(double y, double x)
 /* Returns the angle from 0 to pi of a point with y >= 0. */
 static double angle(double y, double x)
 {
-    const double across = fabs(x);
-    const bool steep = y > across;
+    const double x_size = fabs(x);
+    const bool steep = y > x_size;
     const struct wide none = {0, 0},
                       base = steep   ? half_pi
                              : x < 0 ? pi
                                      : none,
-                      a = steep ? first_angle(across, y) : first_angle(y, across);
+                      a = steep ? first_angle(x_size, y) : first_angle(y, x_size);
     const double sign = steep == (x < 0) ? 1 : -1;
     const struct wide sum = ordered_sum(base.high, sign * a.high);
     return sum.high + (sum.low + (base.low + sign * a.low));
@@ -90,38 +91,38 @@ double fixed_atan(double x)
         return size < 0x1p-27 || x != x ? x : x + angle_rest(x);
     if (size > 0x1p60)
         return copysign(half_pi.high, x);
-    const bool beyond = size > 1;
-    const double about = beyond ? 1 / size : size,
-                 j = (about * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
-                 c = about > ATAN_POLYNOMIAL_MAX ? j / ATAN_CENTRES : 0, upper = upper_part(size),
+    const bool is_inverted = size > 1;
+    const double ratio = is_inverted ? 1 / size : size,
+                 j = (ratio * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
+                 c = ratio > ATAN_POLYNOMIAL_MAX ? j / ATAN_CENTRES : 0, upper = upper_part(size),
                  lower = size - upper;
     const double t =
-        beyond ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
+        is_inverted ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
     const struct wide centre = centre_angle[(int)(c * ATAN_CENTRES)],
                       most = ordered_sum(centre.high, t),
                       found = {most.high, most.low + (centre.low + angle_rest(t))};
-    return copysign(beyond ? wide_less(half_pi, found) : found.high + found.low, x);
+    return copysign(is_inverted ? wide_less(half_pi, found) : found.high + found.low, x);
 }
 
 double fixed_atan2(double y, double x)
 {
     if (x != x || y != y)
         return x + y;
-    double across = fabs(x), along = fabs(y);
-    if (along == 0 || (across == HUGE_VAL && along < HUGE_VAL))
+    double x_size = fabs(x), y_size = fabs(y);
+    if (y_size == 0 || (x_size == HUGE_VAL && y_size < HUGE_VAL))
         return copysign(signbit(x) ? pi.high : 0, y);
-    if (across == 0 || along == HUGE_VAL || along > across * 0x1p60) {
-        const double eighth = across == HUGE_VAL ? half_pi.high / 2 : 0;
+    if (x_size == 0 || y_size == HUGE_VAL || y_size > x_size * 0x1p60) {
+        const double eighth = x_size == HUGE_VAL ? half_pi.high / 2 : 0;
         return copysign(eighth == 0 ? half_pi.high : x > 0 ? eighth : 3 * eighth, y);
     }
-    if (along < across * 0x1p-60)
-        return copysign(x < 0 ? pi.high : along / across, y);
-    const double scale = power_of_two(across > 1 || along > 1 ? -500 : 500);
-    if (!(across > 0x1p-400 && along > 0x1p-400 && across < 0x1p400 && along < 0x1p400)) {
-        across *= scale;
-        along *= scale;
+    if (y_size < x_size * 0x1p-60)
+        return copysign(x < 0 ? pi.high : y_size / x_size, y);
+    const double scale = power_of_two(x_size > 1 || y_size > 1 ? -500 : 500);
+    if (!(x_size > 0x1p-400 && y_size > 0x1p-400 && x_size < 0x1p400 && y_size < 0x1p400)) {
+        x_size *= scale;
+        y_size *= scale;
     }
-    return copysign(angle(along, x < 0 ? -across : across), y);
+    return copysign(angle(y_size, x < 0 ? -x_size : x_size), y);
 }
 
 /* asin x - x, |x| <= 1/2, by Remez exchange in 400 bits, to 2^-59.9 of asin x
@@ -212,11 +213,13 @@ double fixed_cbrt(double x)
                    third = power / 3, left = power % 3;
     const double m = from_bits(fraction | one),
                  u = from_bits((fraction | one) + ((uint64_t)left << EXPONENT_SHIFT)), q = m * m;
-    const double about = shrunk[left] * ((0x1.ab8596af04ee3p+0 - m * 0x1.2c41f3a38517ap+0) +
-                                         q * (0x1.6416732975902p-1 - m * 0x1.c5189e25e481dp-3) +
-                                         q * q * 0x1.d46fcca0c71dap-6);
-    const double y = about + about * (1. / 3) * (1 - u * about * (about * about));
+    const double estimate = shrunk[left] * ((0x1.ab8596af04ee3p+0 - m * 0x1.2c41f3a38517ap+0) +
+                                            q * (0x1.6416732975902p-1 - m * 0x1.c5189e25e481dp-3) +
+                                            q * q * 0x1.d46fcca0c71dap-6);
+    const double y = estimate + estimate * (1. / 3) * (1 - u * estimate * (estimate * estimate));
     const double root = upper_part(u * y * y), square = root * root, upper = upper_part(square);
-    const double off = ((u - upper * root) - (square - upper) * root) * (1 / (3 * square));
-    return copysign((root + (off - off * off * y)) * power_of_two((int64_t)third - 400), x);
+    const double correction = ((u - upper * root) - (square - upper) * root) * (1 / (3 * square));
+    return copysign((root + (correction - correction * correction * y)) *
+                        power_of_two((int64_t)third - 400),
+                    x);
 }

@@ -50,8 +50,8 @@ static uint64_t quarters_far(double x, double *r, double *low)
     const uint64_t a0 = m * w0, b1 = m * w1, a1 = b1 + upper_product(m, w0),
                    a2 = m * w2 + upper_product(m, w1) + (a1 < b1);
     uint64_t quarters = a2 >> 62, f1 = a2 << 2 | a1 >> 62, f0 = a1 << 2 | a0 >> 62;
-    const bool below = f1 >> 63;
-    if (below) {
+    const bool is_negative = f1 >> 63;
+    if (is_negative) {
         quarters++;
         f0 = ~f0;
         f1 = ~f1;
@@ -65,7 +65,7 @@ static uint64_t quarters_far(double x, double *r, double *low)
                  rest = (double)((f1 << 53 | f0 >> 11) >> 11) * 0x1p-106;
     const struct wide quarter = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
                       fraction = {high, rest}, turn = wide_times(fraction, quarter);
-    const double size = power_of_two(-zeros) * (below ? -1 : 1);
+    const double size = power_of_two(-zeros) * (is_negative ? -1 : 1);
     *r = turn.high * size;
     *low = turn.low * size;
     return quarters;
@@ -141,9 +141,9 @@ INLINE double tangent_rows(uint64_t odd, double r, double low)
                                ((0x1.5555555555951p-2 + s * 0x1.111110dfe8db2p-3) +
                                 s * s * 0x1.ba31059ee0839p-5);
     const struct wide row = elementary_tangents[odd][(int)j];
-    const double along = odd ? -t : t,
-                 value = row.high +
-                         (row.low + (along + row.high * row.high * along) / (1 - row.high * along));
+    const double signed_t = odd ? -t : t,
+                 value = row.high + (row.low + (signed_t + row.high * row.high * signed_t) /
+                                                   (1 - row.high * signed_t));
     return odd ? -value : value;
 }
 
@@ -169,9 +169,9 @@ double fixed_tan(double x)
 
 /* ---- many ---- */
 
-CLONES void fixed_sines(int n, const double *x, double *out)
+CLONES void fixed_sines(int n, const double *x, double *results)
 {
-    for (; n > 0; n -= 64, x += 64, out += 64) {
+    for (; n > 0; n -= 64, x += 64, results += 64) {
         uint64_t doubt = 0;
         double value[64];
         const int count = n < 64 ? n : 64;
@@ -179,13 +179,13 @@ CLONES void fixed_sines(int n, const double *x, double *out)
             value[i] = sine_in_loop(x[i], &doubt);
         for (int i = 0; doubt & 1 && i < count; i++)
             value[i] = fixed_sin(x[i]);
-        memcpy(out, value, (size_t)count * sizeof *out);
+        memcpy(results, value, (size_t)count * sizeof *results);
     }
 }
 
-CLONES void fixed_cosines(int n, const double *x, double *out)
+CLONES void fixed_cosines(int n, const double *x, double *results)
 {
-    for (; n > 0; n -= 64, x += 64, out += 64) {
+    for (; n > 0; n -= 64, x += 64, results += 64) {
         uint64_t doubt = 0;
         double value[64];
         const int count = n < 64 ? n : 64;
@@ -193,6 +193,6 @@ CLONES void fixed_cosines(int n, const double *x, double *out)
             value[i] = cosine_in_loop(x[i], &doubt);
         for (int i = 0; doubt & 1 && i < count; i++)
             value[i] = fixed_cos(x[i]);
-        memcpy(out, value, (size_t)count * sizeof *out);
+        memcpy(results, value, (size_t)count * sizeof *results);
     }
 }

@@ -45,9 +45,9 @@ INLINE double cosine_near(double r, double low)
 INLINE uint64_t quarters_near(double x, double *r, double *low, uint64_t *fine)
 {
     const double turned = x * TWO_OVER_PI + ROUND_TO_INTEGER, n = turned - ROUND_TO_INTEGER;
-    const double near = x - n * HALF_PI_1, step = n * HALF_PI_2;
-    *r = near - step;
-    *low = ((near - *r) - step) - n * HALF_PI_3;
+    const double reduced = x - n * HALF_PI_1, step = n * HALF_PI_2;
+    *r = reduced - step;
+    *low = ((reduced - *r) - step) - n * HALF_PI_3;
     *fine = (uint64_t)(x <= CIRCLE_FAR) & (uint64_t)(fabs(*r) >= n * CIRCLE_CLOSE);
     return to_bits(turned);
 }

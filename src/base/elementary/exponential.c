@@ -29,9 +29,9 @@ double fixed_exp(double x)
     return exp_sum(n, r);
 }
 
-CLONES void fixed_exponentials(int n, const double *x, double *out)
+CLONES void fixed_exponentials(int n, const double *x, double *results)
 {
-    for (; n > 0; n -= 64, x += 64, out += 64) {
+    for (; n > 0; n -= 64, x += 64, results += 64) {
         uint64_t doubt = 0;
         double value[64];
         const int count = n < 64 ? n : 64;
@@ -43,7 +43,7 @@ CLONES void fixed_exponentials(int n, const double *x, double *out)
         }
         for (int i = 0; doubt && i < count; i++)
             value[i] = fixed_exp(x[i]);
-        memcpy(out, value, (size_t)count * sizeof *out);
+        memcpy(results, value, (size_t)count * sizeof *results);
     }
 }
 
@@ -76,10 +76,10 @@ double fixed_expm1(double x)
 /* e^x + sign e^-x, SERIES_X_MAX <= x <= EXP_ALONE_MIN or sign > 0 */
 INLINE double both_signs(double x, double sign)
 {
-    double r, up, down;
+    double r, growing, decaying;
     const uint64_t n = exp_reduced(x, &r);
-    const double rest = exp_rest(n, r, &up) + sign * exp_rest(-n, -r, &down);
-    const struct wide sum = ordered_sum(up, sign * down);
+    const double rest = exp_rest(n, r, &growing) + sign * exp_rest(-n, -r, &decaying);
+    const struct wide sum = ordered_sum(growing, sign * decaying);
     return sum.high + (sum.low + rest);
 }
 
@@ -126,7 +126,7 @@ double fixed_tanh(double x)
     const uint64_t n = exp_reduced(2 * size, &r);
     const double rest = exp_rest(n, r, &most);
     const struct wide more = ordered_sum(most, 1), sum = ordered_sum(more.high, rest), two = {2, 0},
-                      below = {sum.high, more.low + sum.low}, part = wide_quotient(two, below),
-                      less = ordered_sum(1, -part.high);
+                      denominator = {sum.high, more.low + sum.low},
+                      part = wide_quotient(two, denominator), less = ordered_sum(1, -part.high);
     return copysign(less.high + (less.low - part.low), x);
 }

@@ -21,10 +21,11 @@ struct log_parts {
 INLINE struct log_parts parts_of(double x, bool fused)
 {
     const bool tiny = x < 0x1p-1022;
-    const uint64_t bits = to_bits(tiny ? x * 0x1p54 : x), from = bits - FIRST_M;
-    const int64_t power = (int64_t)from >> EXPONENT_SHIFT;
+    const uint64_t bits = to_bits(tiny ? x * 0x1p54 : x), offset_bits = bits - FIRST_M;
+    const int64_t power = (int64_t)offset_bits >> EXPONENT_SHIFT;
     const uint64_t m = bits - ((uint64_t)power << EXPONENT_SHIFT);
-    const struct reciprocal *row = &elementary_reciprocals[from >> ROW_SHIFT & (TABLE_ROWS - 1)];
+    const struct reciprocal *row =
+        &elementary_reciprocals[offset_bits >> ROW_SHIFT & (TABLE_ROWS - 1)];
     const double k = (double)(tiny ? power - 54 : power), value = from_bits(m),
                  upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
     return (struct log_parts){k * LN_2_HIGH + row->high,
@@ -76,14 +77,14 @@ INLINE double log10_in(double x, bool fused)
 INLINE double power_in(double x, double y, bool fused)
 {
     const struct wide log = wide_log(x, fused);
-    const double about = y * log.high;
-    if (!(fabs(about) < 800))
-        return about > 0 ? HUGE_VAL : 0;
+    const double exponent = y * log.high;
+    if (!(fabs(exponent) < 800))
+        return exponent > 0 ? HUGE_VAL : 0;
     const struct wide product = exact_product(y, log.high, fused);
     double r;
     const uint64_t n = exp_reduced(product.high, &r);
     r += product.low + y * log.low;
-    return fabs(about) < 690 ? exp_sum(n, r) : exp_scaled(n, r, 0);
+    return fabs(exponent) < 690 ? exp_sum(n, r) : exp_scaled(n, r, 0);
 }
 
 #endif

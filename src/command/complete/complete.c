@@ -8,13 +8,13 @@
 
 #include <string.h>
 
-struct text last_word(struct text before)
+struct text last_word(struct text preceding)
 {
-    before = text_trim(before);
-    size_t from = before.len;
-    while (from > 0 && before.at[from - 1] != ' ' && before.at[from - 1] != '\t')
-        from--;
-    return (struct text){before.at + from, before.len - from};
+    preceding = text_trim(preceding);
+    size_t begin = preceding.len;
+    while (begin > 0 && preceding.data[begin - 1] != ' ' && preceding.data[begin - 1] != '\t')
+        begin--;
+    return (struct text){preceding.data + begin, preceding.len - begin};
 }
 
 int count_words(struct text text)
@@ -23,7 +23,7 @@ int count_words(struct text text)
     for (struct text word; (text = text_trim(text)).len > 0; count++) {
         word = peek_word(text, "");
         const size_t used = word.len ? word.len : 1;
-        text = (struct text){text.at + used, text.len - used};
+        text = (struct text){text.data + used, text.len - used};
     }
     return count;
 }
@@ -46,10 +46,10 @@ static bool takes_values(const struct command *command)
     return false;
 }
 
-void complete_next(struct completion *c, const struct command *command, struct text before)
+void complete_next(struct completion *c, const struct command *command, struct text preceding)
 {
     /* Offer only the arguments that belong to `of` after that word. */
-    const struct text last = last_word(before);
+    const struct text last = last_word(preceding);
     bool led = false;
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].lead && text_is(last, command->argument[i].lead)) {
@@ -61,7 +61,7 @@ void complete_next(struct completion *c, const struct command *command, struct t
         }
     if (led)
         return;
-    int words = count_words(before);
+    int words = count_words(preceding);
     const char *lead = "";
     const struct argument *index = NULL;
     for (int i = 0; i < command->arguments; i++) {
@@ -80,38 +80,39 @@ void complete_next(struct completion *c, const struct command *command, struct t
         lead = argument->lead ? argument->lead : lead;
     }
     if (index)
-        complete_item(c, index, before);
-    else if (ends_in_digit(before) && command->arguments > 0 && takes_values(command))
+        complete_item(c, index, preceding);
+    else if (ends_in_digit(preceding) && command->arguments > 0 && takes_values(command))
         complete_units(c, type_is(&command->argument[0], TYPE_HAS_QUANTITY)
                               ? command->argument[0].quantity
                               : QUANTITY_OTHER);
 }
 
-static bool goes_on(const struct command *command, struct text before)
+static bool goes_on(const struct command *command, struct text preceding)
 {
-    const struct text t = text_trim(before);
+    const struct text t = text_trim(preceding);
     const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 &&
-                          strchr("<>", t.at[t.len - 1]);
-    return takes_values(command) && (compares || value_is_open(before));
+                          strchr("<>", t.data[t.len - 1]);
+    return takes_values(command) && (compares || value_is_open(preceding));
 }
 
 static void complete_arguments(struct completion *c, const struct command *command,
-                               struct text before)
+                               struct text preceding)
 {
-    const struct text last = last_word(before);
+    const struct text last = last_word(preceding);
     if (command->flags & COMMAND_TABLES && text_is(last, ">")) {
         c->file = "";
         return;
     }
     for (size_t i = 0; module_list[i]; i++)
-        if (module_list[i]->complete && module_list[i]->complete(c, command, before))
+        if (module_list[i]->complete && module_list[i]->complete(c, command, preceding))
             return;
     if (command->completes == COMPLETES_GRID) {
-        complete_grid(c, command, before);
+        complete_grid(c, command, preceding);
         return;
     }
     /* NAME=item, also after commas: the word being completed begins behind the last = or comma. */
-    if (before.len > 0 && (before.at[before.len - 1] == '=' || before.at[before.len - 1] == ',')) {
+    if (preceding.len > 0 &&
+        (preceding.data[preceding.len - 1] == '=' || preceding.data[preceding.len - 1] == ',')) {
         const struct argument *key = find_by_form(command, FORM_KEY, peek_name(last));
         if (key) {
             complete_item(c, key, TEXT(""));
@@ -119,25 +120,26 @@ static void complete_arguments(struct completion *c, const struct command *comma
         }
     }
     /* NAME=5 and a blank: the unit. */
-    size_t equals = before.len;
-    while (equals > 0 && before.at[equals - 1] != '=')
+    size_t equals = preceding.len;
+    while (equals > 0 && preceding.data[equals - 1] != '=')
         equals--;
-    if (equals > 0 && ends_in_digit(before)) {
+    if (equals > 0 && ends_in_digit(preceding)) {
         const struct argument *key =
-            find_by_form(command, FORM_KEY, last_word((struct text){before.at, equals - 1}));
+            find_by_form(command, FORM_KEY, last_word((struct text){preceding.data, equals - 1}));
         if (key && type_is(key, TYPE_HAS_QUANTITY)) {
             complete_units(c, key->quantity);
             return;
         }
     }
-    if (goes_on(command, before)) {
+    if (goes_on(command, preceding)) {
         complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
         return;
     }
     const struct argument *word = find_by_form(command, FORM_WORD, last);
     const struct argument *option =
-        last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2})
-                     : NULL;
+        last.len > 2
+            ? find_by_form(command, FORM_OPTION, (struct text){last.data + 2, last.len - 2})
+            : NULL;
     if (word && word->type != TYPE_NONE)
         complete_item(c, word, TEXT(""));
     else if (option && option->type != TYPE_NONE)
@@ -145,17 +147,17 @@ static void complete_arguments(struct completion *c, const struct command *comma
     else if (command->completes == COMPLETES_TOPICS)
         complete_topics(c);
     else if (command->completes == COMPLETES_ATOL)
-        complete_atol(c, count_words(before) > 0);
+        complete_atol(c, count_words(preceding) > 0);
     else if (command->completes == COMPLETES_KINDS &&
-             text_is(peek_name(text_trim(before)), "methods"))
+             text_is(peek_name(text_trim(preceding)), "methods"))
         complete_catalog(c, &method_kind_catalog);
     else if (command->completes == COMPLETES_SHOWN) {
         complete_catalog(c, &show_catalog);
         complete_names(c);
-    } else if (command->completes == COMPLETES_VALUES && count_words(before) > 0)
-        complete_set(c, peek_name(text_trim(before)), before);
+    } else if (command->completes == COMPLETES_VALUES && count_words(preceding) > 0)
+        complete_set(c, peek_name(text_trim(preceding)), preceding);
     else
-        complete_next(c, command, before);
+        complete_next(c, command, preceding);
 }
 
 /* Returns the command of a statement that defines a scene or an event, with *rest set to the text
@@ -165,12 +167,12 @@ static const struct command *formula_command(struct text statement, struct text 
     text_skip_blanks(&statement);
     const struct text name = peek_name(statement);
     const struct command *command = command_at(catalog_find(&command_catalog, name));
-    *rest = (struct text){statement.at + name.len, statement.len - name.len};
-    if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
+    *rest = (struct text){statement.data + name.len, statement.len - name.len};
+    if (name.len > 0 && rest->len > 0 && rest->data[0] == '\'')
         return command_with(COMMAND_EQUATES);
     const bool formula = command && command->arguments > 0 &&
                          type_is(&command->argument[command->arguments - 1], TYPE_IS_FORMULA);
-    return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
+    return formula && rest->len > 0 && strchr(" \t", rest->data[0]) ? command : NULL;
 }
 
 static void offer_nothing(void *context, const char *candidate, const char *brief)
@@ -180,13 +182,13 @@ static void offer_nothing(void *context, const char *candidate, const char *brie
     UNUSED(brief);
 }
 
-/* Returns the kind of file that the string beginning behind `before` names, as described at
+/* Returns the kind of file that the string beginning behind `preceding` names, as described at
  * command_complete(). */
-static const char *file_string(struct session *session, struct text before)
+static const char *file_string(struct session *session, struct text preceding)
 {
-    size_t start = before.len;
-    return before.len > 0 && strchr(" \t", before.at[before.len - 1])
-               ? command_complete(session, before, before.len, &start, offer_nothing, NULL)
+    size_t start = preceding.len;
+    return preceding.len > 0 && strchr(" \t", preceding.data[preceding.len - 1])
+               ? command_complete(session, preceding, preceding.len, &start, offer_nothing, NULL)
                : NULL;
 }
 
@@ -198,10 +200,10 @@ static const char *event_string(struct text statement)
     if (!text_is(peek_name(statement), "event"))
         return NULL;
     for (size_t i = 0; i + 3 < statement.len; i++)
-        if (strncmp(statement.at + i, " do ", 4) == 0) {
-            struct text rest = {statement.at + i + 4, statement.len - i - 4};
+        if (strncmp(statement.data + i, " do ", 4) == 0) {
+            struct text rest = {statement.data + i + 4, statement.len - i - 4};
             text_skip_blanks(&rest);
-            return rest.len > 0 && strchr("'\"", rest.at[0]) ? rest.at + 1 : NULL;
+            return rest.len > 0 && strchr("'\"", rest.data[0]) ? rest.data + 1 : NULL;
         }
     return NULL;
 }
@@ -211,55 +213,56 @@ command_complete(struct session *session, struct text line, size_t cursor, size_
                  void (*offer_to)(void *context, const char *candidate, const char *brief),
                  void *context)
 {
-    struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
+    struct text rest = {line.data, cursor < line.len ? cursor : line.len}, statement = rest;
     struct error ignored = {0};
     while (rest.len > 0) {
         statement = rest;
         if (!next_statement(&rest, &statement, &ignored)) {
-            const char *inside = event_string(statement), *end = line.at + cursor;
-            const char *string = ignored.where.at;
+            const char *inside = event_string(statement), *end = line.data + cursor;
+            const char *string = ignored.where.data;
             /* inside a string */
             if (!inside || inside > end) {
-                const struct text before = {line.at, (size_t)(string - line.at)};
-                const char *const file = file_string(session, before);
-                *start = file ? before.len : *start;
+                const struct text preceding = {line.data, (size_t)(string - line.data)};
+                const char *const file = file_string(session, preceding);
+                *start = file ? preceding.len : *start;
                 return file;
             }
             const struct text commands = {inside, (size_t)(end - inside)};
             const char *const file =
                 command_complete(session, commands, commands.len, start, offer_to, context);
-            *start += (size_t)(inside - line.at);
+            *start += (size_t)(inside - line.data);
             return file;
         }
-        if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
+        if (rest.len == 0 && rest.data > line.data && rest.data[-1] == ';')
             statement = rest;
         /* includes the blanks at its end */
         else if (rest.len == 0)
-            statement.len = (size_t)(rest.at - statement.at);
+            statement.len = (size_t)(rest.data - statement.data);
     }
     size_t word = statement.len;
     while (word > 0 &&
-           (!strchr(" \t=,;:", statement.at[word - 1]) ||
-            (word > 1 && statement.at[word - 1] == ' ' && statement.at[word - 2] == '\\')))
+           (!strchr(" \t=,;:", statement.data[word - 1]) ||
+            (word > 1 && statement.data[word - 1] == ' ' && statement.data[word - 2] == '\\')))
         word--;
     struct completion c = {
-        session, {statement.at + word, statement.len - word}, offer_to, context, NULL};
-    struct text before = {statement.at, word}, behind;
-    const struct command *formula = formula_command(before, &behind);
-    text_skip_blanks(&before);
-    const struct text name = peek_name(before);
-    struct text after = {before.at + name.len, before.len - name.len};
-    text_skip_blanks(&after);
+        session, {statement.data + word, statement.len - word}, offer_to, context, NULL};
+    struct text preceding = {statement.data, word}, argument_text;
+    const struct command *formula = formula_command(preceding, &argument_text);
+    text_skip_blanks(&preceding);
+    const struct text name = peek_name(preceding);
+    struct text remainder = {preceding.data + name.len, preceding.len - name.len};
+    text_skip_blanks(&remainder);
     const struct command *command = command_at(catalog_find(&command_catalog, name));
-    if (before.len == 0) {
+    if (preceding.len == 0) {
         complete_catalog(&c, &command_catalog);
         complete_settable(&c);
     } else if (formula)
-        complete_formula(&c, formula, behind);
-    else if (after.len > 0 && after.at[0] == '=')
-        complete_set(&c, name, before);
+        complete_formula(&c, formula, argument_text);
+    else if (remainder.len > 0 && remainder.data[0] == '=')
+        complete_set(&c, name, preceding);
     else if (command)
-        complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});
-    *start = (size_t)(c.word.at - line.at);
+        complete_arguments(&c, command,
+                           (struct text){preceding.data + name.len, preceding.len - name.len});
+    *start = (size_t)(c.word.data - line.data);
     return c.file;
 }

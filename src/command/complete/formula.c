@@ -31,7 +31,7 @@ static void offer_lines(struct completion *c, enum typed_kind kind)
         char name[LIMIT_NAME + 1] = "";
         if (line->kind != kind || line->name.len > LIMIT_NAME)
             continue;
-        memcpy(name, line->name.at, line->name.len);
+        memcpy(name, line->name.data, line->name.len);
         complete_offer(c, name, "as typed before");
     }
 }
@@ -48,9 +48,9 @@ static bool has_line(const struct completion *c, enum typed_kind kind)
 /* Finds the text behind the first '='; returns false if there is none. */
 static bool behind_equals(struct text text, struct text *value)
 {
-    const char *equals = memchr(text.at, '=', text.len);
+    const char *equals = memchr(text.data, '=', text.len);
     if (equals)
-        *value = (struct text){equals + 1, (size_t)(text.at + text.len - equals - 1)};
+        *value = (struct text){equals + 1, (size_t)(text.data + text.len - equals - 1)};
     return equals;
 }
 
@@ -69,16 +69,16 @@ static void complete_event(struct completion *c, struct text rest)
         return;
     }
     text_skip_blanks(&rest);
-    struct text word = peek_word(rest, ""), value = {word.at + word.len, rest.len - word.len};
+    struct text word = peek_word(rest, ""), value = {word.data + word.len, rest.len - word.len};
     text_skip_blanks(&value);
     if (!text_is(peek_word(value, ""), "when"))
         return;
-    value = (struct text){value.at + 4, value.len - 4};
+    value = (struct text){value.data + 4, value.len - 4};
     struct text last = {0}, left = value;
     while (text_skip_blanks(&left), left.len > 0) {
         last = peek_word(left, "");
         const size_t used = last.len ? last.len : 1;
-        left = (struct text){left.at + used, left.len - used};
+        left = (struct text){left.data + used, left.len - used};
         if (text_is(last, "do") && text_trim(left).len > 0)
             return;
     }

@@ -5,24 +5,24 @@
 
 #include <string.h>
 
-bool complete_is_item(struct text before, struct text *name)
+bool complete_is_item(struct text preceding, struct text *name)
 {
-    size_t from = before.len;
-    while (from > 0 && before.at[from - 1] != '=')
-        from--;
-    *name = from > 0 ? last_word((struct text){before.at, from - 1}) : TEXT("");
-    return from > 0 && strchr("=,:", before.at[before.len - 1]);
+    size_t begin = preceding.len;
+    while (begin > 0 && preceding.data[begin - 1] != '=')
+        begin--;
+    *name = begin > 0 ? last_word((struct text){preceding.data, begin - 1}) : TEXT("");
+    return begin > 0 && strchr("=,:", preceding.data[preceding.len - 1]);
 }
 
-void complete_grid(struct completion *c, const struct command *command, struct text before)
+void complete_grid(struct completion *c, const struct command *command, struct text preceding)
 {
     const struct scene *scene = &c->session->setup.scene;
     const struct catalog *names[] = {scene_params(scene), scene_derived(scene)};
     struct text name;
-    const bool item = complete_is_item(before, &name);
-    if (item || ends_in_digit(before)) {
+    const bool item = complete_is_item(preceding, &name);
+    if (item || ends_in_digit(preceding)) {
         if (name.len > 0)
-            complete_set(c, name, before);
+            complete_set(c, name, preceding);
         if (item)
             return;
     }
@@ -34,5 +34,5 @@ void complete_grid(struct completion *c, const struct command *command, struct t
         }
     complete_affixed(c, "", "dt", "=", "");
     complete_affixed(c, "", "tol", "=", "");
-    complete_next(c, command, before);
+    complete_next(c, command, preceding);
 }

@@ -12,7 +12,7 @@ void complete_atol(struct completion *c, bool named)
     complete_offer(c, "off", named ? "as large as tol says" : "all of them as large as tol says");
 }
 
-void complete_set(struct completion *c, struct text name, struct text before)
+void complete_set(struct completion *c, struct text name, struct text preceding)
 {
     const struct scene *scene = &c->session->setup.scene;
     const struct row *row;
@@ -29,10 +29,11 @@ void complete_set(struct completion *c, struct text name, struct text before)
         }
         quantity = setting->quantity;
     }
-    struct text value = {name.at + name.len, (size_t)(before.at + before.len - name.at) - name.len};
+    struct text value = {name.data + name.len,
+                         (size_t)(preceding.data + preceding.len - name.data) - name.len};
     text_skip_blanks(&value);
-    if (value.len > 0 && value.at[0] == '=')
-        value = (struct text){value.at + 1, value.len - 1};
+    if (value.len > 0 && value.data[0] == '=')
+        value = (struct text){value.data + 1, value.len - 1};
     complete_value(c, value, quantity, complete_operands);
 }
 

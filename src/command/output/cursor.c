@@ -42,27 +42,28 @@ static const struct row actions[] = {
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
 /* Moves the other cursor as far as the active one, where they are locked. */
-static void move_locked_cursor(struct cursors *c, const struct ground *ground, double by,
+static void move_locked_cursor(struct cursors *c, const struct ground *ground, double shift,
                                double reach)
 {
     if (c->locked)
-        cursor_put(c, ground, !c->active, c->at[!c->active].t + by, reach);
+        cursor_put(c, ground, !c->active, c->cursor[!c->active].t + shift, reach);
 }
 
 /* Moves the active cursor, which snaps where it comes near. */
-static void move_by(struct cursors *c, const struct ground *ground, double by)
+static void move_by(struct cursors *c, const struct ground *ground, double shift)
 {
-    cursor_put(c, ground, c->active, c->at[c->active].t + by, 0.5 * fabs(by));
-    move_locked_cursor(c, ground, by, 0.5 * fabs(by));
+    cursor_put(c, ground, c->active, c->cursor[c->active].t + shift, 0.5 * fabs(shift));
+    move_locked_cursor(c, ground, shift, 0.5 * fabs(shift));
 }
 
-static bool jump(struct cursors *c, const struct ground *ground, bool forward, struct error *error)
+static bool active_cursor_jump(struct cursors *c, const struct ground *ground, bool forward,
+                               struct error *error)
 {
-    const double before = c->at[c->active].t;
+    const double previous = c->cursor[c->active].t;
     if (!cursor_jump(c, ground, forward, error))
         return false;
-    const double by = c->at[c->active].t - before;
-    move_locked_cursor(c, ground, by, 0.25 * fabs(by));
+    const double shift = c->cursor[c->active].t - previous;
+    move_locked_cursor(c, ground, shift, 0.25 * fabs(shift));
     return true;
 }
 
@@ -74,22 +75,23 @@ static bool cursor_keep_period(struct session *session, struct reply *reply, str
         error_set(
             error, ERROR_COMMAND,
             "the cursors show no period: less than one lies between them, or %s does not oscillate",
-            c->of);
+            c->subject);
         return error_hint(error, "for example cursor periods 4");
     }
-    if (!session_add_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods,
+    if (!session_add_measurement(session, "period", c->subject, r.period, QUANTITY_TIME, r.periods,
                                  error))
         return false;
     reply_line(reply, "kept ('list measurements')");
     return true;
 }
 
-static bool act(struct session *session, const struct arguments *args, struct ground *ground,
-                struct reply *reply, struct error *error)
+static bool cursor_action_perform(struct session *session, const struct arguments *args,
+                                  struct ground *ground, struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct argument_value *by = argument_value(args, "TIME");
-    const double time = by->count ? by->item->value.value : ground_spacing(ground);
+    const struct argument_value *step_argument = argument_value(args, "TIME");
+    const double time =
+        step_argument->count ? step_argument->item->value.value : ground_spacing(ground);
     const double n = isfinite(c->periods) ? c->periods : 0;
     const enum cursor_action what = (enum cursor_action)argument_value(args, "WHAT")->item->index;
     switch (what) {
@@ -99,7 +101,7 @@ static bool act(struct session *session, const struct arguments *args, struct gr
         return true;
     case GO_NEXT:
     case GO_PREVIOUS:
-        return jump(c, ground, what == GO_NEXT, error);
+        return active_cursor_jump(c, ground, what == GO_NEXT, error);
     case GO_MORE:
         return cursor_span(c, ground, n + 1, error);
     case GO_LESS:
@@ -137,11 +139,12 @@ static bool act(struct session *session, const struct arguments *args, struct gr
 static bool act_on_plane(const struct session *session, const struct arguments *args,
                          struct cursors *c, const struct plot_plane *plane, struct error *error)
 {
-    const struct argument_value *by = argument_value(args, "TIME");
+    const struct argument_value *step_argument = argument_value(args, "TIME");
     const enum cursor_action what = (enum cursor_action)argument_value(args, "WHAT")->item->index;
     const int axis = what == GO_UP || what == GO_DOWN;
     const double *box = plane->box[axis];
-    const double step = by->count ? by->item->value.value : (box[1] - box[0]) / 100;
+    const double step =
+        step_argument->count ? step_argument->item->value.value : (box[1] - box[0]) / 100;
     switch (what) {
     case GO_LEFT:
     case GO_DOWN:
@@ -186,7 +189,7 @@ static bool point(struct session *session, const struct arguments *args, bool an
                   struct reply *reply, struct error *error)
 {
     struct plot_plane plane;
-    struct cursors *c = &session->view.cursors, before = *c;
+    struct cursors *c = &session->view.cursors, previous = *c;
     struct buffer text = {0};
     const struct run *run = session_run(session);
     if (!cursor_plane(session, &plane))
@@ -194,13 +197,13 @@ static bool point(struct session *session, const struct arguments *args, bool an
     const bool present = run && run->scene.model == session->setup.scene.model;
     for (int k = 0; k < 2 && !c->plane; k++) {
         const double *box = plane.box[k],
-                     at = present ? run->y[plane.variable[k]] : 0.5 * (box[0] + box[1]);
-        c->point[k] = fmin(fmax(at, box[0]), box[1]);
+                     coordinate = present ? run->y[plane.variable[k]] : 0.5 * (box[0] + box[1]);
+        c->point[k] = fmin(fmax(coordinate, box[0]), box[1]);
     }
     c->shown = any || !c->plane;
     c->plane = c->shown;
     if (any && !act_on_plane(session, args, c, &plane, error)) {
-        *c = before;
+        *c = previous;
         return false;
     }
     session_changed(session);
@@ -216,14 +219,14 @@ static bool point(struct session *session, const struct arguments *args, bool an
 
 /* Puts a cursor to the time that an argument gives, if it does. */
 static bool put_argument(struct cursors *c, const struct ground *ground, int which,
-                         const struct argument_value *at, struct error *error)
+                         const struct argument_value *argument, struct error *error)
 {
     const struct series *s = &ground->series;
-    const double t = at->count ? at->item->value.value : 0;
-    if (at->count && (t < s->t[0] || t > s->t[s->n - 1]))
-        return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t,
-                        ground->name, s->t[0], s->t[s->n - 1]);
-    if (at->count)
+    const double t = argument->count ? argument->item->value.value : 0;
+    if (argument->count && (t < s->t[0] || t > s->t[s->n - 1]))
+        return error_at(error, argument->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)",
+                        t, ground->name, s->t[0], s->t[s->n - 1]);
+    if (argument->count)
         cursor_put(c, ground, which, t, HUGE_VAL);
     return true;
 }
@@ -234,7 +237,7 @@ static bool apply(struct session *session, const struct arguments *args, struct 
     struct cursors *c = &session->view.cursors;
     const struct argument_value *periods = argument_value(args, "periods");
     for (int i = 0; i < 2 && has_argument(args, "snap"); i++)
-        cursor_put(c, ground, i, c->at[i].t, HUGE_VAL);
+        cursor_put(c, ground, i, c->cursor[i].t, HUGE_VAL);
     if (!put_argument(c, ground, 0, argument_value(args, "A"), error) ||
         !put_argument(c, ground, 1, argument_value(args, "B"), error) ||
         !put_argument(c, ground, c->active, argument_value(args, "go"), error))
@@ -243,16 +246,17 @@ static bool apply(struct session *session, const struct arguments *args, struct 
         error->where = periods->item->text;
         return false;
     }
-    return !has_argument(args, "WHAT") || act(session, args, ground, reply, error);
+    return !has_argument(args, "WHAT") ||
+           cursor_action_perform(session, args, ground, reply, error);
 }
 
 static void reply_cursor(struct reply *reply, const char *key, const struct cursors *c, int which)
 {
     reply_object(reply, key);
-    reply_real(reply, "t", c->at[which].t);
-    reply_real(reply, "uncertainty", c->at[which].t_uncertainty);
-    reply_real(reply, "y", c->at[which].y);
-    reply_int(reply, "crossing", c->at[which].crossing);
+    reply_real(reply, "t", c->cursor[which].t);
+    reply_real(reply, "uncertainty", c->cursor[which].t_uncertainty);
+    reply_real(reply, "y", c->cursor[which].y);
+    reply_int(reply, "crossing", c->cursor[which].crossing);
     reply_close(reply);
 }
 
@@ -267,7 +271,7 @@ static void reply_reading(const struct session *session, struct reply *reply)
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     reply_begin(reply, "cursor");
-    reply_string(reply, "of", c->of);
+    reply_string(reply, "of", c->subject);
     reply_string(reply, "snap", catalog_row(&snap_catalog, (size_t)c->snap)->name);
     reply_cursor(reply, "a", c, 0);
     reply_cursor(reply, "b", c, 1);
@@ -288,28 +292,28 @@ HANDLER(cursor)
     struct ground ground;
     bool any = false;
     for (int i = 0; i < args->command->arguments; i++)
-        any |= has(args, i);
+        any |= has_argument_at(args, i);
     session->live.pausing = session->live.state == LIVE_RUNNING;
     const bool timed = any && !has_argument(args, "WHAT");
     if (!timed && plot_row(view_focus(&session->view))->plane && (c->plane || !c->shown))
         return draw_plane(session, args->arena, error) && point(session, args, any, reply, error);
     c->plane = false;
-    const bool off =
+    const bool turns_off =
         has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF;
-    if (any ? off : c->shown) {
+    if (any ? turns_off : c->shown) {
         c->shown = false;
         reply_line(reply, "cursors off");
         return true;
     }
-    const struct cursors before = *c;
+    const struct cursors previous = *c;
     if (has_argument(args, "snap"))
         c->snap = (enum snap)argument_value(args, "snap")->item->index;
     const bool opened = ground_open(session, args->arena, &ground, error);
     c->shown = opened;
-    if (opened && (!c->at[0].set || !c->at[1].set))
+    if (opened && (!c->cursor[0].set || !c->cursor[1].set))
         cursor_spread(c, &ground);
     if (!opened || !apply(session, args, &ground, reply, error)) {
-        *c = before;
+        *c = previous;
         return false;
     }
     cursor_settle(c, &ground);

@@ -65,7 +65,7 @@ static bool choose_methods(const struct arguments *args, struct figure_request *
     for (int i = 1; i < what->count; i++) {
         if (!is_method(&what->item[i]))
             return error_at(error, what->item[i].text, "'%.*s' is no method",
-                            (int)what->item[i].text.len, what->item[i].text.at);
+                            (int)what->item[i].text.len, what->item[i].text.data);
         method[request->methods++] = what->item[i].row;
     }
     request->kind = (enum plot_kind)what->item->index;
@@ -95,18 +95,21 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
                    struct error *error)
 {
     const struct argument_value *what = argument_value(args, "WHAT"),
-                                *against = argument_value(args, "against"),
-                                *at = argument_value(args, "at"), *of = argument_value(args, "of"),
+                                *against_argument = argument_value(args, "against"),
+                                *event_argument = argument_value(args, "at"),
+                                *table_argument = argument_value(args, "of"),
                                 *data = argument_value(args, "data");
-    if (of->count && (!against->count || at->count || data->count || has_argument(args, "run"))) {
-        error_at(error, of->where, "of a table one column is drawn against another");
-        return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
+    if (table_argument->count && (!against_argument->count || event_argument->count ||
+                                  data->count || has_argument(args, "run"))) {
+        error_at(error, table_argument->where, "of a table one column is drawn against another");
+        return error_hint(error, "plot COLUMN against COLUMN of %s",
+                          table_argument->item->row->name);
     }
-    if (what->count && what->item->index >= 0 && !against->count && !at->count &&
-        plot_row((enum plot_kind)what->item->index)->study)
+    if (what->count && what->item->index >= 0 && !against_argument->count &&
+        !event_argument->count && plot_row((enum plot_kind)what->item->index)->study)
         return choose_methods(args, request, error);
     for (int i = 0; i < what->count; i++)
-        if (is_method(&what->item[i]) && !of->count) {
+        if (is_method(&what->item[i]) && !table_argument->count) {
             error_at(error, what->item[i].text, "'%s' is a method, not a column",
                      what->item[i].row->name);
             return error_hint(error, "plot order %s", what->item[i].row->name);
@@ -114,7 +117,8 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
     /* a variable or a column of what is drawn may follow its name */
     const bool branches = what->count == 2 && what->item->index >= 0 &&
                           plot_row((enum plot_kind)what->item->index)->takes_column;
-    if ((what->count == 1 || branches) && what->item->index >= 0 && !against->count && !at->count) {
+    if ((what->count == 1 || branches) && what->item->index >= 0 && !against_argument->count &&
+        !event_argument->count) {
         request->column = branches ? &what->item[1].text : NULL;
         request->columns = branches;
         request->kind = (enum plot_kind)what->item->index;
@@ -125,19 +129,19 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         return error_memory(error);
     for (int i = 0; i < what->count; i++)
         name[i] = what->item[i].text;
-    request->kind = against->count ? PLOT_ORBIT : PLOT_POSITION;
+    request->kind = against_argument->count ? PLOT_ORBIT : PLOT_POSITION;
     request->column = name;
     request->columns = what->count;
-    if (at->count)
-        request->at = at->item->text;
+    if (event_argument->count)
+        request->event = event_argument->item->text;
     request->next = has_argument(args, "next");
-    if (request->next && !(against->count && at->count)) {
+    if (request->next && !(against_argument->count && event_argument->count)) {
         error_at(error, argument_value(args, "next")->where,
                  "--next is for a column against another at an event");
         return error_hint(error, "for example: plot y against y at top --next");
     }
-    if (against->count) {
-        request->against = against->item->text;
+    if (against_argument->count) {
+        request->horizontal_column = against_argument->item->text;
         request->trail = HUGE_VAL;
     }
     return !data->count ||
@@ -175,12 +179,13 @@ static bool add_side(const struct session *session, struct figure_request *reque
 {
     const int variable = model_state(session->setup.scene.model, name);
     if (variable < 0)
-        return error_at(error, where, "'%.*s' is no variable of the scene", (int)name.len, name.at);
+        return error_at(error, where, "'%.*s' is no variable of the scene", (int)name.len,
+                        name.data);
     if (request->sides == 2)
         return error_at(error, where, "a portrait has two sides");
     if (!(range[0] < range[1]))
         return error_at(error, where, "%.*s: a range goes from a smaller to a larger value",
-                        (int)name.len, name.at);
+                        (int)name.len, name.data);
     struct figure_side *side = &request->side[request->sides++];
     side->variable = variable;
     memcpy(side->range, range, sizeof side->range);
@@ -203,7 +208,7 @@ static bool choose_sides(const struct session *session, const struct arguments *
                       error))
             return false;
     if (request->sides == 2 && axis[0]->count + axis[1]->count + named->count == 2 &&
-        named->count == 1 && named->where.at < axis[axis[0]->count == 0]->where.at) {
+        named->count == 1 && named->where.data < axis[axis[0]->count == 0]->where.data) {
         const struct figure_side first = request->side[0];
         request->side[0] = request->side[1];
         request->side[1] = first;
@@ -227,7 +232,7 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
     if (!named->count || plot_row(request->kind)->of_scene)
         return true;
     error_at(error, named->where, "%s has no argument '%.*s'", plot_row(request->kind)->row.name,
-             (int)named->item->text.len, named->item->text.at);
+             (int)named->item->text.len, named->item->text.data);
     return error_hint(error, "axes are x=FROM:TO and y=FROM:TO");
 }
 
@@ -236,7 +241,7 @@ bool make_figure(struct session *session, const struct arguments *args,
                  struct error *error)
 {
     const struct argument_value *window = argument_value(args, "window"),
-                                *of = argument_value(args, "of");
+                                *table_argument = argument_value(args, "of");
     struct export export = {.arena = args->arena};
     request->trail = request->trail > 0 ? request->trail : session->view.trail;
     request->log = has_argument(args, "log");
@@ -249,23 +254,23 @@ bool make_figure(struct session *session, const struct arguments *args,
     if (!refuse_sides(args, request, error) ||
         (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
-    if (of->count                           ? !export_result(session, of->item->row, &export, error)
+    if (table_argument->count ? !export_result(session, table_argument->item->row, &export, error)
         : plot_row(request->kind)->study    ? !make_study(session, request, reply, error)
         : plot_row(request->kind)->of_study ? false
         : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
                                             : !choose_runs(session, args, request, error))
         return false;
-    if (of->count) {
+    if (table_argument->count) {
         struct table *table = arena_alloc(args->arena, sizeof *table);
         if (!table)
             return error_memory(error);
         *table = export.table;
         request->table = table;
-        request->title = of->item->row->name;
+        request->title = table_argument->item->row->name;
     }
     if (session_figure(session, request, args->arena, figure, error))
         return true;
-    if (!error->where.at) /* nothing there, unless it is memory */
+    if (!error->where.data) /* nothing there, unless it is memory */
         error->where = window->where;
     return false;
 }

@@ -35,23 +35,25 @@ static bool fill_table(struct session *session, const struct arguments *args, st
 {
     const struct argument_value *runs = argument_value(args, "run"),
                                 *band = argument_value(args, "band"),
-                                *of = argument_value(args, "of");
+                                *table_argument = argument_value(args, "of");
     static const char *const others[] = {"measurements", "events", "table", "data"};
     const struct series_tools *tools;
     for (size_t i = 0; i < COUNT_OF(others) && has_argument(args, "band"); i++)
         if (has_argument(args, others[i]))
             return error_at(error, band->where, "--band is for the columns of a run");
-    if (of->count && !has_argument(args, "table"))
-        return error_at(error, of->where, "'of' stands after 'table': export FILE table of %s",
-                        of->item->row->name);
+    if (table_argument->count && !has_argument(args, "table"))
+        return error_at(error, table_argument->where,
+                        "'of' stands after 'table': export FILE table of %s",
+                        table_argument->item->row->name);
     if (has_argument(args, "measurements"))
         return export_result(session, catalog_find(&result_catalog, TEXT("measurements")), export,
                              error);
     if (has_argument(args, "events"))
         return export_event_records(session, export, error);
     if (has_argument(args, "table"))
-        return of->count ? export_result(session, of->item->row, export, error)
-                         : export_latest(session, export, error);
+        return table_argument->count
+                   ? export_result(session, table_argument->item->row, export, error)
+                   : export_latest(session, export, error);
     if (has_argument(args, "data"))
         return (tools = series_tools_for("data", argument_value(args, "data")->where, error)) &&
                tools->table(session, argument_value(args, "COLUMN"), argument_value(args, "every"),
@@ -96,12 +98,12 @@ static bool say_in_pieces(const struct session *session, struct text text, struc
                           struct error *error)
 {
     while (text.len > SHOWN_CHUNK_BYTES) {
-        const char *end = memchr(text.at + SHOWN_CHUNK_BYTES, '\n', text.len - SHOWN_CHUNK_BYTES);
-        const size_t size = end ? (size_t)(end + 1 - text.at) : text.len;
+        const char *end = memchr(text.data + SHOWN_CHUNK_BYTES, '\n', text.len - SHOWN_CHUNK_BYTES);
+        const size_t size = end ? (size_t)(end + 1 - text.data) : text.len;
         if (cancelled(session->front.cancel))
             return error_set(error, ERROR_CANCELLED, "stopped: %zu bytes were left out", text.len);
-        reply_data(reply, "export", (struct text){text.at, size});
-        text = (struct text){text.at + size, text.len - size};
+        reply_data(reply, "export", (struct text){text.data, size});
+        text = (struct text){text.data + size, text.len - size};
     }
     reply_data(reply, "export", text);
     return true;
@@ -127,7 +129,7 @@ static bool export_scene(struct session *session, const struct arguments *args, 
     if (!kind) {
         char what[32];
         snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len,
-                 text_ending(file).at);
+                 text_ending(file).data);
         if (!module_is_in(what, file, error))
             return false;
         error_at(error, file, "a scene is not written as '%s'", what + strlen("export "));
@@ -141,9 +143,9 @@ static bool export_scene(struct session *session, const struct arguments *args, 
     buffer_free(&text);
     if (!ok)
         return false;
-    struct buffer *out = reply_buffer(reply);
-    safe_text(out, file, false);
-    buffer_format(out, ": %s, %s by %s", kind->brief, session->setup.scene.preset->row.name,
+    struct buffer *output = reply_buffer(reply);
+    safe_text(output, file, false);
+    buffer_format(output, ": %s, %s by %s", kind->brief, session->setup.scene.preset->row.name,
                   session->setup.method->row.name);
     reply_begin(reply, "export");
     reply_string(reply, "file", path);
@@ -184,7 +186,7 @@ HANDLER(export)
     }
     const struct write_policy policy = session_policy(session, has_argument(args, "force"));
     if (!table_write(&export.table, format, path, policy, error)) {
-        if (!error->where.at)
+        if (!error->where.data)
             error->where = file->text;
         return false;
     }
@@ -196,7 +198,7 @@ HANDLER(print)
 {
     UNUSED(error);
     struct item *item = argument_value(args, "EXPR")->item;
-    struct named_value named = {.below = 0};
+    struct named_value named = {.error_floor = 0};
     struct buffer text = {0}, unit = {0};
     if (!item->is_string && expr_dimension(item->expr)->unit)
         dimension_put_unit(expr_dimension(item->expr), &unit);
@@ -206,9 +208,9 @@ HANDLER(print)
         item->value.uncertainty = named.uncertainty;
     if (item->is_string) {
         safe_text(&text, item->text, true);
-    } else if (named.below > 0) {
+    } else if (named.error_floor > 0) {
         buffer_format(&text, "no digit is certain: it may be off by %s and more",
-                      SHOWN_VALUE(named.below, item->quantity, 2));
+                      SHOWN_VALUE(named.error_floor, item->quantity, 2));
     } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
         if (unit.len > 0 && item->quantity == QUANTITY_OTHER)
@@ -217,7 +219,7 @@ HANDLER(print)
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
-    reply_real(reply, "value", item->is_string || named.below > 0 ? NAN : item->value.value);
+    reply_real(reply, "value", item->is_string || named.error_floor > 0 ? NAN : item->value.value);
     reply_string(reply, "unit",
                  !item->is_string && item->quantity != QUANTITY_OTHER
                      ? quantity_unit(item->quantity)
@@ -236,7 +238,7 @@ HANDLER(echo)
                             rest->count ? rest->item->text : TEXT("")};
     struct item whole = {0};
     /* A text that is one string is shown without its quotes. */
-    const bool quoted = parser.rest.len > 0 && strchr("'\"", parser.rest.at[0]);
+    const bool quoted = parser.rest.len > 0 && strchr("'\"", parser.rest.data[0]);
     if (quoted && !parse_word(&parser, "", &whole, error))
         return false;
     struct buffer text = {0};

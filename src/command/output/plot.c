@@ -22,7 +22,7 @@
 static bool ends_with(struct text text, const char *end)
 {
     const size_t len = strlen(end);
-    return text.len > len && text_is((struct text){text.at + text.len - len, len}, end);
+    return text.len > len && text_is((struct text){text.data + text.len - len, len}, end);
 }
 
 /* A file of text, or of a kind of pictures that a module draws. */
@@ -37,13 +37,13 @@ static bool choose_file(struct text path, enum plot_kind kind, struct figure_fil
 {
     const struct picture_writer *writer = module_pictures();
     size_t dot = path.len;
-    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
+    while (dot > 0 && path.data[dot - 1] != '.' && path.data[dot - 1] != '/')
         dot--;
-    const struct text end = {path.at + dot, path.len - dot};
-    const bool has_end = dot >= 2 && path.at[dot - 1] == '.';
+    const struct text end = {path.data + dot, path.len - dot};
+    const bool has_end = dot >= 2 && path.data[dot - 1] == '.';
     const struct row *row = writer && has_end ? catalog_find(writer->kinds, end) : NULL;
     char what[LIMIT_NAME];
-    snprintf(what, sizeof what, "plot .%.*s", (int)end.len, end.at);
+    snprintf(what, sizeof what, "plot .%.*s", (int)end.len, end.data);
     if (ends_with(path, ".txt"))
         return true;
     if (has_end && !module_is_in(what, path, error))
@@ -71,7 +71,7 @@ static bool write_file(const struct session *session, const struct arguments *ar
     safe_text(&shown, file->text, false);
     if (ok)
         reply_line(reply, "figure written to %s", buffer_view(&shown));
-    else if (!error->where.at)
+    else if (!error->where.data)
         error->where = file->text;
     buffer_free(&shown);
     return ok;
@@ -90,11 +90,11 @@ static void reply_where(const struct session *session, const struct figure_reque
 static void report_band(const struct figure *figure, enum plot_kind kind, struct reply *reply)
 {
     const struct curve *curve = plot_row(kind)->figure ? NULL : figure_band(figure);
-    double max = 0, at = 0;
+    double max = 0, max_position = 0;
     for (size_t i = 0; curve && i < curve->n; i++)
         if (curve->spread[i] > max) {
             max = curve->spread[i];
-            at = curve->x[i];
+            max_position = curve->x[i];
         }
     if (!curve)
         return;
@@ -102,11 +102,11 @@ static void report_band(const struct figure *figure, enum plot_kind kind, struct
     const enum quantity quantity = unit ? unit->quantity : QUANTITY_NUMBER;
     struct buffer *text = reply_buffer(reply);
     buffer_format(text, "95 %% of the fit: at most +- %s, at t = %s",
-                  SHOWN_QUANTITY(max, quantity, 3), SHOWN_QUANTITY(at, QUANTITY_TIME, 4));
+                  SHOWN_QUANTITY(max, quantity, 3), SHOWN_QUANTITY(max_position, QUANTITY_TIME, 4));
     reply_begin(reply, "band");
     reply_real(reply, "level", 0.95);
     reply_measured(reply, "largest", (struct measured){max, NAN}, quantity);
-    reply_measured(reply, "at", (struct measured){at, NAN}, QUANTITY_TIME);
+    reply_measured(reply, "at", (struct measured){max_position, NAN}, QUANTITY_TIME);
     reply_end(reply);
 }
 
@@ -116,16 +116,16 @@ static struct text take_unit(struct text label, struct axis *axis)
 {
     const struct unit *present = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
     size_t open = label.len;
-    while (open > 0 && label.at[open - 1] != '(' && label.at[open - 1] != '[')
+    while (open > 0 && label.data[open - 1] != '(' && label.data[open - 1] != '[')
         open--;
-    if (!present || open == 0 || !strchr(")]", label.at[label.len - 1]))
+    if (!present || open == 0 || !strchr(")]", label.data[label.len - 1]))
         return label;
-    const struct unit *unit = unit_find((struct text){label.at + open, label.len - open - 1});
+    const struct unit *unit = unit_find((struct text){label.data + open, label.len - open - 1});
     if (!unit || unit->quantity != present->quantity)
         return label;
     axis->unit = unit->row.name;
     axis->factor = unit->factor;
-    return text_trim((struct text){label.at, open - 1});
+    return text_trim((struct text){label.data, open - 1});
 }
 
 /* Words of the user's in place of those that the figure has. */
@@ -268,7 +268,7 @@ static int move_legend(struct figure *figure, int width, struct arena *arena, st
             used = 0;
             count++;
         }
-        buffer_format(lines, "%*s%s %s", used ? GAP : 0, "", *mark ? mark : "--", label.at);
+        buffer_format(lines, "%*s%s %s", used ? GAP : 0, "", *mark ? mark : "--", label.data);
         used += GAP + cells;
     }
     buffer_char(lines, '\n');

@@ -30,14 +30,14 @@ static bool find_line(struct session *session, struct text word, struct error *e
 {
     const struct log *log = &session->log;
     for (int i = 1; i <= log->count; i++) {
-        const int at = (session->view.found - i + 2 * log->count) % log->count;
-        if (text_mentions(log_line(log, at), word)) {
-            show_line(session, at);
+        const int index = (session->view.found - i + 2 * log->count) % log->count;
+        if (text_mentions(log_line(log, index), word)) {
+            show_line(session, index);
             return true;
         }
     }
     return error_at(error, word, "no line has '%.*s'", (int)(word.len < 64 ? word.len : 64),
-                    word.at);
+                    word.data);
 }
 
 HANDLER(scroll)
@@ -49,7 +49,7 @@ HANDLER(scroll)
                                 *word = argument_value(args, "find");
     if (word->count) {
         const size_t len = word->item->text.len < LIMIT_NAME ? word->item->text.len : LIMIT_NAME;
-        memcpy(view->wanted, word->item->text.at, len);
+        memcpy(view->wanted, word->item->text.data, len);
         view->wanted[len] = '\0';
     }
     if (word->count || has_argument(args, "next"))

@@ -194,7 +194,7 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
 
 /* Moves the range into the whole span. A range as wide as that becomes automatic, if the automatic
  * range shows all of it. */
-static void set_span(struct session *session, double from, double width, const double whole[2])
+static void set_span(struct session *session, double begin, double width, const double whole[2])
 {
     struct view *view = &session->view;
     const double max = whole[1] - whole[0];
@@ -206,9 +206,9 @@ static void set_span(struct session *session, double from, double width, const d
         return;
     }
     width = fmax(width, max / ZOOM_MAX);
-    from = fmin(fmax(from, whole[0]), whole[1] - width);
-    view->x[0] = from;
-    view->x[1] = from + width;
+    begin = fmin(fmax(begin, whole[0]), whole[1] - width);
+    view->x[0] = begin;
+    view->x[1] = begin + width;
 }
 
 HANDLER(zoom)
@@ -219,10 +219,11 @@ HANDLER(zoom)
     if (!shown_span(session, shown, whole, error))
         return false;
     /* Zoom about the active cursor if it is in sight. */
-    const double t = view->cursors.at[view->cursors.active].t;
-    const bool about = view->cursors.shown && !view->cursors.plane &&
-                       view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
-    const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
+    const double t = view->cursors.cursor[view->cursors.active].t;
+    const bool at_cursor = view->cursors.shown && !view->cursors.plane &&
+                           view->cursors.cursor[view->cursors.active].set && t > shown[0] &&
+                           t < shown[1];
+    const double centre = at_cursor ? t : 0.5 * (shown[0] + shown[1]);
     set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);
     return changed(session);
@@ -230,11 +231,11 @@ HANDLER(zoom)
 
 HANDLER(pan)
 {
-    const double by = argument_value(args, "TIME")->item->value.value;
+    const double shift = argument_value(args, "TIME")->item->value.value;
     double shown[2] = {0}, whole[2] = {0};
     if (!shown_span(session, shown, whole, error))
         return false;
-    set_span(session, shown[0] + by, shown[1] - shown[0], whole);
+    set_span(session, shown[0] + shift, shown[1] - shown[0], whole);
     reply_range(session, true, reply);
     return changed(session);
 }
@@ -317,7 +318,7 @@ HANDLER(screenshot)
             return error_memory(error);
         if (!front->screenshot(front->context, session, path,
                                session_policy(session, has_argument(args, "force")), error)) {
-            error->where = error->where.at ? error->where : name;
+            error->where = error->where.data ? error->where : name;
             return false;
         }
         struct buffer shown = {0};

@@ -48,11 +48,12 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
     for (; pass->seen < run_event_records(run); pass->seen++) {
         const struct event_record *record = run_event_record(run, pass->seen);
         const int i = record->event;
-        const double since = fabs(record->t - pass->event[i].last);
+        const double interval = fabs(record->t - pass->event[i].last);
         if (pass->event[i].known) {
-            pass->event[i].close =
-                since <= PILE_TIME_RELATIVE * pass->event[i].longest ? pass->event[i].close + 1 : 0;
-            pass->event[i].longest = fmax(pass->event[i].longest, since);
+            pass->event[i].close = interval <= PILE_TIME_RELATIVE * pass->event[i].longest
+                                       ? pass->event[i].close + 1
+                                       : 0;
+            pass->event[i].longest = fmax(pass->event[i].longest, interval);
         }
         pass->event[i].known = true;
         pass->event[i].last = record->t;
@@ -61,7 +62,7 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
         error_set(error, ERROR_NUMERICAL,
                   "the event %s comes again and again, at last after %.2g s: its moments pile "
                   "up at t = %.9g s",
-                  slot->events->line[i].name, since, run->t);
+                  slot->events->line[i].name, interval, run->t);
         return !error_hint(error,
                            "run %d is kept up to there; an event with 'do stop' can end it before",
                            run->number);

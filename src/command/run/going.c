@@ -142,7 +142,7 @@ static void run_to_target(struct session *session, struct run *run, struct advan
 {
     const struct front *front = &session->front;
     const struct run_target *target = &advance->target;
-    const double from = run->t;
+    const double t_begin = run->t;
     struct step_pace pace = {.steps = 0};
     if (front->watched && front->slice) {
         live_advance(session, run, target, clocked && session->execution.typed);
@@ -157,9 +157,9 @@ static void run_to_target(struct session *session, struct run *run, struct advan
             break;
         }
         if (front->progress)
-            front->progress(front->context, run,
-                            fabs(target->t) < T_UNREACHABLE ? (run->t - from) / (target->t - from)
-                                                            : -1);
+            front->progress(
+                front->context, run,
+                fabs(target->t) < T_UNREACHABLE ? (run->t - t_begin) / (target->t - t_begin) : -1);
     }
     if (front->progress)
         front->progress(front->context, run, 2);
@@ -174,7 +174,7 @@ static void travel(struct session *session, struct run *run, struct advance *adv
 
 /* Adds to the log of the session what the statement alone does not tell. Effects of events are not
  * added, since events have them again. */
-static void tell(struct session *session, const struct advance *advance)
+static void advance_report(struct session *session, const struct advance *advance)
 {
     const bool paused = stop_is_pause(advance->slot->run->stop);
     const bool whole = advance->requests == 1 && advance->steps == 0;
@@ -212,7 +212,7 @@ static bool arrive(struct session *session, const struct advance *advance,
             return false;
         request->met = run->steps;
     }
-    tell(session, advance);
+    advance_report(session, advance);
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on",
                    session->front.watched ? "paused" : "stopped", run->t);

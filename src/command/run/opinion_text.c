@@ -14,7 +14,7 @@ void seek_opinion(const struct session *session, struct run *run, const struct r
     const enum opinion_effort effort = kind == OPINIONS_FULL ? OPINION_WHOLE
                                        : recorded            ? OPINION_DEMANDED
                                                              : OPINION_BRIEF;
-    if (run->missed.from == run->missed.to)
+    if (run->missed.t_begin == run->missed.t_end)
         run_missed_burst(run, &run->missed);
     if (kind == OPINIONS_FULL || (kind != OPINIONS_OFF && (recorded || !reply->quiet)))
         run_second_opinion(run, effort, session->front.cancel);
@@ -43,8 +43,9 @@ void plan_opinion(const struct session *session, const struct system *system,
 
 static void put_solution(const struct opinion *opinion, struct buffer *text)
 {
-    if (opinion->by)
-        buffer_format(text, "%s at tol = %s", opinion->by->row.name, SHOWN_SHORT(opinion->tol, 2));
+    if (opinion->method)
+        buffer_format(text, "%s at tol = %s", opinion->method->row.name,
+                      SHOWN_SHORT(opinion->tol, 2));
     else
         buffer_put(text, TEXT("the closed form"));
 }
@@ -55,7 +56,7 @@ static void put_witness(const struct run *run, struct buffer *text)
     const struct opinion *opinion = &run->opinion;
     const bool at_event = !isnan(run_opinion_event(run));
     put_solution(opinion, text);
-    if (opinion->t != run->t && (opinion->by || at_event))
+    if (opinion->t != run->t && (opinion->method || at_event))
         buffer_format(text, " up to t = %s, not known beyond%s",
                       SHOWN_VALUE(opinion->t, QUANTITY_TIME, 4),
                       at_event ? ": errors may decide whether the next event happens"
@@ -109,8 +110,8 @@ static bool say_lost(const struct session *session, const struct run *run, struc
  * not help. */
 static void say_large(const struct run *run, double times, struct reply *reply)
 {
-    double below[LIMIT_VARIABLES];
-    if (run_below_tolerance(run, below) < run->system.n)
+    double error_floor[LIMIT_VARIABLES];
+    if (run_below_tolerance(run, error_floor) < run->system.n)
         reply_warning(reply,
                       "the error is about %s times the tolerance: errors of steps have grown on "
                       "the way; it shrinks as tol does",
@@ -122,7 +123,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
 {
     const double spikes = 10; /* times the error, where the largest on the way deserves a word */
     const struct opinion *opinion = &run->opinion;
-    const int digits = opinion->by ? 1 : 2;
+    const int digits = opinion->method ? 1 : 2;
     const bool asked = !reply->quiet && session->setup.settings.opinion != OPINIONS_OFF &&
                        run->plan.adaptive && run->steps > 0 && !stop_is_failure(run->stop);
     if (!isnan(run_opinion_sunk(run)))
@@ -134,7 +135,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
         return true;
     const double times = opinion->error / run->controller.tol;
     struct buffer *text = reply_buffer(reply);
-    buffer_format(text, "error %s%s, %s tol", opinion->by ? "about " : "",
+    buffer_format(text, "error %s%s, %s tol", opinion->method ? "about " : "",
                   SHOWN_SHORT(opinion->error, digits), SHOWN_SHORT(times, digits));
     if (opinion->max > spikes * opinion->error)
         buffer_format(text, " (up to %s on the way)", SHOWN_SHORT(opinion->max, 1));
@@ -153,14 +154,14 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
 void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };
-    double below[LIMIT_VARIABLES];
+    double error_floor[LIMIT_VARIABLES];
     if (reply->quiet)
         return;
-    const int count = run_below_tolerance(run, below);
+    const int count = run_below_tolerance(run, error_floor);
     struct buffer names = {0};
     int first = -1;
     for (int i = 0, named = 0; i < run->system.n && named < NAMED; i++) {
-        if (!(below[i] > 0))
+        if (!(error_floor[i] > 0))
             continue;
         first = first < 0 && !(run->system.atol[i] > 0) ? i : first;
         buffer_format(&names, "%s%s", named++ > 0 ? ", " : "",

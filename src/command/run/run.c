@@ -37,21 +37,24 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
 
 /* A request from where the current run is. */
 static bool new_request(struct session *session, double t, int64_t end,
-                        const struct argument_value *until, struct error *error)
+                        const struct argument_value *condition, struct error *error)
 {
     struct run_slot *slot = session->runs.slot[session->runs.current];
-    const struct request request = {
-        .kind = REQUEST_GO, .from = slot->run->steps, .from_t = slot->run->t, .t = t, .end = end};
+    const struct request request = {.kind = REQUEST_GO,
+                                    .start_step = slot->run->steps,
+                                    .from_t = slot->run->t,
+                                    .t = t,
+                                    .end = end};
     const struct request *last = slot->last;
     /* Step by step is one request, not many. */
     if (end != INT64_MAX && last && last->kind == REQUEST_GO && last->t == t &&
-        last->end == request.from) {
+        last->end == request.start_step) {
         struct request *edited = journal_edit_pending(slot, error);
         if (edited)
             edited->end = end;
         return edited != NULL;
     }
-    return journal_add(slot, request, until->count ? until->item->text : TEXT(""), error);
+    return journal_add(slot, request, condition->count ? condition->item->text : TEXT(""), error);
 }
 
 static int64_t steps_of(const struct arguments *args)
@@ -63,22 +66,22 @@ static int64_t steps_of(const struct arguments *args)
 HANDLER(run)
 {
     const struct argument_value *duration = argument_value(args, "DURATION"),
-                                *to = argument_value(args, "to"),
-                                *until = argument_value(args, "until"),
+                                *end_argument = argument_value(args, "to"),
+                                *condition = argument_value(args, "until"),
                                 *number = argument_value(args, "number");
     const double t0 = param_value(&session->setup.scene, "t0");
     double span = session->setup.settings.duration;
     if (duration->count)
         span = duration->item->value.value;
-    else if (to->count)
-        span = to->item->value.value - t0;
-    double t = to->count ? to->item->value.value : t0 + span;
-    if (until->count) {
+    else if (end_argument->count)
+        span = end_argument->item->value.value - t0;
+    double t = end_argument->count ? end_argument->item->value.value : t0 + span;
+    if (condition->count) {
         t = t0 + UNTIL_DURATIONS * span;
         span = HUGE_VAL;
     }
     if (span == 0 || t == t0)
-        return error_at(error, duration->count ? duration->where : to->where,
+        return error_at(error, duration->count ? duration->where : end_argument->where,
                         "there is nothing to run: the time asked for is the start t0");
     if (number->count &&
         (number->item->value.value < session->runs.next_number || number->item->value.value > 1e9))
@@ -92,10 +95,10 @@ HANDLER(run)
         session->runs.next_number = run->number + 1;
     }
     reply_unchosen(session, reply);
-    reply_assumed(session, run->plan.adaptive, !duration->count && !to->count, reply);
+    reply_assumed(session, run->plan.adaptive, !duration->count && !end_argument->count, reply);
     reply_coarse(session, run, reply);
     reply_tiny(run, reply);
-    return new_request(session, t, INT64_MAX, until, error) &&
+    return new_request(session, t, INT64_MAX, condition, error) &&
            run_go_on(session, args, steps_of(args), true, reply, error);
 }
 
@@ -165,9 +168,9 @@ static bool resume(struct session *session, const struct run *run, struct error 
 HANDLER(continue)
 {
     const struct argument_value *duration = argument_value(args, "DURATION"),
-                                *to = argument_value(args, "to"),
-                                *until = argument_value(args, "until");
-    const bool limited = duration->count || to->count || until->count;
+                                *end_argument = argument_value(args, "to"),
+                                *condition = argument_value(args, "until");
+    const bool limited = duration->count || end_argument->count || condition->count;
     const struct module *waiting = module_waiting(session);
     if (waiting && !limited && steps_of(args) < 0)
         return waiting->stopped.go_on(session, args, reply, error);
@@ -177,17 +180,17 @@ HANDLER(continue)
         return false;
     double span = direction(run) * (duration->count ? duration->item->value.value
                                                     : session->setup.settings.duration);
-    if (to->count)
-        span = to->item->value.value - run->t;
-    else if (until->count)
+    if (end_argument->count)
+        span = end_argument->item->value.value - run->t;
+    else if (condition->count)
         span *= UNTIL_DURATIONS;
     else if (!limited && is_paused(session, run))
         span = journal_pending(session->runs.slot[session->runs.current])->t - run->t;
     const bool open =
-        until->count || fabs(span) >= T_UNREACHABLE || (!limited && is_paused(session, run));
-    if (to->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
-        return error_at(error, to->where, "run %d has been there: it is at t = %.6g s", run->number,
-                        run->t);
+        condition->count || fabs(span) >= T_UNREACHABLE || (!limited && is_paused(session, run));
+    if (end_argument->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
+        return error_at(error, end_argument->where, "run %d has been there: it is at t = %.6g s",
+                        run->number, run->t);
     if (!plan_make(&run->system, run->method, &run->settings,
                    open ? copysign(HUGE_VAL, span) : span, &plan, error))
         return false;
@@ -197,8 +200,9 @@ HANDLER(continue)
         return false;
     warn_other_scene(session, run, reply);
     const bool paused = !limited && is_paused(session, run);
-    if (!paused && !new_request(session, to->count ? to->item->value.value : run->t + span,
-                                INT64_MAX, until, error))
+    if (!paused &&
+        !new_request(session, end_argument->count ? end_argument->item->value.value : run->t + span,
+                     INT64_MAX, condition, error))
         return false;
     if (paused && !resume(session, run, error))
         return false;

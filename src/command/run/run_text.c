@@ -22,9 +22,9 @@ static double gravity_in(const struct recording *recording)
             count++;
         }
     const double mean = sum / (double)count;
-    const bool near = fabs(fabs(mean) - STANDARD_GRAVITY) < NEAR_GRAVITY * STANDARD_GRAVITY;
-    return near && recording->column[recording->value].quantity == QUANTITY_ACCELERATION ? mean
-                                                                                         : NAN;
+    const bool is_close = fabs(fabs(mean) - STANDARD_GRAVITY) < NEAR_GRAVITY * STANDARD_GRAVITY;
+    return is_close && recording->column[recording->value].quantity == QUANTITY_ACCELERATION ? mean
+                                                                                             : NAN;
 }
 
 /* Explains why a recording of the same time is neither drawn over the run nor compared with it, or

@@ -64,7 +64,7 @@ void reply_inapplicable(const struct session *session, struct reply *reply)
     struct system system;
     struct error why;
     enum drag drag = session->setup.drag;
-    scene.across = session->setup.settings.turning == TURNING_OFF;
+    scene.steps_across_kinks = session->setup.settings.turning == TURNING_OFF;
     if (scene_bind(&scene, &system, &why) &&
         !method_applies(session->setup.method, &system, &drag, &why))
         reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
@@ -202,14 +202,14 @@ void reply_unsound(struct run *run, struct reply *reply)
 static void reply_missed_burst(struct run *run, struct reply *reply)
 {
     const struct burst *burst = &run->missed;
-    const double length = fabs(burst->to - burst->from);
+    const double length = fabs(burst->t_end - burst->t_begin);
     if (run->warned_burst || length == 0)
         return;
     reply_warning(reply,
                   "no step has seen what happens near t = %.4g s in less than %.1g s: this run is "
                   "one without it; fixed "
                   "steps ('tol = off') of dt = %.1g s see it",
-                  burst->from + (burst->to - burst->from) / 2, length, length / 100);
+                  burst->t_begin + (burst->t_end - burst->t_begin) / 2, length, length / 100);
     run->warned_burst = true;
 }
 
@@ -252,9 +252,9 @@ static void reply_sliding(struct run *run, struct reply *reply)
 {
     const struct switches_state *state = &run->controller.switches;
     const struct system *system = &run->system;
-    const bool slides = state->slides + state->across > 0, piles = state->piles > 0;
+    const bool slides = state->slides + state->crossings > 0, piles = state->piles > 0;
     const bool slot = system->dry && state->slides > 0 && state->first == system->switches - 1 &&
-                      state->across == 0;
+                      state->crossings == 0;
     if (slot && !piles) /* as dry friction should: the run says so */
         return;
     if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))

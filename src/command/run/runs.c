@@ -83,7 +83,7 @@ HANDLER(rename)
     if (text_is(name, "all"))
         return error_at(error, name, "'all' stands for every run and cannot be the name of one");
     memset(run->name, 0, sizeof run->name);
-    memcpy(run->name, name.at, name.len);
+    memcpy(run->name, name.data, name.len);
     session_changed(session);
     reply_line(reply, "run %d is called %s", run->number, run->name);
     return true;
@@ -119,7 +119,7 @@ HANDLER(note)
         return error_hint(error, "type: run");
     }
     struct run_slot *slot = session->runs.slot[session->runs.current];
-    char *note = strndup(text.at, text.len);
+    char *note = strndup(text.data, text.len);
     if (!note)
         return error_memory(error);
     free(slot->note);

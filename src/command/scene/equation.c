@@ -12,8 +12,8 @@
 static bool skip_equals(struct text *rest, const char *usage, struct error *error)
 {
     text_skip_blanks(rest);
-    if (rest->len == 0 || rest->at[0] != '=') {
-        error_at(error, (struct text){rest->at, rest->len > 0}, "'=' is missing");
+    if (rest->len == 0 || rest->data[0] != '=') {
+        error_at(error, (struct text){rest->data, rest->len > 0}, "'=' is missing");
         return error_usage(error, usage);
     }
     *rest = text_behind(*rest, 1);
@@ -27,8 +27,8 @@ static bool free_name(struct text name, struct error *error)
 {
     if (!catalog_find(&setting_catalog, name))
         return true;
-    error_at(error, name, "'%.*s' is taken: it is the name of a setting", (int)name.len, name.at);
-    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.at);
+    error_at(error, name, "'%.*s' is taken: it is the name of a setting", (int)name.len, name.data);
+    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.data);
 }
 
 /* A scene that nobody has chosen or changed makes room for a parameter that has the name of one of
@@ -47,9 +47,10 @@ static bool makes_room(const struct session *session, struct text name, struct t
     if (scene->preset == fresh.preset && i == scene_params(&fresh)->count &&
         session->runs.count == 0 && session->recordings == 0)
         return true;
-    error_at(error, name, "%s has '%.*s' already", scene->preset->row.name, (int)name.len, name.at);
+    error_at(error, name, "%s has '%.*s' already", scene->preset->row.name, (int)name.len,
+             name.data);
     return error_hint(error, "'%.*s = %.*s' sets it; 'scene new' begins an empty scene",
-                      (int)name.len, name.at, (int)value.len, value.at);
+                      (int)name.len, name.data, (int)value.len, value.data);
 }
 
 /* Events belong to what moves: another scene has its own. */
@@ -57,10 +58,10 @@ static bool use_model(struct session *session, const struct model *model, bool b
                       struct reply *reply, struct error *error)
 {
     struct setup *setup = &session->setup;
-    const struct scene before = setup->scene;
+    const struct scene previous = setup->scene;
     scene_remodel(&setup->scene, model);
     if (!keep_own_scene(session, error)) {
-        setup->scene = before;
+        setup->scene = previous;
         return false;
     }
     settings_of_scene(&setup->settings, setup->scene.preset);
@@ -79,11 +80,11 @@ static bool use_model(struct session *session, const struct model *model, bool b
 static bool suits(const struct scene *scene, const struct model *model,
                   const struct typed_line *line, struct error *error)
 {
-    struct scene with = *scene;
+    struct scene candidate = *scene;
     struct system system;
     struct error why = {0}, ignored;
-    scene_remodel(&with, model);
-    if (line->kind != TYPED_POTENTIAL || scene_bind(&with, &system, &why) ||
+    scene_remodel(&candidate, model);
+    if (line->kind != TYPED_POTENTIAL || scene_bind(&candidate, &system, &why) ||
         !scene_bind(scene, &system, &ignored))
         return true;
     *error = why;
@@ -95,11 +96,11 @@ static bool suits(const struct scene *scene, const struct model *model,
 static bool add_line(struct session *session, const struct typed_line *line, double uncertainty,
                      struct reply *reply, struct error *error)
 {
-    const struct model *before = session->setup.scene.model, *model;
+    const struct model *previous = session->setup.scene.model, *model;
     struct buffer text = {0};
-    if (!(model = typed_add(session->definitions.models, before, line, error)) ||
+    if (!(model = typed_add(session->definitions.models, previous, line, error)) ||
         !suits(&session->setup.scene, model, line, error) ||
-        !use_model(session, model, !typed_base(model) && typed_base(before), reply, error))
+        !use_model(session, model, !typed_base(model) && typed_base(previous), reply, error))
         return false;
     typed_describe(line, &text);
     if (uncertainty > 0) {
@@ -127,21 +128,21 @@ static bool remove_line(struct session *session, const struct arguments *args, e
                         struct text name, const char *what, struct reply *reply,
                         struct error *error)
 {
-    const struct scene before = session->setup.scene;
+    const struct scene previous = session->setup.scene;
     const struct model *model =
-        typed_remove(session->definitions.models, before.model, kind, name, error);
+        typed_remove(session->definitions.models, previous.model, kind, name, error);
     if (!model || !use_model(session, model, false, reply, error))
         return false;
     if (name.len > 0 && kind != TYPED_FORCE && !events_know(session, args->arena, error)) {
         const struct error why = *error;
         struct error ignored;
-        use_model(session, before.model, false, reply, &ignored);
-        session->setup.scene = before;
-        error_at(error, name, "%.*s is used by an event", (int)name.len, name.at);
+        use_model(session, previous.model, false, reply, &ignored);
+        session->setup.scene = previous;
+        error_at(error, name, "%.*s is used by an event", (int)name.len, name.data);
         return error_hint(error, "%s", why.hint);
     }
     reply_line(reply, "%.*s is gone", what ? (int)strlen(what) : (int)name.len,
-               what ? what : name.at);
+               what ? what : name.data);
     return true;
 }
 
@@ -150,11 +151,11 @@ static int param_of(const struct scene *scene, const struct typed_line *line)
 {
     struct text name = line->name;
     char own[LIMIT_NAME + 8];
-    const bool velocity = name.at[name.len - 1] == '\'';
+    const bool velocity = name.data[name.len - 1] == '\'';
     name.len -= velocity;
-    const char last = name.at[name.len - 1];
+    const char last = name.data[name.len - 1];
     const char *end = line->kind == TYPED_PARAM ? "" : last >= '0' && last <= '9' ? "_0" : "0";
-    snprintf(own, sizeof own, "%s%.*s%s", velocity ? "v" : "", (int)name.len, name.at, end);
+    snprintf(own, sizeof own, "%s%.*s%s", velocity ? "v" : "", (int)name.len, name.data, end);
     return scene_param(scene, own);
 }
 
@@ -165,7 +166,7 @@ static bool add_value(struct session *session, const struct arguments *args, enu
     struct typed_line line = {.kind = kind, .name = argument_value(args, "NAME")->item->text};
     struct text rest = argument_value(args, "= VALUE")->item->text;
     struct item item = {.quantity = QUANTITY_OTHER};
-    if (kind == TYPED_VAR && rest.at[0] == '\'') {
+    if (kind == TYPED_VAR && rest.data[0] == '\'') {
         line.name.len++;
         rest = text_behind(rest, 1);
     }
@@ -208,28 +209,28 @@ static bool set_velocity(struct session *session, const struct arguments *args,
                          const struct typed_line *line, struct reply *reply, struct error *error)
 {
     const struct command *change = command_with(COMMAND_JUMPS);
-    const char *end = line->expr.at + line->expr.len;
+    const char *end = line->expr.data + line->expr.len;
     struct item name = {.text = line->name},
-                rest = {.text = {.at = line->name.at + line->name.len}};
-    rest.text.len = (size_t)(end - rest.text.at);
+                rest = {.text = {.data = line->name.data + line->name.len}};
+    rest.text.len = (size_t)(end - rest.text.data);
     if (line->order != 1)
         return error_at(error, line->name, "an event cannot change the law of %.*s",
-                        (int)line->name.len, line->name.at);
-    struct arguments with = *args;
-    with.command = change;
-    with.value[0] = (struct argument_value){1, &name, name.text};
-    with.value[1] = (struct argument_value){1, &rest, rest.text};
-    return change->handler(session, &with, reply, error);
+                        (int)line->name.len, line->name.data);
+    struct arguments changed = *args;
+    changed.command = change;
+    changed.value[0] = (struct argument_value){1, &name, name.text};
+    changed.value[1] = (struct argument_value){1, &rest, rest.text};
+    return change->handler(session, &changed, reply, error);
 }
 
 HANDLER(equation)
 {
     struct text rest = argument_value(args, "NAME' = EXPR")->item->text;
     struct typed_line line = {.kind = TYPED_EQUATION, .name = peek_name(rest)};
-    rest = (struct text){rest.at + line.name.len, rest.len - line.name.len};
-    while (rest.len > 0 && rest.at[0] == '\'') {
+    rest = (struct text){rest.data + line.name.len, rest.len - line.name.len};
+    while (rest.len > 0 && rest.data[0] == '\'') {
         line.order++;
-        rest = (struct text){rest.at + 1, rest.len - 1};
+        rest = (struct text){rest.data + 1, rest.len - 1};
     }
     if (line.name.len == 0 || line.order < 1 || line.order > 2) {
         error_at(error, peek_word(argument_value(args, "NAME' = EXPR")->item->text, "="),
@@ -248,8 +249,8 @@ HANDLER(equation)
 static struct text read_left(struct text *rest)
 {
     const struct text name = peek_name(*rest), right = text_behind(*rest, name.len);
-    if (name.len == 0 || right.len == 0 || right.at[0] != '=')
-        return (struct text){rest->at, 0};
+    if (name.len == 0 || right.len == 0 || right.data[0] != '=')
+        return (struct text){rest->data, 0};
     *rest = text_behind(right, 1);
     return name;
 }
@@ -257,12 +258,12 @@ static struct text read_left(struct text *rest)
 HANDLER(force)
 {
     struct text rest = argument_value(args, "EXPR|off")->item->text;
-    struct text behind = text_behind(rest, peek_name(rest).len);
+    struct text remainder = text_behind(rest, peek_name(rest).len);
     size_t primes = 0;
-    while (primes < behind.len && behind.at[primes] == '\'')
+    while (primes < remainder.len && remainder.data[primes] == '\'')
         primes++;
-    if (primes > 0 && text_starts(text_behind(behind, primes), TEXT("="))) {
-        error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes},
+    if (primes > 0 && text_starts(text_behind(remainder, primes), TEXT("="))) {
+        error_at(error, (struct text){rest.data, (size_t)(remainder.data - rest.data) + primes},
                  "a force is an expression, not an equation");
         return error_hint(
             error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");

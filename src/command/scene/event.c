@@ -50,7 +50,7 @@ static bool check_commands(struct text commands, struct error *error)
         const struct text word = peek_word(statement, "=");
         const struct row *row = catalog_find(&command_catalog, word);
         const struct text after_word = text_behind(statement, word.len);
-        const bool sets = after_word.len > 0 && after_word.at[0] == '=';
+        const bool sets = after_word.len > 0 && after_word.data[0] == '=';
         if (row && !sets && !event_executes(command_at(row)))
             return refuse_in_event(command_at(row), word, error);
     }
@@ -91,24 +91,24 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
     size_t used;
     if (name.len > LIMIT_NAME)
         return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
-    memcpy(line.name, name.at, name.len);
+    memcpy(line.name, name.data, name.len);
     if (!text_is(peek_word(rule, ""), "when"))
         return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
     const struct text when = text_behind(rule, 4);
     if (!event_compile(when, &scope, arena, &event, &used, error))
         return names_explain(session, error);
     if (used > LIMIT_EVENT_TEXT)
-        return error_at(error, (struct text){when.at, used}, "more than %d bytes",
+        return error_at(error, (struct text){when.data, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);
     struct parser parser = {session, &scope, arena, text_behind(when, used)};
-    const char last = used > 0 ? when.at[used - 1] : ' ';
-    if (last >= '0' && last <= '9' && used < when.len && is_name_start(when.at[used]))
-        return refuse_unit_word(&scope, unit_word(parser.rest), (struct text){when.at, used},
+    const char last = used > 0 ? when.data[used - 1] : ' ';
+    if (last >= '0' && last <= '9' && used < when.len && is_name_start(when.data[used]))
+        return refuse_unit_word(&scope, unit_word(parser.rest), (struct text){when.data, used},
                                 QUANTITY_OTHER, error);
     if (!read_action(&parser, &line, &commands, error))
         return false;
-    const struct events *events =
-        events_with(session, &line, text_trim((struct text){when.at, used}), commands.text, error);
+    const struct events *events = events_with(
+        session, &line, text_trim((struct text){when.data, used}), commands.text, error);
     if (events)
         session->setup.events = events;
     return events != NULL;
@@ -130,7 +130,7 @@ HANDLER(event)
     } else if (text_is(rest, "off")) {
         if (!events_without(session, name->item->text, &session->setup.events, error))
             return false;
-        reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.at);
+        reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.data);
     } else {
         if (!event_add(session, args->arena, name->item->text, rest, error))
             return false;

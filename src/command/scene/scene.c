@@ -105,17 +105,17 @@ static bool new_scene(struct session *session, const struct argument_value *name
     if (peek_name(as).len < as.len)
         return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
     if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
-        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.at);
+        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.data);
     const struct model *model = typed_new(session->definitions.models, as, error);
     if (!model)
         return false;
     struct setup *setup = &session->setup;
-    const struct scene before = setup->scene;
+    const struct scene previous = setup->scene;
     scene_init(&setup->scene, typed_preset(model));
     settings_of_scene(&setup->settings, setup->scene.preset);
     if (keep_own_scene(session, error))
         return true;
-    setup->scene = before;
+    setup->scene = previous;
     return false;
 }
 
@@ -124,7 +124,7 @@ HANDLER(scene)
     const struct argument_value *name = argument_value(args, "NAME|new"),
                                 *as = argument_value(args, "NAME");
     if (name->count) {
-        const struct model *before = session->setup.scene.model;
+        const struct model *previous = session->setup.scene.model;
         const struct preset *preset = preset_from(name->item->row);
         if (preset && as->count)
             return error_at(error, as->where,
@@ -136,7 +136,7 @@ HANDLER(scene)
             return false;
         settings_of_scene(&session->setup.settings, session->setup.scene.preset);
         /* they may speak of what is not there */
-        if (session->setup.scene.model != before)
+        if (session->setup.scene.model != previous)
             session->setup.events = NULL;
         session->view.starts = 0;
         session_changed(session);
@@ -152,11 +152,11 @@ HANDLER(scene)
 struct parser value_parser(struct session *session, const struct arguments *args)
 {
     struct text value = argument_value(args, "VALUE")->item->text;
-    if (value.len > 0 && value.at[0] == '\'') /* part of a velocity's name */
-        value = (struct text){value.at + 1, value.len - 1};
+    if (value.len > 0 && value.data[0] == '\'') /* part of a velocity's name */
+        value = (struct text){value.data + 1, value.len - 1};
     text_skip_blanks(&value);
-    if (value.len > 0 && value.at[0] == '=')
-        value = (struct text){value.at + 1, value.len - 1};
+    if (value.len > 0 && value.data[0] == '=')
+        value = (struct text){value.data + 1, value.len - 1};
     return (struct parser){session, args->scope, args->arena, value};
 }
 
@@ -180,33 +180,33 @@ static int state_named(const struct session *session, struct text name, struct t
     const struct run *run = session_run(session);
     if (!run || (!session->execution.reacting && !session->live.changing))
         return -1;
-    name.len += value.len > 0 && value.at == name.at + name.len && value.at[0] == '\'';
+    name.len += value.len > 0 && value.data == name.data + name.len && value.data[0] == '\'';
     return model_state(run->system.model, name);
 }
 
 /* The scene as it was, where the run that goes on cannot follow. */
-static bool bind_param(struct session *session, int param, const struct scene *before,
-                       double *since, struct error *error)
+static bool bind_param(struct session *session, int param, const struct scene *previous,
+                       double *start_time, struct error *error)
 {
-    if (live_bind(session, param, since, error))
+    if (live_bind(session, param, start_time, error))
         return true;
-    session->setup.scene = *before;
+    session->setup.scene = *previous;
     return false;
 }
 
 static bool set_param(struct session *session, int param, const struct item *item,
                       struct reply *reply, struct error *error)
 {
-    const struct scene before = session->setup.scene;
-    double since;
+    const struct scene previous = session->setup.scene;
+    double start_time;
     if (!scene_set(&session->setup.scene, param, item->value, error) ||
-        !bind_param(session, param, &before, &since, error)) {
+        !bind_param(session, param, &previous, &start_time, error)) {
         error->where = item->text;
         return false;
     }
     struct buffer text = {0};
     put_param(session, param, &text);
-    buffer_since(&text, since);
+    buffer_since(&text, start_time);
     reply_set(session, &text, reply);
     return true;
 }
@@ -217,14 +217,14 @@ static bool set_state(struct session *session, int variable, struct parser *pars
 {
     struct run *run = session_run(session);
     const struct variable moving = system_variable(&run->system, variable);
-    const struct parser before = *parser;
+    const struct parser previous = *parser;
     struct item item = {0};
     struct buffer text = {0};
     double slope[LIMIT_VARIABLES + 1];
     if (!read_value(parser, moving.name, moving.quantity, &item, error))
         return false;
     const bool answers =
-        run->plan.adaptive && find_slopes(&before, run, moving.name, moving.quantity, slope);
+        run->plan.adaptive && find_slopes(&previous, run, moving.name, moving.quantity, slope);
     if (!live_kick(session, variable, item.value.value, error)) {
         error->where = item.text;
         return false;
@@ -255,10 +255,10 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     if (!isfinite(value))
         return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
     const int target = scene_param(scene, derived->target);
-    const struct scene before = *scene;
-    double since;
+    const struct scene previous = *scene;
+    double start_time;
     if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error) ||
-        !bind_param(session, target, &before, &since, error)) {
+        !bind_param(session, target, &previous, &start_time, error)) {
         error->where = item->text;
         return false;
     }
@@ -267,7 +267,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
                   SHOWN_MEASURED(item->value, derived->quantity, session->setup.settings.digits));
     put_param(session, target, &text);
     buffer_char(&text, ')');
-    buffer_since(&text, since);
+    buffer_since(&text, start_time);
     reply_set(session, &text, reply);
     return true;
 }
@@ -307,7 +307,7 @@ static bool set_let(struct session *session, struct text name, const struct item
     *let = (struct named_value){.value = item->value.value,
                                 .uncertainty = item->value.uncertainty,
                                 .quantity = item->quantity};
-    memcpy(let->name, name.at, name.len);
+    memcpy(let->name, name.data, name.len);
     session_changed(session);
     struct buffer *text = reply_buffer(reply);
     buffer_format(text, "%s = %s", let->name,
@@ -379,13 +379,13 @@ HANDLER(unset)
     struct buffer text = {0};
     if (row) {
         const int param = catalog_index(params, row);
-        const struct scene before = session->setup.scene;
-        double since;
+        const struct scene previous = session->setup.scene;
+        double start_time;
         scene_unset(&session->setup.scene, param);
-        if (!bind_param(session, param, &before, &since, error))
+        if (!bind_param(session, param, &previous, &start_time, error))
             return false;
         put_param(session, param, &text);
-        buffer_since(&text, since);
+        buffer_since(&text, start_time);
     } else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = setting_from(row);
         struct settings defaults;
@@ -418,10 +418,10 @@ HANDLER(let)
     const struct text name = argument_value(args, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
-        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
+        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.data,
                  strchr("aeiou", kind[0]) ? "an" : "a", kind);
         return error_hint(error, "choose another name for the variable, as %.*s_1", (int)name.len,
-                          name.at);
+                          name.data);
     }
     struct parser parser = value_parser(session, args);
     struct item item = {0};

@@ -27,7 +27,7 @@ static void put_shown(struct reply *reply, const char *key, const void *row)
         reply_real(reply, key, shown->value);
 }
 
-#define AT(member) .at = offsetof(struct shown, member)
+#define AT(member) .offset = offsetof(struct shown, member)
 
 static const struct result_column of_shown[] = {
     {.name = "name", .kind = COLUMN_NAME, AT(name)},
@@ -38,8 +38,8 @@ static const struct result_column of_shown[] = {
 static const struct result_columns shown_columns = RESULT_COLUMNS(of_shown, struct shown);
 
 /* Replies "NAME = VALUE", then what it is in its column. */
-static void show(struct reply *reply, const struct shown *shown, const char *value,
-                 const char *brief, const char *more)
+static void shown_value_put(struct reply *reply, const struct shown *shown, const char *value,
+                            const char *brief, const char *more)
 {
     const int pad = 31 - text_width(text_of(shown->name)) - text_width(text_of(value)) - 3;
     reply_line(reply, "%s = %s%*s%s%s", shown->name, value, *brief && pad > 1 ? pad : *brief != 0,
@@ -54,11 +54,11 @@ static void show_value(const struct session *session, const struct named_value *
     const struct shown shown = {value->name, NULL, value->value, value->uncertainty,
                                 value->quantity == QUANTITY_OTHER ? NULL
                                                                   : quantity_unit(value->quantity)};
-    show(reply, &shown,
-         isfinite(value->value)
-             ? SHOWN_MEASURED(measured, value->quantity, session->setup.settings.digits)
-             : "undefined",
-         brief, "");
+    shown_value_put(reply, &shown,
+                    isfinite(value->value)
+                        ? SHOWN_MEASURED(measured, value->quantity, session->setup.settings.digits)
+                        : "undefined",
+                    brief, "");
 }
 
 static void show_name(const struct session *session, const struct row *row, struct reply *reply)
@@ -78,8 +78,8 @@ static void show_setting(const struct session *session, const struct setting *se
     setting_show(setting, &session->setup.settings, &value);
     const bool natural = setting->natural && !setting_is_chosen(setting, &session->setup.settings);
     const struct shown shown = {setting->row.name, buffer_view(&value), NAN, NAN, NULL};
-    show(reply, &shown, shown.text, setting->row.brief,
-         natural ? "; the scene's own, until it is set" : "");
+    shown_value_put(reply, &shown, shown.text, setting->row.brief,
+                    natural ? "; the scene's own, until it is set" : "");
     buffer_free(&value);
 }
 
@@ -162,7 +162,7 @@ static void show_state(const struct session *session, const struct model *model,
         /* y and v are observables, too */
         if (model == &oscillator_model || !names_value(session, name, &value))
             continue;
-        memcpy(value.name, name.at, name.len + 1);
+        memcpy(value.name, name.data, name.len + 1);
         show_value(session, &value, "state variable", reply);
     }
     for (int i = 0; i < model_observed(model); i++) {
@@ -242,7 +242,7 @@ HANDLER(show)
         const bool is_state = run && run->system.model != &oscillator_model &&
                               (model_variable(run->system.model, name) >= 0 ||
                                model_observation(run->system.model, name) >= 0);
-        memcpy(value.name, name.at, name.len < LIMIT_NAME ? name.len : LIMIT_NAME);
+        memcpy(value.name, name.data, name.len < LIMIT_NAME ? name.len : LIMIT_NAME);
         if (row && !is_state)
             show_name(session, row, reply);
         else
@@ -251,20 +251,20 @@ HANDLER(show)
     }
     if (model_variable(scene->model, name) >= 0 || model_observation(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run of this scene yet",
-                 (int)name.len, name.at);
+                 (int)name.len, name.data);
         return error_hint(error, "type: run  ('show scene' lists where it starts)");
     }
-    error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
+    error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.data);
     error->unknown = "name";
     if (hint_other_model(session, name, error))
         return false;
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     const struct catalog *const catalogs[] = {&show_catalog, scene_params(scene),
                                               scene_derived(scene), &setting_catalog};
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
-            suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
-    suggestion_hint(&near, error);
+            suggestion_offer(&suggestion, catalog_row(catalogs[c], i)->name);
+    suggestion_hint(&suggestion, error);
     return error_hint(error, "('show all' lists the names)");
 }
 #endif

@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-bool find_slopes(const struct parser *before, struct run *run, const char *what,
+bool find_slopes(const struct parser *initial, struct run *run, const char *what,
                  enum quantity quantity, double *slope)
 {
     static const double difference = 6e-6; /* a compromise of rounding and curvature */
@@ -16,17 +16,17 @@ bool find_slopes(const struct parser *before, struct run *run, const char *what,
         const double was = *moving,
                      natural =
                          i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
-                     by = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
+                     increment = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
         for (int side = 0; side < 2 && ok; side++) {
-            struct parser parser = *before;
+            struct parser parser = *initial;
             struct item item = {0};
             struct error ignored;
-            *moving = side ? was + by : was - by;
+            *moving = side ? was + increment : was - increment;
             ok = read_value(&parser, what, quantity, &item, &ignored);
             value[side] = item.value.value;
         }
         *moving = was;
-        slope[i] = (value[1] - value[0]) / (2 * by);
+        slope[i] = (value[1] - value[0]) / (2 * increment);
     }
     run->t = t;
     return ok;

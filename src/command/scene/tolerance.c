@@ -23,7 +23,7 @@ static bool no_variable(const struct model *model, struct text name, struct erro
     for (int i = 0; i < model->n; i++)
         buffer_format(&names, "%s%s", i > 0 ? ", " : "", model->variable[i].name);
     error_at(error, name, "'%.*s' is no variable of this scene",
-             (int)(name.len < 64 ? name.len : 64), name.at);
+             (int)(name.len < 64 ? name.len : 64), name.data);
     if (model->n == 0)
         error_hint(error, "'var NAME = VALUE' makes one");
     else
@@ -74,9 +74,9 @@ HANDLER(atol)
     }
     if (!value->count)
         return error_at(error, wanted, "atol %.*s needs a value, or off",
-                        (int)(wanted.len < 64 ? wanted.len : 64), wanted.at);
+                        (int)(wanted.len < 64 ? wanted.len : 64), wanted.data);
     const struct text rest = value->item->text;
-    wanted.len += rest.len > 0 && rest.at == wanted.at + wanted.len && rest.at[0] == '\'';
+    wanted.len += rest.len > 0 && rest.data == wanted.data + wanted.len && rest.data[0] == '\'';
     const int i = model_variable(scene->model, wanted);
     struct parser parser = value_parser(session, args);
     return i < 0 ? no_variable(scene->model, wanted, error)

@@ -19,23 +19,23 @@ static bool other_kind(const struct session *session, struct text name, struct t
     const int shown = (int)(name.len < 80 ? name.len : 80), said = (int)value.len;
     const char *start = start_of(session, name);
     if (catalog_find(&command_catalog, name)) {
-        error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.at);
-        error_hint(error, "type it without '=': '%.*s %.*s'", shown, name.at, said, value.at);
+        error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.data);
+        error_hint(error, "type it without '=': '%.*s %.*s'", shown, name.data, said, value.data);
     } else if (model_variable(scene->model, name) >= 0) {
-        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
+        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.data);
         if (start)
-            error_hint(error, "'%s = %.*s' is its start", start, said, value.at);
-        error_hint(error, "'change %.*s VALUE' makes the current run jump", shown, name.at);
+            error_hint(error, "'%s = %.*s' is its start", start, said, value.data);
+        error_hint(error, "'change %.*s VALUE' makes the current run jump", shown, name.data);
     } else if (start) {
         error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown,
-                 name.at);
+                 name.data);
         error_hint(error, "what moves here is %s: '%s = %.*s' is its start",
-                   scene->model->variable[0].name, start, said, value.at);
+                   scene->model->variable[0].name, start, said, value.data);
         hint_other_model(session, name, error);
     } else if (catalog_find(&observable_catalog, name)) {
-        error_at(error, name, "'%.*s' follows from a run: it is no parameter", shown, name.at);
-        error_hint(error, "'let %.*s_1 = %.*s' makes a variable of another name", shown, name.at,
-                   said, value.at);
+        error_at(error, name, "'%.*s' follows from a run: it is no parameter", shown, name.data);
+        error_hint(error, "'let %.*s_1 = %.*s' makes a variable of another name", shown, name.data,
+                   said, value.data);
     }
     return error->code != ERROR_NONE;
 }
@@ -47,9 +47,9 @@ bool unknown_parameter(const struct session *session, struct text name, struct t
     const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
                                               &setting_catalog};
     const int shown = (int)(name.len < 80 ? name.len : 80);
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     char what[64];
-    snprintf(what, sizeof what, "set %.*s", shown, name.at);
+    snprintf(what, sizeof what, "set %.*s", shown, name.data);
     if (!module_is_in(what, name, error))
         return false;
     value = text_trim(value);
@@ -57,28 +57,28 @@ bool unknown_parameter(const struct session *session, struct text name, struct t
         return false;
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
-            suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
+            suggestion_offer(&suggestion, catalog_row(catalogs[c], i)->name);
     for (int i = 0; i < session->setup.lets; i++)
-        suggestion_offer(&near, session->setup.let[i].name);
+        suggestion_offer(&suggestion, session->setup.let[i].name);
     const bool elsewhere = model_with(name) != NULL;
     if (scene->model != &oscillator_model) { /* it has few */
         struct buffer text = {0};
         put_params(scene, &text);
         error_at(error, name, "%s has no parameter '%.*s'; it has%s", scene->preset->row.name,
-                 shown, name.at, buffer_view(&text));
+                 shown, name.data, buffer_view(&text));
         buffer_free(&text);
     } else if (elsewhere) {
         error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown,
-                 name.at);
+                 name.data);
     } else {
-        error_at(error, name, "unknown parameter '%.*s'", shown, name.at);
+        error_at(error, name, "unknown parameter '%.*s'", shown, name.data);
         error->unknown = "parameter";
     }
     if (hint_other_model(session, name, error))
         return false;
-    suggestion_hint(&near, error);
-    error_hint(error, near.count ? "('show all' lists the parameters)"
-                                 : "'show all' lists the parameters");
-    return value.len > 0 && error_hint(error, "'let %.*s = %.*s' makes a variable", shown, name.at,
-                                       (int)value.len, value.at);
+    suggestion_hint(&suggestion, error);
+    error_hint(error, suggestion.count ? "('show all' lists the parameters)"
+                                       : "'show all' lists the parameters");
+    return value.len > 0 && error_hint(error, "'let %.*s = %.*s' makes a variable", shown,
+                                       name.data, (int)value.len, value.data);
 }

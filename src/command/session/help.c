@@ -24,7 +24,7 @@ static void put_indented(struct buffer *text, const char *lines)
     struct text rest = text_of(lines), line;
     while (text_split(&rest, '\n', &line))
         if (line.len > 0)
-            buffer_format(text, "  %.*s\n", (int)line.len, line.at);
+            buffer_format(text, "  %.*s\n", (int)line.len, line.data);
 }
 
 /* The rows that an argument can be, where usage has no room for them. */
@@ -61,7 +61,7 @@ static void help_command(const struct row *row, struct buffer *text)
     struct text see = text_of(command->see), word;
     while (text_split(&see, ' ', &word))
         if (catalog_find(&command_catalog, word)) /* not of a module that was left out */
-            buffer_format(text, " %.*s", (int)word.len, word.at);
+            buffer_format(text, " %.*s", (int)word.len, word.data);
 }
 
 /* ", a parameter of pendulum"; of the oscillator that goes without saying. */
@@ -293,7 +293,7 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
 static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
 {
     const int width = session->front.width ? session->front.width : HELP_WIDTH;
-    struct buffer out = {0};
+    struct buffer output = {0};
     struct text line;
     int indent;
     if (session->front.watched) {
@@ -302,14 +302,14 @@ static void reply_wrapped(const struct session *session, struct text text, struc
     }
     while (text_split(&text, '\n', &line)) {
         const int columns = text_starts(line, TEXT("  ")) ? INT_MAX : width;
-        size_t from = 0;
+        size_t begin = 0;
         do {
-            const struct text row = log_row(line, &from, columns, &indent);
-            buffer_format(&out, "%*s%.*s\n", indent, "", (int)row.len, row.at);
-        } while (from < line.len);
+            const struct text row = log_row(line, &begin, columns, &indent);
+            buffer_format(&output, "%*s%.*s\n", indent, "", (int)row.len, row.data);
+        } while (begin < line.len);
     }
-    reply_text(reply, buffer_text(&out));
-    buffer_free(&out);
+    reply_text(reply, buffer_text(&output));
+    buffer_free(&output);
 }
 
 /* ---- what the models have ---- */
@@ -348,8 +348,8 @@ static void help_model(const struct model *model, struct text name, bool *known,
 }
 
 /* The present scene's first. */
-static void help_models(const struct model *present, struct text name, struct suggestion *near,
-                        struct buffer *text)
+static void help_models(const struct model *present, struct text name,
+                        struct suggestion *suggestion, struct buffer *text)
 {
     bool known = false;
     help_model(present, name, &known, text);
@@ -357,22 +357,22 @@ static void help_models(const struct model *present, struct text name, struct su
         if (*model != present)
             help_model(*model, name, &known, text);
         for (size_t i = 0; i < (*model)->params->count; i++)
-            suggestion_offer(near, catalog_row((*model)->params, i)->name);
+            suggestion_offer(suggestion, catalog_row((*model)->params, i)->name);
         for (size_t i = 0; i < (*model)->derived->count; i++)
-            suggestion_offer(near, catalog_row((*model)->derived, i)->name);
+            suggestion_offer(suggestion, catalog_row((*model)->derived, i)->name);
     }
 }
 
 HANDLER(help)
 {
     const struct argument_value *word = argument_value(args, "WORD");
-    const struct command *of = NULL;
-    struct suggestion near = {.wanted =
-                                  word->count ? help_topic_of(word->item->text, &of) : TEXT("")};
+    const struct command *topic_command = NULL;
+    struct suggestion suggestion = {
+        .wanted = word->count ? help_topic_of(word->item->text, &topic_command) : TEXT("")};
     struct buffer text = {0};
-    const struct row *guide = word->count ? catalog_find(&guide_catalog, near.wanted) : NULL;
+    const struct row *guide = word->count ? catalog_find(&guide_catalog, suggestion.wanted) : NULL;
     session->view.recipe = guide ? guide->name : NULL;
-    if (word->count == 0 || text_is(near.wanted, "commands")) {
+    if (word->count == 0 || text_is(suggestion.wanted, "commands")) {
         (word->count ? help_commands : help_all)(&text);
         reply_wrapped(session, buffer_text(&text), reply);
         buffer_free(&text);
@@ -382,20 +382,20 @@ HANDLER(help)
     const bool begins = guide && guide == catalog_row(&guide_catalog, 0);
     if (begins)
         help_guide(guide, &text);
-    if (of)
-        help_given(of, &near.wanted, &text);
+    if (topic_command)
+        help_given(topic_command, &suggestion.wanted, &text);
     struct topic topic;
-    for (size_t i = 0; near.wanted.len > 0 && (topic = topic_at(i)).catalog; i++) {
-        const struct row *row = catalog_find(topic.catalog, near.wanted);
+    for (size_t i = 0; suggestion.wanted.len > 0 && (topic = topic_at(i)).catalog; i++) {
+        const struct row *row = catalog_find(topic.catalog, suggestion.wanted);
         if (row && !(begins && row == guide))
             help_topic(&topic, row, &text);
         for (size_t j = 0; j < topic.catalog->count; j++)
-            suggestion_offer(&near, catalog_row(topic.catalog, j)->name);
+            suggestion_offer(&suggestion, catalog_row(topic.catalog, j)->name);
         if (i == 0) /* commands, then parameters */
-            help_models(session->setup.scene.model, near.wanted, &near, &text);
+            help_models(session->setup.scene.model, suggestion.wanted, &suggestion, &text);
     }
-    if (text.len == 0 && of && !near.count)
-        help_topic(&topics[0], &of->row, &text); /* a value: what takes it */
+    if (text.len == 0 && topic_command && !suggestion.count)
+        help_topic(&topics[0], &topic_command->row, &text); /* a value: what takes it */
     const bool found = text.len > 0;
     if (found)
         reply_wrapped(session, buffer_text(&text), reply);
@@ -403,19 +403,22 @@ HANDLER(help)
     if (found)
         return true;
     for (size_t i = 0; topic_at(i).catalog; i++)
-        if (catalog_absent(topic_at(i).catalog, near.wanted, error))
+        if (catalog_absent(topic_at(i).catalog, suggestion.wanted, error))
             return false;
     char name[LIMIT_NAME + 1];
     snprintf(name, sizeof name, "%.*s",
-             (int)(near.wanted.len < LIMIT_NAME ? near.wanted.len : LIMIT_NAME), near.wanted.at);
-    if (!module_is_in(name, near.wanted, error))
+             (int)(suggestion.wanted.len < LIMIT_NAME ? suggestion.wanted.len : LIMIT_NAME),
+             suggestion.wanted.data);
+    if (!module_is_in(name, suggestion.wanted, error))
         return false;
-    error_at(error, near.wanted, "there is no help on '%.*s'",
-             (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
+    error_at(error, suggestion.wanted, "there is no help on '%.*s'",
+             (int)(suggestion.wanted.len < 64 ? suggestion.wanted.len : 64),
+             suggestion.wanted.data);
     error->unknown = "";
-    suggestion_hint(&near, error);
-    if (catalog_find(&list_catalog, near.wanted))
-        error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
+    suggestion_hint(&suggestion, error);
+    if (catalog_find(&list_catalog, suggestion.wanted))
+        error_hint(error, "'list %.*s' shows them", (int)suggestion.wanted.len,
+                   suggestion.wanted.data);
     return error_hint(error, "('apropos WORD' searches, 'help' lists the commands)");
 }
 
@@ -436,7 +439,7 @@ static bool speaks_of(const struct catalog *catalog, const struct row *row, stru
         while (i < COUNT_OF(said) && !text_mentions(said[i], word))
             i++;
         all = i < COUNT_OF(said);
-        words = (struct text){words.at + word.len, words.len - word.len};
+        words = (struct text){words.data + word.len, words.len - word.len};
         text_skip_blanks(&words);
     }
     return all;
@@ -465,7 +468,7 @@ HANDLER(apropos)
     for (const struct model *const *model = scene_models; *model; model++)
         found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
     return found > 0 || error_at(error, word, "nothing is known about '%.*s'",
-                                 (int)(word.len < 64 ? word.len : 64), word.at);
+                                 (int)(word.len < 64 ? word.len : 64), word.data);
 }
 #endif
 

@@ -10,15 +10,15 @@
  * none. */
 static const struct argument *find_argument(const struct command *command, struct text word)
 {
-    const char *equals = memchr(word.at, '=', word.len);
-    const struct text key = {word.at, equals ? (size_t)(equals - word.at) : word.len};
+    const char *equals = memchr(word.data, '=', word.len);
+    const struct text key = {word.data, equals ? (size_t)(equals - word.data) : word.len};
     for (int i = 0; i < command->arguments; i++) {
         const struct argument *argument = &command->argument[i];
         const bool named =
             argument->form == FORM_KEY ? text_is(key, argument->name)
             : argument->form == FORM_OPTION
                 ? text_starts(word, TEXT("--")) &&
-                      text_is((struct text){word.at + 2, word.len - 2}, argument->name)
+                      text_is((struct text){word.data + 2, word.len - 2}, argument->name)
                 : argument->form == FORM_WORD && text_is(word, argument->name);
         if (named && !(argument->form == FORM_KEY && type_is(argument, TYPE_IS_ANY_KEY)))
             return argument;
@@ -36,38 +36,38 @@ static void put_name(const struct argument *argument, struct buffer *text)
 static bool stands_in(struct text sentence, struct text name)
 {
     for (size_t i = 0; i + name.len <= sentence.len; i++) {
-        const size_t after = i + name.len;
-        if (memcmp(sentence.at + i, name.at, name.len) == 0 &&
-            (i == 0 || strchr(" '(\n", sentence.at[i - 1])) &&
-            (name.at[name.len - 1] == '=' || after == sentence.len ||
-             strchr(" ').,;:\n", sentence.at[after])))
+        const size_t end = i + name.len;
+        if (memcmp(sentence.data + i, name.data, name.len) == 0 &&
+            (i == 0 || strchr(" '(\n", sentence.data[i - 1])) &&
+            (name.data[name.len - 1] == '=' || end == sentence.len ||
+             strchr(" ').,;:\n", sentence.data[end])))
             return true;
     }
     return false;
 }
 
 /* Appends the sentences of the text that contain the name; returns false if there are none. */
-static bool put_sentences(struct text text, struct text name, struct buffer *out)
+static bool put_sentences(struct text text, struct text name, struct buffer *output)
 {
-    const char *between = "\n";
+    const char *separator = "\n";
     while (text.len > 0) {
         size_t len = 2;
-        while (len < text.len &&
-               !(text.at[len - 1] == '.' && text.at[len - 2] != '.' && strchr(" \n", text.at[len])))
+        while (len < text.len && !(text.data[len - 1] == '.' && text.data[len - 2] != '.' &&
+                                   strchr(" \n", text.data[len])))
             len++;
         len = len < text.len ? len : text.len;
-        struct text sentence = {text.at, len};
-        text = (struct text){text.at + len, text.len - len};
-        while (sentence.len > 0 && strchr(" \n", sentence.at[0]))
-            sentence = (struct text){sentence.at + 1, sentence.len - 1};
+        struct text sentence = {text.data, len};
+        text = (struct text){text.data + len, text.len - len};
+        while (sentence.len > 0 && strchr(" \n", sentence.data[0]))
+            sentence = (struct text){sentence.data + 1, sentence.len - 1};
         if (!stands_in(sentence, name))
             continue;
-        buffer_put(out, text_of(between));
+        buffer_put(output, text_of(separator));
         for (size_t i = 0; i < sentence.len; i++)
-            buffer_char(out, sentence.at[i] == '\n' ? ' ' : sentence.at[i]);
-        between = " ";
+            buffer_char(output, sentence.data[i] == '\n' ? ' ' : sentence.data[i]);
+        separator = " ";
     }
-    return *between == ' ';
+    return *separator == ' ';
 }
 
 static void put_argument(const struct command *command, const struct argument *argument,
@@ -94,7 +94,7 @@ static void put_argument(const struct command *command, const struct argument *a
     struct text rest = text_of(command->examples), line;
     for (const char *head = "\nexamples:"; text_split(&rest, '\n', &line);)
         if (name.len > 0 && stands_in(line, buffer_text(&name))) {
-            buffer_format(text, "%s\n  %.*s", head, (int)line.len, line.at);
+            buffer_format(text, "%s\n  %.*s", head, (int)line.len, line.data);
             head = "";
         }
     buffer_format(text, "\nsee also: %s", command->row.name);
@@ -106,7 +106,8 @@ struct text help_topic_of(struct text words, const struct command **command)
 {
     words = text_trim(words);
     const struct text first = peek_word(words, "");
-    const struct text rest = text_trim((struct text){words.at + first.len, words.len - first.len});
+    const struct text rest =
+        text_trim((struct text){words.data + first.len, words.len - first.len});
     *command = rest.len > 0 && peek_word(rest, "").len == rest.len
                    ? command_at(catalog_find(&command_catalog, first))
                    : NULL;
@@ -116,9 +117,9 @@ struct text help_topic_of(struct text words, const struct command **command)
 void help_given(const struct command *command, struct text *word, struct buffer *text)
 {
     const struct argument *argument = find_argument(command, *word);
-    const char *equals = memchr(word->at, '=', word->len);
+    const char *equals = memchr(word->data, '=', word->len);
     if (equals)
-        word->len = (size_t)(equals - word->at);
+        word->len = (size_t)(equals - word->data);
     if (!argument)
         return;
     put_argument(command, argument, text);
@@ -128,44 +129,46 @@ void help_given(const struct command *command, struct text *word, struct buffer 
 
 /* ---- F1 ---- */
 
-static size_t word_around(struct text line, size_t *from, const char *ends)
+static size_t word_around(struct text line, size_t *begin, const char *ends)
 {
-    size_t to = *from;
-    while (*from > 0 && !strchr(ends, line.at[*from - 1]))
-        --*from;
-    while (to < line.len && !strchr(ends, line.at[to]))
-        to++;
-    return to - *from;
+    size_t end = *begin;
+    while (*begin > 0 && !strchr(ends, line.data[*begin - 1]))
+        --*begin;
+    while (end < line.len && !strchr(ends, line.data[end]))
+        end++;
+    return end - *begin;
 }
 
 #define WORD_ENDS " \t\n;"
 
 void help_line(struct text line, size_t cursor, struct buffer *text)
 {
-    size_t from = cursor < line.len ? cursor : line.len;
+    size_t word_begin = cursor < line.len ? cursor : line.len;
     /* If the cursor is after a word and blanks, explain that word. */
-    while (from > 0 && strchr(" \t", line.at[from - 1]) &&
-           (from == line.len || strchr(WORD_ENDS, line.at[from])))
-        from--;
-    size_t at = from, begin = from, word_len = word_around(line, &from, WORD_ENDS);
-    while (begin > 0 && !strchr("\n;", line.at[begin - 1]))
+    while (word_begin > 0 && strchr(" \t", line.data[word_begin - 1]) &&
+           (word_begin == line.len || strchr(WORD_ENDS, line.data[word_begin])))
+        word_begin--;
+    size_t token_begin = word_begin, begin = word_begin,
+           word_len = word_around(line, &word_begin, WORD_ENDS);
+    while (begin > 0 && !strchr("\n;", line.data[begin - 1]))
         begin--;
-    struct text statement = {line.at + begin, line.len - begin}, word = {line.at + from, word_len};
+    struct text statement = {line.data + begin, line.len - begin},
+                word = {line.data + word_begin, word_len};
     text_skip_blanks(&statement);
     const struct text first = peek_name(statement);
     const bool command = catalog_find(&command_catalog, first) != NULL;
-    const char *equals = memchr(word.at, '=', word.len);
-    const bool key = command && word.at > first.at && equals && equals > word.at;
+    const char *equals = memchr(word.data, '=', word.len);
+    const bool key = command && word.data > first.data && equals && equals > word.data;
     if (key) {
-        word.len = (size_t)(equals + 1 - word.at);
+        word.len = (size_t)(equals + 1 - word.data);
     } else if (!text_starts(word, TEXT("--"))) {
-        word.len = word_around(line, &at, WORD_ENDS ",=()*/+^<>:'\"");
-        word.at = line.at + at;
+        word.len = word_around(line, &token_begin, WORD_ENDS ",=()*/+^<>:'\"");
+        word.data = line.data + token_begin;
     }
-    const bool letter = word.len > 0 && (word.at[0] == '-' || peek_name(word).len > 0);
+    const bool letter = word.len > 0 && (word.data[0] == '-' || peek_name(word).len > 0);
     buffer_put(text, TEXT("help"));
-    if ((command && first.at != word.at) || !letter)
-        buffer_format(text, "%s%.*s", first.len ? " " : "", (int)first.len, first.at);
+    if ((command && first.data != word.data) || !letter)
+        buffer_format(text, "%s%.*s", first.len ? " " : "", (int)first.len, first.data);
     if (letter)
-        buffer_format(text, " %.*s", (int)word.len, word.at);
+        buffer_format(text, " %.*s", (int)word.len, word.data);
 }

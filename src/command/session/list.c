@@ -69,7 +69,7 @@ static void list_measurements(const struct session *session, struct reply *reply
         buffer_measured(&text, m->value, m->unit, session->setup.settings.digits);
         if (isfinite(m->periods))
             buffer_format(&text, " (%g periods)", m->periods);
-        buffer_format(&text, "  of %s", m->of);
+        buffer_format(&text, "  of %s", m->source);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
         reply_records(reply, "measure", &measurement_columns, m, 1);

@@ -14,7 +14,7 @@ HANDLER(recipe)
     struct script script;
     script_begin(&script, session, row->name, args->where ? args->where : &prompt);
     while (rest.len > 0 && !script.stopped && text_split(&rest, '\n', &line)) {
-        reply_line(reply, "hooke> %.*s", (int)line.len, line.at);
+        reply_line(reply, "hooke> %.*s", (int)line.len, line.data);
         script_feed(&script, session, line, reply);
     }
     /* The script has already reported its error; the error stays without a code. */

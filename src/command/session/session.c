@@ -52,7 +52,7 @@ HANDLER(record)
 
 static bool contains(struct text rest, struct text wanted)
 {
-    for (; rest.len >= wanted.len; rest = (struct text){rest.at + 1, rest.len - 1}) {
+    for (; rest.len >= wanted.len; rest = (struct text){rest.data + 1, rest.len - 1}) {
         if (text_starts(rest, wanted))
             return true;
         if (rest.len == 0)
@@ -65,7 +65,7 @@ HANDLER(history)
 {
     const struct argument_value *what = argument_value(args, "WHAT");
     const struct text word = what->count ? what->item->text : TEXT("");
-    const bool search = word.len > 0 && word.at[0] == '/';
+    const bool search = word.len > 0 && word.data[0] == '/';
     double max = 50;
     if (word.len > 0 && !search && (real_parse(word, &max) != REAL_OK || max < 1)) {
         error_at(error, word, "history takes a number of lines, or /TEXT");
@@ -79,7 +79,7 @@ HANDLER(history)
         if (!history_is_typed(session, entry))
             continue;
         number++;
-        if (search ? !contains(line, (struct text){word.at + 1, word.len - 1})
+        if (search ? !contains(line, (struct text){word.data + 1, word.len - 1})
                    : number <= log->lines - max)
             continue;
         struct buffer text = {0};

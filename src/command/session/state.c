@@ -74,7 +74,7 @@ static bool is_setup_file(struct text path, struct error *error)
              picture ? "picture" : "table");
     return error_hint(
         error, picture ? "'plot position > %.*s' writes a picture" : "'export %.*s' writes the run",
-        (int)path.len, path.at);
+        (int)path.len, path.data);
 }
 
 HANDLER(save)
@@ -92,13 +92,13 @@ HANDLER(save)
     const bool ok = file_write(path, buffer_text(&text),
                                session_policy(session, has_argument(args, "force")), error);
     buffer_free(&text);
-    if (!ok && !error->where.at)
+    if (!ok && !error->where.data)
         error->where = file->text;
     struct buffer shown = {0};
     safe_text(&shown, file->text, false);
     if (ok)
         reply_line(reply,
-                   memchr(file->text.at, ' ', file->text.len)
+                   memchr(file->text.data, ' ', file->text.len)
                        ? "set-up saved in %s (source \"%s\" brings it back)"
                        : "set-up saved in %s ('source %s' brings it back)",
                    buffer_view(&shown), buffer_view(&shown));

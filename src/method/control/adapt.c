@@ -18,8 +18,8 @@
 #define PROBE_STEP_FRACTION 1e-4
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
-static double norm(const struct step *step, double tol, const double *x, const double *y,
-                   const double *z)
+static double scaled_norm(const struct step *step, double tol, const double *x, const double *y,
+                          const double *z)
 {
     const int n = step->system->n;
     return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
@@ -38,7 +38,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     double cautious = 1e-3 * fmin(natural, fabs(span));
     system_derivative(system, step->t, y, f0);
     step->cost.evals++;
-    double size = norm(step, tol, y, y, y), slope = norm(step, tol, f0, y, y);
+    double size = scaled_norm(step, tol, y, y, y), slope = scaled_norm(step, tol, f0, y, y);
     double h = size < 1e-5 || slope < 1e-5 ? cautious : 0.01 * (size / slope);
     h = copysign(fmin(h, fabs(span)), span);
 
@@ -48,7 +48,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     step->cost.evals++;
     for (int i = 0; i < n; i++)
         f1[i] -= f0[i];
-    double fastest = fmax(slope, norm(step, tol, f1, y, y) / fabs(h));
+    double fastest = fmax(slope, scaled_norm(step, tol, f1, y, y) / fabs(h));
     double best = fastest > 1e-15 ? fixed_pow(0.01 / fastest, 1.0 / (order + 1)) : cautious;
     best = fmin(100 * fabs(h), fmin(best, fabs(span)));
     return copysign(isfinite(best) && best > 0 ? best : cautious, span);
@@ -58,21 +58,21 @@ static double first_step(struct step *step, double tol, int order, double span)
 INLINE void take_back(int n, struct step *step, struct controller *controller, double t,
                       const double *y, const double *low)
 {
-    copy(n, y, step->y);
+    doubles_copy(n, y, step->y);
     if (step->low)
-        copy(n, low, step->low);
+        doubles_copy(n, low, step->low);
     step->t = t;
     step->warm = false;
     step->cost.rejected++;
     controller->rejected = true;
 }
 
-/* Returns the square of the error of a step from `before`, in units of the tolerance. No root has
+/* Returns the square of the error of a step from `previous`, in units of the tolerance. No root has
  * to be waited for. */
-INLINE double error_square(int n, const struct step *step, const double *before)
+INLINE double error_square(int n, const struct step *step, const double *previous)
 {
     return step->square >= 0 ? step->square
-                             : scaled_square(n, step_scale(step), step->error, before, step->y);
+                             : scaled_square(n, step_scale(step), step->error, previous, step->y);
 }
 
 /* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each
@@ -91,11 +91,11 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     struct switches_state state;
     if (switches)
         state = *switches;
-    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, own_error[LIMIT_VARIABLES],
-                                    *asked = step->error;
-    copy(n, step->y, before);
+    double previous[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, own_error[LIMIT_VARIABLES],
+                                      *asked = step->error;
+    doubles_copy(n, step->y, previous);
     if (step->low)
-        copy(n, step->low, low);
+        doubles_copy(n, step->low, low);
 
     for (int attempt = 0, failures = 0;; attempt++) {
         bool last = fabs(controller->h) * LAST_STEP_STRETCH >= fabs(span);
@@ -109,18 +109,18 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         enum step_status status = step_take(method, step);
         bool turned = false;
         int ended = -1;
-        double square = status == STEP_OK ? error_square(n, step, before) * accepted : NAN;
+        double square = status == STEP_OK ? error_square(n, step, previous) * accepted : NAN;
         step->square = -1;
         if (turns && status == STEP_OK)
-            status = turn_step(method, step, t, before, low, &turned);
+            status = turn_step(method, step, t, previous, low, &turned);
         /* Switches inside a step on frozen branches mean something only if the whole step is
          * accurate. */
         if (switches && square <= 1)
-            status = switch_step(method, step, t, before, low, &ended);
+            status = switch_step(method, step, t, previous, low, &ended);
         turned = turned || ended >= 0;
         last = last && !turned;
         if (turned)
-            square = status == STEP_OK ? error_square(n, step, before) * accepted : NAN;
+            square = status == STEP_OK ? error_square(n, step, previous) * accepted : NAN;
         const double aimed = square * aims;
         step->error = asked;
         step->tol = 0;
@@ -139,7 +139,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
             return STEP_OK;
         }
 
-        take_back(n, step, controller, t, before, low);
+        take_back(n, step, controller, t, previous, low);
         if (!isfinite(square) && status == STEP_OK)
             status = STEP_NONFINITE;
         failures += !isfinite(aimed);
@@ -168,14 +168,14 @@ static enum step_status adapt_library(const struct method *method, struct step *
                                       struct controller *controller, double t_end)
 {
     const double t = step->t;
-    double before[LIMIT_VARIABLES];
+    double previous[LIMIT_VARIABLES];
     int ended = -1;
-    memcpy(before, step->y, (size_t)step->system->n * sizeof *before);
+    memcpy(previous, step->y, (size_t)step->system->n * sizeof *previous);
     enum step_status status = method->adapt(method, step, controller, t_end);
     if (status == STEP_OK)
-        status = switch_step(method, step, t, before, NULL, &ended);
+        status = switch_step(method, step, t, previous, NULL, &ended);
     if (status != STEP_OK) {
-        memcpy(step->y, before, (size_t)step->system->n * sizeof *before);
+        memcpy(step->y, previous, (size_t)step->system->n * sizeof *previous);
         step->t = t;
         step->warm = false;
         return status;
@@ -195,8 +195,9 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     step_function *kernel = step->kernel;
     struct system frozen;
     struct sliding sliding = {0};
-    const double by = PROBE_STEP_FRACTION * fmin(fabs(controller->h), fabs(t_end - step->t));
-    if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding,
+    const double probe_step =
+        PROBE_STEP_FRACTION * fmin(fabs(controller->h), fabs(t_end - step->t));
+    if (!switch_begin(step, &controller->switches, copysign(probe_step, t_end - step->t), &sliding,
                       &frozen)) {
         sliding_free(&sliding);
         return method->adapt ? method->adapt(method, step, controller, t_end)
@@ -223,7 +224,7 @@ INLINE enum step_status adapt_plain(int n, const struct method *method, struct s
 {
     follow(n, step->system, step->t, step->y, controller);
     step->scale = controller->scale;
-    face(controller, t_end - step->t);
+    controller_orient(controller, t_end - step->t);
     const enum step_status status = adapt_size(n, method, step, controller, t_end, NULL);
     step->scale = NULL;
     return status;
@@ -251,7 +252,7 @@ static enum step_status adapt_any(const struct method *method, struct step *step
     } else {
         if (controller->h == 0)
             controller->h = first_step(step, tolerance(controller), method->order, span);
-        face(controller, span);
+        controller_orient(controller, span);
         status = step->system->switches > 0
                      ? adapt_between_switches(method, step, controller, t_end)
                      : adapt(method, step, controller, t_end, NULL);

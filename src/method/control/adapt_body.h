@@ -68,10 +68,10 @@ INLINE double tolerance(const struct controller *controller)
 INLINE void follow(int n, const struct system *system, double t, const double *y,
                    struct controller *controller)
 {
-    const double by = controller->sampling ? fabs(t - controller->sampled) : 0;
+    const double elapsed = controller->sampling ? fabs(t - controller->sampled) : 0;
     controller->sampling = true;
     controller->sampled = t;
-    controller->elapsed += by;
+    controller->elapsed += elapsed;
     const double rate = 1 / controller->elapsed;
     for (int i = 0; i < n; i++) {
         const double min = system->scale[i], size = fabs(y[i]);
@@ -81,7 +81,7 @@ INLINE void follow(int n, const struct system *system, double t, const double *y
             continue;
         }
         if (size > min)
-            controller->excess[i] += by * (sqrt(sqrt(size / min)) - 1);
+            controller->excess[i] += elapsed * (sqrt(sqrt(size / min)) - 1);
         if (controller->excess[i] > 0)
             mean += controller->excess[i] * rate;
         mean *= mean;
@@ -106,7 +106,7 @@ static inline double min_step(double t)
 
 /* The planned step towards the end of the span; a branch, so that it does not wait for the clock.
  */
-INLINE void face(struct controller *controller, double span)
+INLINE void controller_orient(struct controller *controller, double span)
 {
     if (unlikely((controller->h < 0) != (span < 0)))
         controller->h = -controller->h;
@@ -167,8 +167,8 @@ INLINE void plan_next(const struct method *method, struct controller *controller
 /* t after the step, as the sum of all steps. */
 INLINE double advance_clock(struct controller *controller, double t, double h)
 {
-    const double by = h + controller->t_low, sum = t + by, part = sum - t;
-    controller->t_low = (t - (sum - part)) + (by - part);
+    const double increment = h + controller->t_low, sum = t + increment, part = sum - t;
+    controller->t_low = (t - (sum - part)) + (increment - part);
     return sum;
 }
 
@@ -178,10 +178,10 @@ INLINE double not_beyond(double t, double h, double t_end)
     return (h > 0 ? t > t_end : t < t_end) ? t_end : t;
 }
 
-INLINE void copy(int count, const double *from, double *to)
+INLINE void doubles_copy(int count, const double *source, double *target)
 {
     for (int i = 0; i < count; i++)
-        to[i] = from[i];
+        target[i] = source[i];
 }
 
 /*

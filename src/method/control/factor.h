@@ -34,13 +34,13 @@ static inline double factor_log2(double x)
  */
 static inline double factor_exp2(double x)
 {
-    const double above = x < -1000 ? -1000 : x, within = above > 1000 ? 1000 : above;
+    const double floored = x < -1000 ? -1000 : x, clamped = floored > 1000 ? 1000 : floored;
     /* its low bits: the nearest whole number */
-    const double shift = 0x1.8p52, near = within + shift;
-    const double f = within - (near - shift), g = f * f;
+    const double shift = 0x1.8p52, rounded = clamped + shift;
+    const double f = clamped - (rounded - shift), g = f * f;
     uint64_t bits;
     double power;
-    memcpy(&bits, &near, sizeof bits);
+    memcpy(&bits, &rounded, sizeof bits);
     bits = (bits << 52) + 0x3ff0000000000000;
     memcpy(&power, &bits, sizeof power);
     const double low =

@@ -13,10 +13,10 @@
 
 enum { STAGES_MAX = 16, WEIGHTS_MAX = 40 };
 
-INLINE void copy_numbers(int count, const double *from, double *to)
+INLINE void copy_numbers(int count, const double *source, double *target)
 {
     for (int i = 0; i < count; i++)
-        to[i] = from[i];
+        target[i] = source[i];
 }
 
 INLINE void sum_begin(int count, double *sum)
@@ -116,9 +116,9 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride,
             copy_numbers(n, last, k);
         picked_stages(tableau, weights, n, stride, combine, slope, forces,
                       march->origin + (double)(march->first + i) * h, h, y, k, z, tableau->fsal);
-        double *const before = y;
+        double *const previous = y;
         y = z;
-        z = before;
+        z = previous;
         copy_numbers(n, y, row);
     }
     if (tableau->fsal)
@@ -143,9 +143,9 @@ INLINE int64_t split_march(const struct method *method, int n, enum drag drag,
     split_choose(&way, method, drag);
 
     const struct drag_flow half =
-        way.around ? oscillator_drag_flow(&oscillator, h / 2) : (struct drag_flow){0};
+        way.drag_at_ends ? oscillator_drag_flow(&oscillator, h / 2) : (struct drag_flow){0};
     struct frozen frozen[WEIGHTS_MAX];
-    const bool freezes = drag == DRAG_EXACT && !way.around;
+    const bool freezes = drag == DRAG_EXACT && !way.drag_at_ends;
     for (int i = 0; freezes && i < way.splitting->count; i++)
         frozen[i] = frozen_over(&oscillator, splitting_weight(way.splitting, i) * h);
     copy_numbers(n, step->y, z);

@@ -36,7 +36,7 @@
 struct switch_search {
     const struct method *method;
     struct step *step;
-    const double *before;
+    const double *y_begin;
     double t, h;
 };
 
@@ -49,7 +49,7 @@ static bool inside_by_step(const struct switch_search *look, double theta, doubl
     if (method->dense || cubic || method->flags & METHOD_MULTISTEP || theta <= 0)
         return false;
     struct step part = *look->step;
-    memcpy(y, look->before, (size_t)part.system->n * sizeof *y);
+    memcpy(y, look->y_begin, (size_t)part.system->n * sizeof *y);
     part.y = y;
     part.t = look->t;
     part.h = theta * look->h;
@@ -68,7 +68,7 @@ static void guards_at(const struct switch_search *look, double theta, double *gu
     if (theta >= 1)
         memcpy(y, look->step->y, (size_t)look->step->system->n * sizeof *y);
     else if (!inside_by_step(look, theta, y))
-        method_dense(look->method, look->step, look->before, theta, y);
+        method_dense(look->method, look->step, look->y_begin, theta, y);
     system_guards(look->step->system, look->t + theta * look->h, y, guard);
 }
 
@@ -92,8 +92,8 @@ static double one_guard_at(void *context, double theta)
 }
 
 /* Returns the zero of the guard between a, where it is above 0, and b, where it is below. */
-static double root(const struct switch_search *look, int i, double a, double fa, double b,
-                   double fb)
+static double guard_root(const struct switch_search *look, int i, double a, double fa, double b,
+                         double fb)
 {
     struct one_guard one = {look, i};
     return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
@@ -109,8 +109,8 @@ static double inside(const struct switch_search *look, int i, double theta)
 }
 
 /* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
-static double dip(const struct switch_search *look, int i, double m, double apart, double fa,
-                  double fm, double fb)
+static double guard_minimum(const struct switch_search *look, int i, double m, double apart,
+                            double fa, double fm, double fb)
 {
     for (int k = 0; k < 6; k++) {
         const double curve = fa - 2 * fm + fb,
@@ -146,16 +146,20 @@ static double first_end(const struct switch_search *look, int i, double (*guard)
                      fa = guard[k - 1][i], fb = guard[k][i];
         ahead = ahead && fb < 0 && fb >= fa;
         if (fb < 0 && !ahead) {
-            const double from = fa > 0 && k > 1 ? a : inside(look, i, b);
-            return from == b ? 0 : root(look, i, from, guard_at(look, i, from), b, fb);
+            const double bracket_begin = fa > 0 && k > 1 ? a : inside(look, i, b);
+            return bracket_begin == b ? 0
+                                      : guard_root(look, i, bracket_begin,
+                                                   guard_at(look, i, bracket_begin), b, fb);
         }
         const bool lowest = k < GUARD_CHECKS && fb < fa && fb < guard[k + 1][i];
-        const double low = lowest && guard[k + 1][i] >= 0
-                               ? dip(look, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
-                               : NAN;
+        const double low =
+            lowest && guard[k + 1][i] >= 0
+                ? guard_minimum(look, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
+                : NAN;
         if (!isnan(low)) {
-            const double from = low > b ? b : a > 0 ? a : inside(look, i, low);
-            return root(look, i, from, guard_at(look, i, from), low, guard_at(look, i, low));
+            const double bracket_begin = low > b ? b : a > 0 ? a : inside(look, i, low);
+            return guard_root(look, i, bracket_begin, guard_at(look, i, bracket_begin), low,
+                              guard_at(look, i, low));
         }
     }
     return 2;
@@ -166,7 +170,7 @@ static enum step_status again(const struct switch_search *look, struct step *ste
                               const double *low, double x, int i, double *guard)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(step->y, look->before, size);
+    memcpy(step->y, look->y_begin, size);
     if (step->low)
         memcpy(step->low, low, size);
     step->t = look->t;
@@ -182,38 +186,38 @@ static enum step_status again(const struct switch_search *look, struct step *ste
 }
 
 /* Returns true if, with dry friction alone, the velocity is far from 0 in the whole step. */
-static bool moves_on(const struct system *system, double h, const double *before, const double *y)
+static bool moves_on(const struct system *system, double h, const double *y_begin, const double *y)
 {
-    const double v0 = before[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
+    const double v0 = y_begin[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
                  mean = h * (v0 + v1) / 2;
     return system->dry && system->switches == 1 && !system->sliding && v0 * v1 > 0 &&
            min > fmax(TURNING_SPEED * system->scale[1], fabs(v1 - v0)) &&
-           fabs(y[0] - before[0] - mean) <= MEAN_SPEED_TOLERANCE * fabs(mean);
+           fabs(y[0] - y_begin[0] - mean) <= MEAN_SPEED_TOLERANCE * fabs(mean);
 }
 
 enum step_status switch_step(const struct method *method, struct step *step, double t,
-                             const double *before, const double *low, int *ended)
+                             const double *y_begin, const double *low, int *ended)
 {
-    const struct switch_search look = {method, step, before, t, step->h};
+    const struct switch_search look = {method, step, y_begin, t, step->h};
     const int count = step->system->switches;
     double guard[GUARD_CHECKS + 1][LIMIT_SWITCHES], theta = 2;
     *ended = -1;
-    if (moves_on(step->system, step->h, before, step->y))
+    if (moves_on(step->system, step->h, y_begin, step->y))
         return STEP_OK;
-    system_guards(step->system, t, before, guard[0]);
+    system_guards(step->system, t, y_begin, guard[0]);
     for (int k = 1; k <= GUARD_CHECKS; k++)
         guards_at(&look, (double)k / GUARD_CHECKS, guard[k]);
     for (int i = 0; i < count; i++) {
-        const double at = first_end(&look, i, guard);
-        if (at < theta) {
-            theta = at;
+        const double root_theta = first_end(&look, i, guard);
+        if (root_theta < theta) {
+            theta = root_theta;
             *ended = i;
         }
     }
     if (*ended < 0)
         return STEP_OK;
     const double h = step->h, ulps = 2 * DBL_EPSILON * fmax(fabs(t), fabs(t + h));
-    const double near = fmax(ulps, SWITCH_DISTANCE_MAX * step->tol * fabs(h));
+    const double tolerance = fmax(ulps, SWITCH_DISTANCE_MAX * step->tol * fabs(h));
     const double ahead = fmin(1, theta + 1e-3),
                  rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
                         (2e-3 * h);
@@ -228,7 +232,7 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
         if (!isnan(last) && last != value)
             slope = (value - last) / (x - last_x);
         const double move = slope != 0 ? -value / slope : 0;
-        if (!(fabs(move) > near) || !((x + move) / h > 0) ||
+        if (!(fabs(move) > tolerance) || !((x + move) / h > 0) ||
             fabs(x + move) > 2 * fabs(theta * h) + ulps)
             break;
         last_x = x;
@@ -256,7 +260,7 @@ bool switch_is_there(struct step *step)
 void switch_next(struct step *step, struct switches_state *state, int ended)
 {
     memcpy(state->taken, state->branch, sizeof state->taken);
-    memcpy(state->slid_along, state->along, sizeof state->slid_along);
+    memcpy(state->slid_along, state->slides_along, sizeof state->slid_along);
     state->t = step->t;
     state->begins = ended >= 0;
     state->fresh = ended;
@@ -272,16 +276,16 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
         y[i] = step->y[i] + PROBE_STEP_FRACTION * step->h * f[i];
     state->branch[ended] =
         system_next_branch(step->system, ended, step->t + PROBE_STEP_FRACTION * step->h, y);
-    if (state->along[ended])
+    if (state->slides_along[ended])
         state->released = ended;
-    state->along[ended] = false;
+    state->slides_along[ended] = false;
     state->recent[ended] = true;
     if (++state->count % PILE_BLOCK_SWITCHES != 0)
         return;
-    const double passed = fabs(step->t - state->since);
+    const double passed = fabs(step->t - state->t_block);
     state->shorter = passed < PILE_SHRINK_MAX * state->block ? state->shorter + 1 : 0;
     state->piled = state->shorter >= PILE_BLOCKS - 1 || passed < PILE_TIME_RELATIVE * fabs(step->t);
-    state->since = step->t;
+    state->t_block = step->t;
     state->block = passed;
     for (int i = 0; i < step->system->switches && !state->piled; i++)
         state->recent[i] = false;
@@ -295,6 +299,6 @@ const struct system *method_adapted(const struct system *system,
     if (system->switches == 0 || !state->known)
         return system;
     const bool fine =
-        system_slide(system, state->taken, state->slid_along, state->by, sliding, frozen);
+        system_slide(system, state->taken, state->slid_along, state->slide_step, sliding, frozen);
     return fine ? frozen : system;
 }

@@ -6,20 +6,20 @@
 #include "method/step/step.h"
 
 /*
- * Finds the branches at the start of a step, and freezes the system on them; `by` is about the size
- * of the planned step. Returns false if no branch leads on and the motion does not slide.
+ * Finds the branches at the start of a step, and freezes the system on them; `probe_step` is about
+ * the size of the planned step. Returns false if no branch leads on and the motion does not slide.
  */
-bool switch_begin(struct step *step, struct switches_state *state, double by,
+bool switch_begin(struct step *step, struct switches_state *state, double probe_step,
                   struct sliding *sliding, struct system *frozen);
 /* The state is put on the switches along which it slides. */
 void switch_go_back(struct step *step, const struct system *frozen);
 
 /*
- * Ends a step of the frozen system from `before` at t. A step across the end of a branch is taken
+ * Ends a step of the frozen system from `y_begin` at t. A step across the end of a branch is taken
  * again, up to there; then step->h is less and *ended the switch, else it is -1.
  */
 enum step_status switch_step(const struct method *method, struct step *step, double t,
-                             const double *before, const double *low, int *ended);
+                             const double *y_begin, const double *low, int *ended);
 
 /* One step of step->h of a system with pieces (switch_fixed.c). */
 enum step_status switched_step(const struct method *method, struct step *step);

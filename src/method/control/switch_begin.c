@@ -42,16 +42,17 @@ static double moment(const struct step *step, int n, const double *f)
  * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0
  * (`still`) by their second derivatives.
  */
-static void look_ahead(struct step *step, const struct system *frozen, double by, double *now,
-                       double *soon, bool *still)
+static void look_ahead(struct step *step, const struct system *frozen, double probe_step,
+                       double *now, double *soon, bool *still)
 {
     const int n = frozen->n;
-    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], before[LIMIT_SWITCHES], after[LIMIT_SWITCHES];
+    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], guard_back[LIMIT_SWITCHES],
+        guard_ahead[LIMIT_SWITCHES];
     system_guards(frozen, step->t, step->y, now);
     system_derivative(frozen, step->t, step->y, f);
     for (int i = 0; i < n; i++)
-        y[i] = step->y[i] + by * f[i];
-    system_guards(frozen, step->t + by, y, soon);
+        y[i] = step->y[i] + probe_step * f[i];
+    system_guards(frozen, step->t + probe_step, y, soon);
     step->cost.evals++;
     for (int i = 0; i < frozen->switches; i++)
         still[i] = false;
@@ -59,12 +60,12 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
         return;
     const double min = PROBE_MIN_ULPS * DBL_EPSILON * fabs(step->t),
                  far = SECOND_DIFFERENCE_FACTOR * moment(step, n, f);
-    look_from(step, frozen, f, -copysign(fmax(far, min), by), before);
-    look_from(step, frozen, f, copysign(fmax(far, min), by), after);
+    look_from(step, frozen, f, -copysign(fmax(far, min), probe_step), guard_back);
+    look_from(step, frozen, f, copysign(fmax(far, min), probe_step), guard_ahead);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
-        const double second = (after[i] - now[i]) - (now[i] - before[i]);
-        still[i] = fabs(after[i] - before[i]) <= ZERO_RATE_RELATIVE * fabs(second);
+        const double second = (guard_ahead[i] - now[i]) - (now[i] - guard_back[i]);
+        still[i] = fabs(guard_ahead[i] - guard_back[i]) <= ZERO_RATE_RELATIVE * fabs(second);
         if (still[i])
             soon[i] = now[i] + second / 2;
     }
@@ -75,9 +76,9 @@ static bool freeze(const struct step *step, const struct switches_state *state,
                    struct sliding *sliding, struct system *frozen)
 {
     for (int i = 0; i < step->system->switches; i++)
-        if (state->along[i])
-            return system_slide(step->system, state->branch, state->along, state->by, sliding,
-                                frozen);
+        if (state->slides_along[i])
+            return system_slide(step->system, state->branch, state->slides_along, state->slide_step,
+                                sliding, frozen);
     system_freeze(step->system, state->branch, frozen);
     return true;
 }
@@ -89,8 +90,8 @@ static void slide(struct step *step, struct switches_state *state, const struct 
     system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
     step->cost.evals++;
     state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
-    state->along[i] = true;
-    state->by = fmax(state->by, moment(step, frozen->n, f));
+    state->slides_along[i] = true;
+    state->slide_step = fmax(state->slide_step, moment(step, frozen->n, f));
     if (state->slides++ == 0) {
         state->slid = step->t;
         state->first = i;
@@ -103,10 +104,10 @@ static bool slide_along(struct step *step, struct switches_state *state,
 {
     const struct switches_state was = *state;
     struct sliding sliding = {0};
-    struct system between;
+    struct system sliding_system;
     slide(step, state, frozen, i);
-    const bool passes = freeze(step, state, &sliding, &between) &&
-                        sliding_passes(&sliding, i, step->t, step->y, state->by);
+    const bool passes = freeze(step, state, &sliding, &sliding_system) &&
+                        sliding_passes(&sliding, i, step->t, step->y, state->slide_step);
     sliding_free(&sliding);
     if (passes)
         *state = was;
@@ -124,7 +125,7 @@ static bool falls(double now, double soon, bool ends)
 static int not_held(const struct switches_state *state, const double *guard, int count)
 {
     for (int i = 0; i < count; i++)
-        if (state->along[i] && !(guard[i] >= -SHARE_ROUNDING))
+        if (state->slides_along[i] && !(guard[i] >= -SHARE_ROUNDING))
             return i;
     return -1;
 }
@@ -137,7 +138,7 @@ static bool let_go(const struct step *step, struct switches_state *state,
     if (state->slid_along[i] || state->slides == 0 || isnan(branch))
         return false;
     state->branch[i] = branch;
-    state->along[i] = false;
+    state->slides_along[i] = false;
     state->slides--;
     return true;
 }
@@ -146,7 +147,7 @@ static bool let_go(const struct step *step, struct switches_state *state,
  * Changes branches that do not hold at the start of a step, because their guards are at 0 there and
  * fall, for the next ones, then for sliding between. Returns false if none of them holds.
  */
-static bool branches_settle(struct step *step, struct switches_state *state, double by,
+static bool branches_settle(struct step *step, struct switches_state *state, double probe_step,
                             struct sliding *sliding, struct system *frozen)
 {
     const int count = step->system->switches;
@@ -154,12 +155,12 @@ static bool branches_settle(struct step *step, struct switches_state *state, dou
     int changed[LIMIT_SWITCHES] = {0};
     for (int i = 0; i < count; i++)
         changed[i] = state->fresh == i;
-    state->by = fabs(by);
+    state->slide_step = fabs(probe_step);
     for (int round = 0; round <= 4 * count; round++) {
         double now[LIMIT_SWITCHES] = {0}, soon[LIMIT_SWITCHES] = {0};
         if (!freeze(step, state, sliding, frozen))
             return false;
-        look_ahead(step, frozen, by, now, soon, still);
+        look_ahead(step, frozen, probe_step, now, soon, still);
         int wrong = 0;
         while (wrong < count &&
                (passes[wrong] || wrong == state->released ||
@@ -175,38 +176,39 @@ static bool branches_settle(struct step *step, struct switches_state *state, dou
         }
         if (++changed[wrong] > 3)
             return false;
-        if (changed[wrong] > 1 && !state->along[wrong]) {
+        if (changed[wrong] > 1 && !state->slides_along[wrong]) {
             passes[wrong] = !slide_along(step, state, frozen, wrong);
             continue;
         }
         double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
         system_derivative(frozen, step->t, step->y, f);
         for (int i = 0; i < frozen->n; i++)
-            y[i] = step->y[i] + by * f[i];
-        state->branch[wrong] = system_next_branch(frozen, wrong, step->t + by, y);
-        state->along[wrong] = false;
+            y[i] = step->y[i] + probe_step * f[i];
+        state->branch[wrong] = system_next_branch(frozen, wrong, step->t + probe_step, y);
+        state->slides_along[wrong] = false;
     }
     return false;
 }
 
 /* All that has changed of late, at once. */
-static void pile_up(struct step *step, struct switches_state *state, double by)
+static void pile_up(struct step *step, struct switches_state *state, double probe_step)
 {
     const struct switches_state was = *state;
-    struct system frozen, between;
+    struct system frozen, sliding_system;
     struct sliding sliding = {0};
     system_freeze(step->system, state->branch, &frozen);
-    state->by = fabs(by);
+    state->slide_step = fabs(probe_step);
     for (int i = 0; i < frozen.switches; i++)
-        if (state->recent[i] && !state->along[i])
+        if (state->recent[i] && !state->slides_along[i])
             slide(step, state, &frozen, i);
-    if (system_slide(step->system, state->branch, state->along, state->by, &sliding, &between)) {
+    if (system_slide(step->system, state->branch, state->slides_along, state->slide_step, &sliding,
+                     &sliding_system)) {
         double guard[LIMIT_SWITCHES];
-        system_guards(&between, step->t, step->y, guard);
+        system_guards(&sliding_system, step->t, step->y, guard);
         for (int i = 0; i < frozen.switches; i++)
-            if (state->along[i] && !was.along[i] &&
+            if (state->slides_along[i] && !was.slides_along[i] &&
                 (guard[i] < 0 || sliding_passes(&sliding, i, step->t, step->y, was.block))) {
-                state->along[i] = false;
+                state->slides_along[i] = false;
                 state->branch[i] = was.branch[i];
             }
     }
@@ -223,11 +225,11 @@ static void forget(struct switches_state *state, double t)
                                      .fresh = -1,
                                      .released = -1,
                                      .t = t,
-                                     .since = t,
+                                     .t_block = t,
                                      .begins = true,
                                      .slides = was.slides,
                                      .piles = was.piles,
-                                     .across = was.across,
+                                     .crossings = was.crossings,
                                      .slid = was.slid,
                                      .first = was.first};
 }
@@ -238,7 +240,7 @@ void switch_go_back(struct step *step, const struct system *frozen)
         step->warm = false;
 }
 
-bool switch_begin(struct step *step, struct switches_state *state, double by,
+bool switch_begin(struct step *step, struct switches_state *state, double probe_step,
                   struct sliding *sliding, struct system *frozen)
 {
     bool fine = true;
@@ -248,12 +250,12 @@ bool switch_begin(struct step *step, struct switches_state *state, double by,
         step->warm = false;
     }
     if (state->piled)
-        pile_up(step, state, by);
+        pile_up(step, state, probe_step);
     else if (state->begins)
-        fine = branches_settle(step, state, by, sliding, frozen);
+        fine = branches_settle(step, state, probe_step, sliding, frozen);
     if (!fine || !freeze(step, state, sliding, frozen)) {
         state->known = false;
-        state->slid = state->across++ == 0 && state->slides == 0 ? step->t : state->slid;
+        state->slid = state->crossings++ == 0 && state->slides == 0 ? step->t : state->slid;
         return false;
     }
     switch_go_back(step, frozen);

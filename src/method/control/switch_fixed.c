@@ -18,36 +18,39 @@
 
 /* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is
  * not 0 its sign says all, and what the last step left in memory still holds. */
-static void know(struct step *step, struct switches_state *state)
+static void switches_state_init(struct step *step, struct switches_state *state)
 {
     *state = (struct switches_state){.known = true,
                                      .fresh = -1,
                                      .released = -1,
                                      .t = step->t,
-                                     .since = step->t,
+                                     .t_block = step->t,
                                      .begins = step->system->dry && step->y[1] == 0};
     if (step->switches) {
         const struct switches_state *was = step->switches;
         state->slides = was->slides;
         state->piles = was->piles;
-        state->across = was->across;
+        state->crossings = was->crossings;
         state->slid = was->slid;
         state->first = was->first;
     }
     system_branches(step->system, step->t, step->y, state->branch);
     if (step->system->switches > step->system->dry) {
-        double at[LIMIT_VARIABLES], argument[LIMIT_SWITCHES], beside[LIMIT_SWITCHES];
+        double perturbed[LIMIT_VARIABLES], argument[LIMIT_SWITCHES],
+            perturbed_argument[LIMIT_SWITCHES];
         struct system frozen;
         system_freeze(step->system, state->branch, &frozen);
         system_guards(&frozen, step->t, step->y, argument);
         for (int i = 0; i < frozen.n; i++) {
             const double size = fmax(fabs(step->y[i]), step->system->scale[i]);
             /* not all alike: they may be subtracted */
-            at[i] = step->y[i] + SWITCH_ROUNDING_RELATIVE * (1 + 0.3 * (i % 4)) * size;
+            perturbed[i] = step->y[i] + SWITCH_ROUNDING_RELATIVE * (1 + 0.3 * (i % 4)) * size;
         }
-        system_guards(&frozen, step->t * (1 + 0.7 * SWITCH_ROUNDING_RELATIVE), at, beside);
+        system_guards(&frozen, step->t * (1 + 0.7 * SWITCH_ROUNDING_RELATIVE), perturbed,
+                      perturbed_argument);
         for (int i = 0; i < frozen.switches; i++)
-            state->begins = state->begins || fabs(argument[i]) <= fabs(beside[i] - argument[i]);
+            state->begins =
+                state->begins || fabs(argument[i]) <= fabs(perturbed_argument[i] - argument[i]);
     }
     step->warm = step->warm && !state->begins;
 }
@@ -61,13 +64,13 @@ static bool ends_at_pole(struct step *step, double t, double h)
     /* A bounded rate changes far less near the switch than farther away. */
     static const double farthest = 1e-2, nearest = 1e-12, nearest_ulps = 256, same_growth = 0.7,
                         change_min = 1e-3;
-    const double near = fmax(nearest * fabs(h), nearest_ulps * DBL_EPSILON * fabs(t)),
+    const double near_distance = fmax(nearest * fabs(h), nearest_ulps * DBL_EPSILON * fabs(t)),
                  far = farthest * fabs(h);
     double rate[DISTANCES][LIMIT_VARIABLES];
-    if (step->system->autonomous || !(near < far / 1e4))
+    if (step->system->autonomous || !(near_distance < far / 1e4))
         return false;
     for (int k = 0; k < DISTANCES; k++) {
-        const double distance = k == 0 ? far : k == 1 ? sqrt(far * near) : near;
+        const double distance = k == 0 ? far : k == 1 ? sqrt(far * near_distance) : near_distance;
         system_derivative(step->system, t - copysign(distance, h), step->y, rate[k]);
     }
     step->cost.evals += DISTANCES;
@@ -86,8 +89,8 @@ static enum step_status piece(const struct method *method, struct step *step,
 {
     const struct system *whole = step->system;
     const size_t size = (size_t)whole->n * sizeof *step->y;
-    const double from = step->t;
-    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
+    const double t_begin = step->t;
+    double y_begin[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
     struct system frozen;
     struct sliding sliding = {0};
     *ended = -1;
@@ -96,25 +99,25 @@ static enum step_status piece(const struct method *method, struct step *step,
         sliding_free(&sliding);
         return method_step(method, step);
     }
-    memcpy(before, step->y, size);
+    memcpy(y_begin, step->y, size);
     if (step->low)
         memcpy(low, step->low, size);
     step->system = &frozen;
     enum step_status status = method_step(method, step);
     if (status == STEP_OK && !last)
-        status = switch_step(method, step, from, before, low, ended);
+        status = switch_step(method, step, t_begin, y_begin, low, ended);
     const bool is_pole =
-        status == STEP_OK && *ended >= 0 && ends_at_pole(step, from + step->h, step->h);
+        status == STEP_OK && *ended >= 0 && ends_at_pole(step, t_begin + step->h, step->h);
     if (status == STEP_OK && !is_pole) {
-        step->t = from + step->h;
+        step->t = t_begin + step->h;
         switch_next(step, state, *ended);
     }
     step->system = whole;
     if (is_pole) {
-        memcpy(step->y, before, size);
+        memcpy(step->y, y_begin, size);
         if (step->low)
             memcpy(step->low, low, size);
-        step->t = from;
+        step->t = t_begin;
         step->h = rest;
         step->warm = false;
         step->cost.poles++;
@@ -137,7 +140,7 @@ enum step_status switched_step(const struct method *method, struct step *step)
     memcpy(start, step->y, size);
     if (step->low)
         memcpy(start_low, step->low, size);
-    know(step, &state);
+    switches_state_init(step, &state);
     step->kernel = NULL;
     enum step_status status = STEP_OK;
     for (int pieces = 1, ended = 0; status == STEP_OK && ended >= 0 && rest * h > 0; pieces++) {

@@ -21,14 +21,14 @@ bool method_meets_switches(const struct method *method, const struct system *sys
 
 bool method_turns(const struct method *method, const struct system *system)
 {
-    return system->kinks && !system->across && !method_meets_switches(method, system) &&
+    return system->kinks && !system->steps_across_kinks && !method_meets_switches(method, system) &&
            method->order > 2 && !method->splitting && !method->growth &&
            !(method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL));
 }
 
-static bool crosses(double before, double after)
+static bool crosses(double first, double second)
 {
-    return (before < 0 && after > 0) || (before > 0 && after < 0);
+    return (first < 0 && second > 0) || (first > 0 && second < 0);
 }
 
 /* A time since the start of the step, velocity and acceleration there. */
@@ -55,21 +55,21 @@ static double turning_time(const struct near_turn *p, const struct near_turn *q)
 }
 
 enum step_status turn_step(const struct method *method, struct step *step, double t,
-                           const double *before, const double *low, bool *turned)
+                           const double *y_begin, const double *low, bool *turned)
 {
     *turned = false;
-    if (!crosses(before[1], step->y[1]))
+    if (!crosses(y_begin[1], step->y[1]))
         return STEP_OK;
-    const size_t size = (size_t)step->system->n * sizeof *before;
-    const double near = fmax(TURN_NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
-    struct near_turn first = near_turn(step, t, 0, before),
+    const size_t size = (size_t)step->system->n * sizeof *y_begin;
+    const double tolerance = fmax(TURN_NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
+    struct near_turn first = near_turn(step, t, 0, y_begin),
                      last = near_turn(step, t + step->h, step->h, step->y);
     double x = turning_time(&first, &last);
-    if (fabs(x) <= near || fabs(step->h - x) <= near)
+    if (fabs(x) <= tolerance || fabs(step->h - x) <= tolerance)
         return STEP_OK;
     *turned = true;
     for (int i = 0; i < TURN_TRIES; i++) {
-        memcpy(step->y, before, size);
+        memcpy(step->y, y_begin, size);
         if (step->low)
             memcpy(step->low, low, size);
         step->t = t;
@@ -80,7 +80,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
         if (status != STEP_OK)
             return status;
         const struct near_turn here = near_turn(step, t + x, x, step->y);
-        if (fabs(here.v) <= near * fabs(here.a))
+        if (fabs(here.v) <= tolerance * fabs(here.a))
             break;
         *((here.v < 0) == (first.v < 0) ? &first : &last) = here;
         x = turning_time(&first, &last);
@@ -96,20 +96,20 @@ enum step_status method_turning_step(const struct method *method, struct step *s
         return method_step(method, step);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     const double t = step->t, h = step->h;
-    double start[2], start_low[2], before[2], low[2], rest = h;
+    double start[2], start_low[2], y_begin[2], low[2], rest = h;
     memcpy(start, step->y, size);
     if (step->low)
         memcpy(start_low, step->low, size);
     for (int pieces = 1;; pieces++) {
         bool turned = false;
-        const double from = step->t;
-        memcpy(before, step->y, size);
+        const double t_begin = step->t;
+        memcpy(y_begin, step->y, size);
         if (step->low)
             memcpy(low, step->low, size);
         step->h = rest;
         enum step_status status = method_step(method, step);
         if (status == STEP_OK && pieces < TURN_PIECES)
-            status = turn_step(method, step, from, before, low, &turned);
+            status = turn_step(method, step, t_begin, y_begin, low, &turned);
         rest -= step->h;
         step->h = h;
         if (status != STEP_OK) {
@@ -191,11 +191,11 @@ static int64_t march_on_branch(const struct method *method, march_function *kern
 
 /* A body that sticks, with nothing around it that changes: all rows are the same. Returns true if
  * it does. */
-static bool march_at_rest(const struct march *march, const double *before, int64_t done)
+static bool march_at_rest(const struct march *march, const double *previous, int64_t done)
 {
     const struct step *step = march->step;
     if (!step->system->dry || !step->system->autonomous ||
-        memcmp(before, step->y, N * sizeof *before) != 0)
+        memcmp(previous, step->y, N * sizeof *previous) != 0)
         return false;
     for (; done < march->count; done++)
         memcpy(march->row + done * N, step->y, N * sizeof *step->y);
@@ -249,14 +249,14 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
             if (straight > 0)
                 continue;
         }
-        double before[N];
-        memcpy(before, step->y, sizeof before);
+        double previous[N];
+        memcpy(previous, step->y, sizeof previous);
         step->t = march->origin + (double)(march->first + done) * step->h;
         *status = method_turning_step(method, step);
         if (*status != STEP_OK)
             return done;
         memcpy(march->row + done++ * N, step->y, N * sizeof *step->y);
-        if (march_at_rest(march, before, done))
+        if (march_at_rest(march, previous, done))
             return march->count;
     }
     return done;

@@ -42,9 +42,9 @@ static void whole_take(struct whole *whole, const struct system *system)
     whole->force = taken && sum_is_one(&whole->known.force);
 }
 
-static void whole_slope(const void *of, double t, const double *y, double *dydt)
+static void whole_slope(const void *context, double t, const double *y, double *dydt)
 {
-    const struct whole *whole = of;
+    const struct whole *whole = context;
     const int n = whole->system->n, positions = whole->positions;
     if (positions < 0) {
         system_derivative(whole->system, t, y, dydt);
@@ -54,9 +54,9 @@ static void whole_slope(const void *of, double t, const double *y, double *dydt)
     one_evaluate(&whole->known.whole, n, n - positions, t, y, dydt + positions);
 }
 
-static void whole_force(const void *of, double t, const double *y, double *a)
+static void whole_force(const void *context, double t, const double *y, double *a)
 {
-    const struct whole *whole = of;
+    const struct whole *whole = context;
     const int n = whole->system->n;
     if (whole->force)
         one_evaluate(&whole->known.force, n, n / 2, t, y, a);
@@ -64,9 +64,9 @@ static void whole_force(const void *of, double t, const double *y, double *a)
         system_force(whole->system, t, y, a);
 }
 
-static void whole_drag(const void *of, double t, const double *y, double *a)
+static void whole_drag(const void *context, double t, const double *y, double *a)
 {
-    const struct whole *whole = of;
+    const struct whole *whole = context;
     system_drag(whole->system, t, y, a);
 }
 
@@ -100,9 +100,9 @@ static int stride_of(int n)
                     (const name##_vector *)(const void *)(k + weights->stage[j] * stride + i);     \
                 UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += weight * slope[b];      \
             }                                                                                      \
-            const name##_vector *from = (const name##_vector *)(const void *)(y + i);              \
-            name##_vector *to = (name##_vector *)(void *)(z + i);                                  \
-            UNROLL for (int b = 0; b < BLOCK / (width); b++) to[b] = from[b] + sum[b];             \
+            const name##_vector *source = (const name##_vector *)(const void *)(y + i);            \
+            name##_vector *result = (name##_vector *)(void *)(z + i);                              \
+            UNROLL for (int b = 0; b < BLOCK / (width); b++) result[b] = source[b] + sum[b];       \
         }                                                                                          \
     }
 COMBINE(combine_pairs, 2, )

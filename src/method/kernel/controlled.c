@@ -41,7 +41,7 @@ INLINE void pairs_give(const pair *pairs, double *x)
 INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, const void *forces,
                           double t, double h, const pair *y, pair *k, pair *z, bool known)
 {
-    double at[PAIRED], dydt[PAIRED];
+    double state[PAIRED], dydt[PAIRED];
     UNROLL for (int s = 0; s < tableau->stages; s++)
     {
         const double *const w = tableau_row(tableau, s);
@@ -52,8 +52,8 @@ INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, 
             UNROLL for (int j = 0; j < s; j++) if (w[j] != 0) sum += h * w[j] * k[PAIRS * j + q];
             z[q] = s == 0 ? y[q] : y[q] + sum;
         }
-        pairs_give(z, at);
-        slope(forces, t + tableau->c[s] * h, at, dydt);
+        pairs_give(z, state);
+        slope(forces, t + tableau->c[s] * h, state, dydt);
         pairs_take(dydt, k + PAIRS * s);
     }
 }
@@ -162,18 +162,18 @@ INLINE void attempt_keep(const struct tableau *tableau, int n, bool good,
 /* ---- accepted steps ---- */
 
 /* Copies the control of n variables, except for its tolerance and its switches. */
-INLINE void control_copy(int n, const struct controller *from, struct controller *to)
+INLINE void control_copy(int n, const struct controller *source, struct controller *target)
 {
-    copy_numbers(n, from->scale, to->scale);
-    copy_numbers(n, from->excess, to->excess);
-    to->elapsed = from->elapsed;
-    to->sampled = from->sampled;
-    to->sampling = from->sampling;
-    to->h = from->h;
-    to->t_low = from->t_low;
-    to->last = from->last;
-    to->previous = from->previous;
-    to->rejected = from->rejected;
+    copy_numbers(n, source->scale, target->scale);
+    copy_numbers(n, source->excess, target->excess);
+    target->elapsed = source->elapsed;
+    target->sampled = source->sampled;
+    target->sampling = source->sampling;
+    target->h = source->h;
+    target->t_low = source->t_low;
+    target->last = source->last;
+    target->previous = source->previous;
+    target->rejected = source->rejected;
 }
 
 /* Attempts steps towards t_end until one is accepted. `known` means that its first slope is in
@@ -186,7 +186,7 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
 {
     const struct tableau *tableau = method->tableau;
     const double t = attempt->t, span = t_end - t, aims = by_aim(method);
-    face(controller, span);
+    controller_orient(controller, span);
     const double planned = controller->h;
     const bool rejected = controller->rejected;
     for (int count = 0, failures = 0;; count++) {

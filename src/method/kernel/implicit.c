@@ -34,21 +34,21 @@ MOTION_SHAPES(KNOWN_SLOPE)
                                           double h, const double *y, double *z, double *sum,       \
                                           double *work)                                            \
     {                                                                                              \
-        const struct shape_known *of = known;                                                      \
+        const struct shape_known *constants = known;                                               \
         double force;                                                                              \
         (void)work;                                                                                \
-        shape##_force(&of->forces, t, y, &force);                                                  \
-        return oscillator_stage(&of->oscillator, (0 TERMS_OF_##shape(HAS_KINK)) != 0, force, step, \
-                                h, y, z, sum);                                                     \
+        shape##_force(&constants->forces, t, y, &force);                                           \
+        return oscillator_stage(&constants->oscillator, (0 TERMS_OF_##shape(HAS_KINK)) != 0,       \
+                                force, step, h, y, z, sum);                                        \
     }
 CLOSED_SHAPES(CLOSED_STAGE)
 
 #define drive_slopes(c, t, y, jac) ((void)0)
-#define TERM_SLOPES(i, name) name##_jacobian(of->forces.c[i], t, y, jac + N);
+#define TERM_SLOPES(i, name) name##_jacobian(constants->forces.c[i], t, y, jac + N);
 #define NEWTON_STAGE(shape)                                                                        \
     INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
     {                                                                                              \
-        const struct shape_known *of = known;                                                      \
+        const struct shape_known *constants = known;                                               \
         jac[0] = jac[2] = jac[3] = 0;                                                              \
         jac[1] = 1;                                                                                \
         TERMS_OF_##shape(TERM_SLOPES)                                                              \

@@ -29,8 +29,9 @@ ALL_SHAPES(SHAPE_RUN)
 /* Any terms: the frame holds where the system is. */
 RUN(terms_run)
 {
-    const struct system *const *const at = (const struct system *const *)(const void *)frame;
-    const struct system *const system = *at;
+    const struct system *const *const system_pointer =
+        (const struct system *const *)(const void *)frame;
+    const struct system *const system = *system_pointer;
     const double line[N] = {q, v}, *const y = system->n == N ? line : state;
     double a[2] = {-0.0, -0.0};
     (void)program, (void)args, (void)output;

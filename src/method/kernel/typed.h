@@ -40,21 +40,21 @@ bool sum_is_one(const struct typed_sum *sum);
 
 /* Evaluates the part to out [rows], with n state variables. */
 INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t,
-                          const double *y, double *out)
+                          const double *y, double *output)
 {
     const struct leading leading =
         part->run(part->program, t, y[0], n > 1 ? y[1] : 0, n > 2 ? y : NULL, part->term->c + 1,
-                  rows > 2 ? out : NULL, part->frame);
-    out[0] = leading.first;
+                  rows > 2 ? output : NULL, part->frame);
+    output[0] = leading.first;
     if (rows > 1)
-        out[1] = leading.second;
+        output[1] = leading.second;
 }
 
 /* The sum of all parts. */
 INLINE void one_evaluate(const struct typed_sum *sum, int n, int rows, double t, const double *y,
-                         double *out)
+                         double *output)
 {
-    part_evaluate(&sum->all, n, rows, t, y, out);
+    part_evaluate(&sum->all, n, rows, t, y, output);
 }
 
 #define TYPED_MOTIONS(S) S(typed_line, 2) S(typed_plane, 4)

@@ -219,7 +219,7 @@ int method_dense_degree(const struct method *method)
     return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
 }
 
-void method_dense(const struct method *method, const struct step *step, const double *before,
+void method_dense(const struct method *method, const struct step *step, const double *y_begin,
                   double theta, double *y)
 {
     if (method->dense) {
@@ -228,18 +228,18 @@ void method_dense(const struct method *method, const struct step *step, const do
     }
     const struct system *system = step->system;
     double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES], h = step->h;
-    system_derivative(system, step->t - h, before, f0);
+    system_derivative(system, step->t - h, y_begin, f0);
     system_derivative(system, step->t, step->y, f1);
     for (int i = 0; i < system->n; i++)
-        y[i] = hermite(theta, h, before[i], f0[i], step->y[i], f1[i]);
+        y[i] = hermite(theta, h, y_begin[i], f0[i], step->y[i], f1[i]);
 }
 
 void method_polynomial(const struct method *method, const struct step *step, int i,
-                       struct dense_polynomial *out)
+                       struct dense_polynomial *polynomial)
 {
     assert(method->dense && (method->tableau || method->rosenbrock));
     if (method->tableau)
-        rk_polynomial(method, step, i, out);
+        rk_polynomial(method, step, i, polynomial);
     else
-        rosenbrock_polynomial(method, step, i, out);
+        rosenbrock_polynomial(method, step, i, polynomial);
 }

@@ -29,13 +29,13 @@ static const struct implicit_tableau middle = {
 
 /* sum += w f(t + c h, y + c z) */
 static void add_node(struct step *step, double t, double h, double c, double w, const double *y,
-                     const double *z, double *at, double *sum)
+                     const double *z, double *node_state, double *sum)
 {
     int n = step->system->n;
     double slope[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
-        at[i] = y[i] + c * z[i];
-    system_derivative(step->system, t + c * h, at, slope);
+        node_state[i] = y[i] + c * z[i];
+    system_derivative(step->system, t + c * h, node_state, slope);
     step->cost.evals++;
     for (int i = 0; i < n; i++)
         sum[i] += w * slope[i];

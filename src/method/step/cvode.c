@@ -166,19 +166,19 @@ static enum step_status cvode_status(int flag, bool moved, bool wild)
 }
 
 /* One step of CVODE's own towards t_end; where it comes to in *t, the state there in c->y. */
-static enum step_status one_step(struct cvode *c, struct cost *cost, double from, double t_end,
+static enum step_status one_step(struct cvode *c, struct cost *cost, double t_begin, double t_end,
                                  double *t)
 {
     const struct system *system = c->system;
     /* Only the sign and the size of the distance matter, for the first step. */
     const double natural = system->order == 2 ? system->scale[0] / system->scale[system->n / 2] : 1;
-    const double towards = isfinite(t_end) ? t_end : from + copysign(natural, t_end);
+    const double towards = isfinite(t_end) ? t_end : t_begin + copysign(natural, t_end);
     c->wild = false;
     int flag = CVodeSetStopTime(c->memory, t_end);
     if (flag == CV_SUCCESS)
         flag = CVode(c->memory, towards, c->y, t, CV_ONE_STEP);
     count(c, cost);
-    return cvode_status(flag, *t != from, c->wild);
+    return cvode_status(flag, *t != t_begin, c->wild);
 }
 
 /* Ends a step: takes the state if it is one. */

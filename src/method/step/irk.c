@@ -108,12 +108,12 @@ void implicit_dense(const struct method *method, const struct step *step, double
 }
 
 /* (real - h J)^-1 (h f(t, at) + sum_s estimate_s z_s) */
-static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *at,
+static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *state,
                      const double *z, double *own)
 {
     int n = step->system->n;
     double slope[LIMIT_VARIABLES];
-    system_derivative(step->system, step->t, at, slope);
+    system_derivative(step->system, step->t, state, slope);
     step->cost.evals++;
     for (int i = 0; i < n; i++)
         step->error[i] =
@@ -129,13 +129,13 @@ static bool estimate_again(const struct implicit_tableau *tableau, struct step *
 {
     const struct system *system = step->system;
     const double *scale = step_scale(step);
-    double at[LIMIT_VARIABLES], sum = 0;
+    double state[LIMIT_VARIABLES], sum = 0;
     for (int i = 0; i < system->n; i++) {
         double ratio = step->error[i] / fmax(scale[i], fabs(step->y[i]));
         sum += ratio * ratio;
-        at[i] = step->y[i] + step->error[i];
+        state[i] = step->y[i] + step->error[i];
     }
-    return sqrt(sum / system->n) <= step->tol || estimate(tableau, step, at, z, own);
+    return sqrt(sum / system->n) <= step->tol || estimate(tableau, step, state, z, own);
 }
 
 static enum step_status coupled_step(const struct implicit_tableau *tableau, struct step *step)

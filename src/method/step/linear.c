@@ -140,10 +140,10 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
         return 0;
     /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than
      * rounding. */
-    double before = growth(&oscillation, 0.9 * low), margin = MARGIN;
-    if (before > MARGIN / 10)
+    double previous = growth(&oscillation, 0.9 * low), margin = MARGIN;
+    if (previous > MARGIN / 10)
         return 0;
-    if (before < -MARGIN) { /* true decay turns into growth: where exactly */
+    if (previous < -MARGIN) { /* true decay turns into growth: where exactly */
         margin = 0;
         low *= 0.9;
     }

@@ -22,8 +22,8 @@ LU_FUNCTION bool factor_complex(int n, double *re)
         re[n * n + p] = best;
         if (best != p)
             for (int j = p; j < n; j++) {
-                swap(&re[p * n + j], &re[best * n + j]);
-                swap(&im[p * n + j], &im[best * n + j]);
+                doubles_swap(&re[p * n + j], &re[best * n + j]);
+                doubles_swap(&im[p * n + j], &im[best * n + j]);
             }
         re[p * n + p] = inverse_re;
         im[p * n + p] = inverse_im;
@@ -47,8 +47,8 @@ LU_FUNCTION void solve_complex(int n, const double *a, double *re, double *im)
     for (int p = 0; p < n; p++) {
         int best = (int)a[n * n + p];
         if (best != p) {
-            swap(&re[p], &re[best]);
-            swap(&im[p], &im[best]);
+            doubles_swap(&re[p], &re[best]);
+            doubles_swap(&im[p], &im[best]);
         }
         for (int i = p + 1; i < n; i++) {
             re[i] -= a[i * n + p] * re[p] - b[i * n + p] * im[p];

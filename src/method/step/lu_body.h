@@ -13,7 +13,7 @@
 
 #define LU_FUNCTION static inline __attribute__((always_inline))
 
-LU_FUNCTION void swap(double *a, double *b)
+LU_FUNCTION void doubles_swap(double *a, double *b)
 {
     double c = *a;
     *a = *b;
@@ -35,7 +35,7 @@ LU_FUNCTION bool lu_factor_size(int n, double *a, double *pivot)
         for (int i = p + 1; i < n;
              i++) /* a place that the compiler knows: small matrices stay in registers */
             for (int j = p; j < n && i == best; j++)
-                swap(&a[p * n + j], &a[i * n + j]);
+                doubles_swap(&a[p * n + j], &a[i * n + j]);
         a[p * n + p] = inverse;
         for (int i = p + 1; i < n; i++) {
             double factor = a[i * n + p] *= inverse;
@@ -52,7 +52,7 @@ LU_FUNCTION void lu_solve_size(int n, const double *a, const double *pivot, doub
         int best = (int)pivot[p];
         for (int i = p + 1; i < n; i++)
             if (i == best)
-                swap(&b[p], &b[i]);
+                doubles_swap(&b[p], &b[i]);
         for (int i = p + 1; i < n; i++)
             b[i] -= a[i * n + p] * b[p];
     }

@@ -41,24 +41,24 @@ size_t multistep_work(const struct method *method, int n)
 }
 
 /* Values that a step may change, kept to take it back. */
-struct before {
+struct step_backup {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
 
-static void history_store(const struct step *step, struct before *before)
+static void history_store(const struct step *step, struct step_backup *backup)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(before->y, step->y, size);
+    memcpy(backup->y, step->y, size);
     if (step->low)
-        memcpy(before->low, step->low, size);
+        memcpy(backup->low, step->low, size);
 }
 
-static void take_back(struct step *step, const struct before *before)
+static void take_back(struct step *step, const struct step_backup *backup)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(step->y, before->y, size);
+    memcpy(step->y, backup->y, size);
     if (step->low)
-        memcpy(step->low, before->low, size);
+        memcpy(step->low, backup->low, size);
 }
 
 /*
@@ -74,21 +74,21 @@ static enum step_status substeps(const struct method *one_step, struct step *one
     enum step_status failure = STEP_NO_SOLUTION;
     for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
         const double fraction = fmin(length, 1 - done);
-        struct before before;
-        history_store(one, &before);
+        struct step_backup backup;
+        history_store(one, &backup);
         one->t = t + done * h;
         one->h = fraction * h;
         one->warm = false;
         const enum step_status status = method_step(one_step, one);
         if (status == STEP_OK &&
-            scaled_square(one->system->n, step_scale(one), one->error, before.y, one->y) <= limit) {
+            scaled_square(one->system->n, step_scale(one), one->error, backup.y, one->y) <= limit) {
             done = fraction < 1 - done ? done + fraction : 1;
             length = 2 * fraction;
             continue;
         }
         failure = status == STEP_OK ? STEP_NONFINITE : status;
         length = fraction / 4;
-        take_back(one, &before);
+        take_back(one, &backup);
     }
     return done < 1 ? failure : STEP_OK;
 }
@@ -97,20 +97,20 @@ static enum step_status start(const struct method *method, struct step *step, do
 {
     double error[LIMIT_VARIABLES];
     struct step one = *step;
-    struct before before;
+    struct step_backup backup;
     one.error = error;
     one.work = work;
     one.again = false;             /* it has evaluated nothing yet */
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
-    history_store(&one, &before);
+    history_store(&one, &backup);
     enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
     if (status != STEP_OK) { /* no better start exists in as many steps */
-        take_back(&one, &before);
+        take_back(&one, &backup);
         status = substeps(starter(method), &one, step->t, step->h, HUGE_VAL);
     }
     if (status != STEP_OK)
-        take_back(&one, &before);
+        take_back(&one, &backup);
     step->cost = one.cost;
     return status;
 }

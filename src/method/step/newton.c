@@ -156,14 +156,14 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
 {
     const int count = equations->tableau->stages * n;
     struct workspace workspace = workspace_of(equations->tableau->stages, n, work);
-    double at[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
+    double solution[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
     double done = 0, part = FIRST_PART; /* parts of h */
     for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_MIN; i++) {
-        const double to = fmin(1, done + part);
-        memcpy(next, at, (size_t)count * sizeof *next);
-        if (contract(equations, step, n, t, to * h, y, next, weight, &workspace)) {
-            memcpy(at, next, (size_t)count * sizeof *at);
-            done = to;
+        const double next_fraction = fmin(1, done + part);
+        memcpy(next, solution, (size_t)count * sizeof *next);
+        if (contract(equations, step, n, t, next_fraction * h, y, next, weight, &workspace)) {
+            memcpy(solution, next, (size_t)count * sizeof *solution);
+            done = next_fraction;
             part *= 2;
         } else {
             part /= 4;
@@ -171,7 +171,7 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     }
     if (done < 1)
         return false;
-    memcpy(z, at, (size_t)count * sizeof *z);
+    memcpy(z, solution, (size_t)count * sizeof *z);
     return true;
 }
 

@@ -190,28 +190,28 @@ INLINE void newton_halve(int count, double *z, double *move)
 
 /*
  * Iterates until increments stop decreasing, because a tolerance would bias the rounding. An
- * increment that does not bring the equations nearer to 0 is halved. Sets *near if the solution is
- * the one beside the guess. It is if increments shrink from the first one on, and if the
- * determinant is positive, as it is in short steps.
+ * increment that does not bring the equations nearer to 0 is halved. Sets *is_near_root if the
+ * solution is the one beside the guess. It is if increments shrink from the first one on, and if
+ * the determinant is positive, as it is in short steps.
  */
 INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n,
                                        double t, double h, const double *y, double *z,
                                        const double *weight, struct workspace *workspace,
-                                       bool *near)
+                                       bool *is_near_root)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
-    double last = HUGE_VAL, off = HUGE_VAL;
-    *near = newton_positive(tableau, n, workspace);
+    double last = HUGE_VAL, previous_rest = HUGE_VAL;
+    *is_near_root = newton_positive(tableau, n, workspace);
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
         equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
         double rest = newton_size(stages, n, weight, workspace->rest);
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
-        if (!(rest < off) && last > INCREMENT_STALL_RELATIVE) {
+        if (!(rest < previous_rest) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
-            *near = false;
+            *is_near_root = false;
             newton_halve(stages * n, z, workspace->move);
             continue;
         }
@@ -221,21 +221,21 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         for (int i = 0; i < stages * n; i++)
             z[i] += workspace->move[i];
         if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
-            *near = false;
+            *is_near_root = false;
         if (step->system->linear || size <= DBL_EPSILON / 2 ||
             (size >= last && size <= INCREMENT_STALL_RELATIVE)) {
-            *near = *near && newton_positive(tableau, n, workspace);
+            *is_near_root = *is_near_root && newton_positive(tableau, n, workspace);
             return STEP_OK;
         }
         if (size > JACOBIAN_REUSE_RATE * last &&
             !newton_renew(equations, step, n, t, h, y, z, workspace))
             return STEP_NO_SOLUTION;
         last = size;
-        off = rest;
+        previous_rest = rest;
         halvings = 0;
         iteration++;
     }
-    *near = false;
+    *is_near_root = false;
     return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
@@ -248,10 +248,10 @@ INLINE enum step_status newton_to_rounding(const struct newton *equations, struc
                                            double t, double h, const double *y, double *z,
                                            const double *weight, struct workspace *workspace)
 {
-    bool near;
+    bool is_near_root;
     const enum step_status status =
-        newton_iterate(equations, step, n, t, h, y, z, weight, workspace, &near);
-    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+        newton_iterate(equations, step, n, t, h, y, z, weight, workspace, &is_near_root);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && is_near_root))
         return status;
     if (newton_follow(equations, step, n, t, h, y, z, weight, workspace->h))
         return STEP_OK;
@@ -305,10 +305,10 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
 /* A derivative of the velocity's equation, and its sign as in short steps. Returns false if there
  * is no next iterate. */
 INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step,
-                          double t, double h, const double *at, double *inverse, bool *positive)
+                          double t, double h, const double *state, double *inverse, bool *positive)
 {
     double jacobian[4];
-    slopes(forces, t, at, jacobian);
+    slopes(forces, t, state, jacobian);
     step->cost.jacobians++;
     *inverse = 1 / (1 - h * (h * jacobian[2] + jacobian[3]));
     *positive = *inverse > 0;
@@ -322,13 +322,15 @@ INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct 
  */
 INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes,
                                        const void *forces, struct step *step, double t, double h,
-                                       const double *y, double *x, double weight, bool *near)
+                                       const double *y, double *x, double weight,
+                                       bool *is_near_root)
 {
-    double inverse, last = HUGE_VAL, off = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]}, dydt[2];
+    double inverse, last = HUGE_VAL, previous_rest = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]},
+                    dydt[2];
     bool positive;
     if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
         return STEP_NO_SOLUTION;
-    *near = positive;
+    *is_near_root = positive;
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
         sum[1] = y[1] + *x;
         sum[0] = y[0] + h * sum[1];
@@ -337,10 +339,10 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         const double rest = h * dydt[1] - *x, size_of_rest = fabs(rest) * weight;
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
-        if (!(size_of_rest < off) && last > INCREMENT_STALL_RELATIVE) {
+        if (!(size_of_rest < previous_rest) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
-            *near = false;
+            *is_near_root = false;
             move /= 2;
             *x -= move;
             continue;
@@ -350,10 +352,10 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         const double size = fabs(move) * weight;
         *x += move;
         if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
-            *near = false;
+            *is_near_root = false;
         if (size <= DBL_EPSILON / 2 || (size >= last && size <= INCREMENT_STALL_RELATIVE) ||
             (iteration > 0 && size * size <= INCREMENT_NEGLIGIBLE * last)) {
-            *near = *near && positive;
+            *is_near_root = *is_near_root && positive;
             return STEP_OK;
         }
         if (size > JACOBIAN_REUSE_RATE * last) {
@@ -363,11 +365,11 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
                 return STEP_NO_SOLUTION;
         }
         last = size;
-        off = size_of_rest;
+        previous_rest = size_of_rest;
         halvings = 0;
         iteration++;
     }
-    *near = false;
+    *is_near_root = false;
     return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
@@ -380,19 +382,19 @@ INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *s
                                      const double *y, double *z, double *sum, double *work)
 {
     double weight[2], x = 0;
-    bool near = false;
+    bool is_near_root = false;
     newton_weights(step_scale(step), 2, y, weight);
     const double by_position = fabs(h) * weight[0];
     const double larger = weight[1] > by_position ? weight[1] : by_position;
     enum step_status status =
-        motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &near);
+        motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &is_near_root);
     z[1] = x;
     z[0] = h * (y[1] + x);
-    if (status != STEP_NONFINITE && !(status == STEP_OK && near)) {
+    if (status != STEP_NONFINITE && !(status == STEP_OK && is_near_root)) {
         static const struct implicit_tableau euler = NEWTON_EULER;
         const struct newton equations = {&euler, newton_stages, slope, slopes, forces};
-        double all[2] = {z[0], z[1]}, from[2] = {y[0], y[1]};
-        if (newton_follow(&equations, step, 2, t, h, from, all, weight, work)) {
+        double all[2] = {z[0], z[1]}, y_begin[2] = {y[0], y[1]};
+        if (newton_follow(&equations, step, 2, t, h, y_begin, all, weight, work)) {
             z[0] = all[0];
             z[1] = all[1];
             status = STEP_OK;

@@ -31,9 +31,9 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
                          double *gained, double *smoothed)
 {
     int n = step->system->n;
-    double part = step->h / parts, *before = work, *f = before + n, *z = f + n;
+    double part = step->h / parts, *previous = work, *f = previous + n, *z = f + n;
     for (int i = 0; i < n; i++) {
-        before[i] = 0;
+        previous[i] = 0;
         gained[i] = part * first[i];
     }
     for (int m = 1; m < parts; m++) {
@@ -42,8 +42,8 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
         system_derivative(step->system, step->t + m * part, z, f);
         step->cost.evals++;
         for (int i = 0; i < n; i++) {
-            double next = before[i] + 2 * part * f[i];
-            before[i] = gained[i];
+            double next = previous[i] + 2 * part * f[i];
+            previous[i] = gained[i];
             gained[i] = next;
         }
     }
@@ -54,7 +54,7 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
     system_derivative(step->system, step->t + step->h, z, f);
     step->cost.evals++;
     for (int i = 0; i < n; i++)
-        smoothed[i] = before[i] + part * f[i];
+        smoothed[i] = previous[i] + part * f[i];
 }
 
 /* Row j of the table: T_jl = T_j,l-1 + (T_j,l-1 - T_j-1,l-1) / ((parts_j / parts_j-l)^2 - 1);
@@ -62,9 +62,9 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
 static void extrapolate(int j, int n, double *table)
 {
     for (int l = j; l-- > 0;) {
-        double ratio = (double)(j + 1) / (l + 1), below = ratio * ratio - 1;
+        double ratio = (double)(j + 1) / (l + 1), denominator = ratio * ratio - 1;
         for (int i = l * n; i < (l + 1) * n; i++)
-            table[i] = table[i + n] + (table[i + n] - table[i]) / below;
+            table[i] = table[i + n] + (table[i + n] - table[i]) / denominator;
     }
 }
 

@@ -63,7 +63,7 @@ static void add_stages(const struct tableau *tableau, const struct step *step)
 }
 
 void rk_polynomial(const struct method *method, const struct step *step, int i,
-                   struct dense_polynomial *out)
+                   struct dense_polynomial *polynomial)
 {
     const struct tableau *tableau = method->tableau;
     const int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
@@ -71,14 +71,14 @@ void rk_polynomial(const struct method *method, const struct step *step, int i,
     add_stages(tableau, step);
     const double rise = weighted_sum(tableau->b, stages, k, n, i);
     const double first = k[i] - rise, last = rise - k[(stages - 1) * n + i];
-    *out = (struct dense_polynomial){.end = step->y[i],
-                                     .h = step->h,
-                                     .rise = rise,
-                                     .first = first,
-                                     .twist = last - first,
-                                     .bends = tableau->bends};
+    *polynomial = (struct dense_polynomial){.end = step->y[i],
+                                            .h = step->h,
+                                            .rise = rise,
+                                            .first = first,
+                                            .twist = last - first,
+                                            .bends = tableau->bends};
     for (int m = 0; m < tableau->bends; m++)
-        out->bend[m] = weighted_sum(tableau->dense + m * all, all, k, n, i);
+        polynomial->bend[m] = weighted_sum(tableau->dense + m * all, all, k, n, i);
 }
 
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y)

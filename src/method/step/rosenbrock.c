@@ -14,7 +14,7 @@ size_t rosenbrock_work(const struct method *method, int n)
     return (size_t)(method->rosenbrock->stages + n + 4) * (size_t)n + LU_ROOM(n);
 }
 
-void rosenbrock_time_derivative(struct step *step, double *slope, double *after)
+void rosenbrock_time_derivative(struct step *step, double *slope, double *later_slope)
 {
     const struct system *system = step->system;
     const struct oscillator *o = &system->oscillator;
@@ -26,10 +26,10 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *after)
     }
     double earlier = step->t - step->h * (APART / 2), later = step->t + step->h * (APART / 2);
     system_derivative(system, earlier, step->y, slope);
-    system_derivative(system, later, step->y, after);
+    system_derivative(system, later, step->y, later_slope);
     step->cost.evals += 2;
     for (int i = 0; i < n; i++)
-        slope[i] = later != earlier ? (after[i] - slope[i]) / (later - earlier) : 0;
+        slope[i] = later != earlier ? (later_slope[i] - slope[i]) / (later - earlier) : 0;
 }
 
 static void rosenbrock_slope(const void *system, double t, const double *y, double *dydt)
@@ -104,12 +104,12 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
-    const struct rosenbrock_forces of = {rosenbrock_slope, jacobian_of, step->system,
-                                         !step->system->autonomous};
+    const struct rosenbrock_forces derivatives = {rosenbrock_slope, jacobian_of, step->system,
+                                                  !step->system->autonomous};
     const int n = step->system->n;
-    return n == 1   ? rosenbrock_small_step(1, rosenbrock, &of, step)
-           : n == 2 ? rosenbrock_small_step(2, rosenbrock, &of, step)
-           : n == 3 ? rosenbrock_small_step(3, rosenbrock, &of, step)
+    return n == 1   ? rosenbrock_small_step(1, rosenbrock, &derivatives, step)
+           : n == 2 ? rosenbrock_small_step(2, rosenbrock, &derivatives, step)
+           : n == 3 ? rosenbrock_small_step(3, rosenbrock, &derivatives, step)
                     : large_step(rosenbrock, step);
 }
 
@@ -136,7 +136,7 @@ void rosenbrock_dense(const struct method *method, const struct step *step, doub
  * brackets e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
  */
 void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
-                           struct dense_polynomial *out)
+                           struct dense_polynomial *polynomial)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
     const int n = step->system->n, stages = rosenbrock->stages;
@@ -144,11 +144,12 @@ void rosenbrock_polynomial(const struct method *method, const struct step *step,
     for (int m = 0; m < rosenbrock->degree; m++)
         e[m] = weighted_sum(rosenbrock->dense + m * stages, stages, step->work, n, i);
     const double last = -e[3], bend = last - e[2];
-    *out = (struct dense_polynomial){.end = step->y[i],
-                                     .h = 1,
-                                     .rise = weighted_sum(rosenbrock->m, stages, step->work, n, i),
-                                     .first = e[0],
-                                     .twist = e[1] - bend,
-                                     .bends = 2,
-                                     .bend = {bend, last}};
+    *polynomial =
+        (struct dense_polynomial){.end = step->y[i],
+                                  .h = 1,
+                                  .rise = weighted_sum(rosenbrock->m, stages, step->work, n, i),
+                                  .first = e[0],
+                                  .twist = e[1] - bend,
+                                  .bends = 2,
+                                  .bend = {bend, last}};
 }

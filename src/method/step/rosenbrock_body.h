@@ -49,12 +49,12 @@ INLINE bool rosenbrock_same_point(const struct rosenbrock *rosenbrock, const dou
 
 /* df/dt at (t, y) into `slope`; two states of scratch. Closed form for the driven oscillator, else
  * by differences. */
-void rosenbrock_time_derivative(struct step *step, double *slope, double *after);
+void rosenbrock_time_derivative(struct step *step, double *slope, double *later_slope);
 
-INLINE void rosenbrock_copy(int count, const double *from, double *to)
+INLINE void rosenbrock_copy(int count, const double *source, double *target)
 {
     for (int i = 0; i < count; i++)
-        to[i] = from[i];
+        target[i] = source[i];
 }
 
 /* ---- up to 3 unknowns: pairs of numbers in registers, and the inverse, a shorter chain than two
@@ -65,12 +65,12 @@ enum { INVERTED = 3, STAGES_MOST = 8 };
 typedef double pair __attribute__((vector_size(16)));
 
 struct few {
-    pair of[2]; /* the last one is 0 where their number is odd */
+    pair pairs[2]; /* the last one is 0 where their number is odd */
 };
 
 INLINE double few_get(const struct few *x, int i)
 {
-    return x->of[i / 2][i % 2];
+    return x->pairs[i / 2][i % 2];
 }
 
 INLINE struct few few_of(int n, const double *x)
@@ -84,7 +84,7 @@ INLINE void few_add(int n, struct few *sum, double a, const struct few *x)
 {
     const pair factor = {a, a};
     for (int q = 0; q < (n + 1) / 2; q++)
-        sum->of[q] += factor * x->of[q];
+        sum->pairs[q] += factor * x->pairs[q];
 }
 
 /* sum_j w_j u_j over the weights that are not zero, from the first to the last */
@@ -136,10 +136,10 @@ INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct f
         return few_eliminate(n, diagonal, jacobian, column);
     const double a = diagonal - jacobian[0], d = diagonal - jacobian[3],
                  det = a * d - jacobian[1] * jacobian[2];
-    const double size = fabs(det), over = 1 / det;
+    const double size = fabs(det), inverse_det = 1 / det;
     if (size > 1e-290 && size < 1e290) {
-        column[0] = (struct few){{{d * over, jacobian[2] * over}}};
-        column[1] = (struct few){{{jacobian[1] * over, a * over}}};
+        column[0] = (struct few){{{d * inverse_det, jacobian[2] * inverse_det}}};
+        column[1] = (struct few){{{jacobian[1] * inverse_det, a * inverse_det}}};
         return true;
     }
     double copied[4];
@@ -159,11 +159,12 @@ struct few_start {
 
 /* u_i from y */
 INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
-                       const struct rosenbrock_forces *of, struct step *step, const double *y,
-                       const struct few_start *start, const struct few *column, struct few *u)
+                       const struct rosenbrock_forces *derivatives, struct step *step,
+                       const double *y, const struct few_start *start, const struct few *column,
+                       struct few *u)
 {
     const double h = step->h, t = step->t, rate = 1 / h;
-    const struct few at = few_of(n, y), nothing = {{{-0.0, -0.0}, {-0.0, -0.0}}};
+    const struct few y_begin = few_of(n, y), nothing = {{{-0.0, -0.0}, {-0.0, -0.0}}};
     double f[INVERTED], z[INVERTED];
     int evals = 0;
     rosenbrock_copy(n, start->first, f);
@@ -175,19 +176,19 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
             /* the newest last: nothing else waits for it */
             struct few state = few_sum(n, a, s - 1, u);
             for (int q = 0; q < (n + 1) / 2; q++)
-                state.of[q] = at.of[q] + state.of[q];
+                state.pairs[q] = y_begin.pairs[q] + state.pairs[q];
             if (a[s - 1] != 0)
                 few_add(n, &state, a[s - 1], &u[s - 1]);
             for (int i = 0; i < n; i++)
                 z[i] = few_get(&state, i);
-            of->slope(of->forces, t + rosenbrock->alpha[s] * h, z, f);
+            derivatives->slope(derivatives->forces, t + rosenbrock->alpha[s] * h, z, f);
             evals++;
         }
         const struct few sum = few_sum(n, c, s, u);
         double right[INVERTED];
         for (int i = 0; i < n; i++) {
             right[i] = few_get(&sum, i) * rate;
-            if (of->timed && rosenbrock->d[s] != 0)
+            if (derivatives->timed && rosenbrock->d[s] != 0)
                 right[i] += rosenbrock->d[s] * h * start->drift[i];
         }
         for (int i = 0; i < n; i++)
@@ -200,7 +201,8 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
 
 /* Takes a step where the compiler knows n, which is at most INVERTED. */
 INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *rosenbrock,
-                                              const struct rosenbrock_forces *of, struct step *step)
+                                              const struct rosenbrock_forces *derivatives,
+                                              struct step *step)
 {
     const int stages = rosenbrock->stages;
     double *const reused = step->work, *const jacobian = reused + stages * n,
@@ -215,20 +217,20 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
         rosenbrock_copy(n * n, jacobian, start.jacobian);
         rosenbrock_copy(n, first, start.first);
     } else {
-        if (of->timed)
+        if (derivatives->timed)
             rosenbrock_time_derivative(step, drift, drift + n);
-        of->jacobian(of->forces, step->t, y, start.jacobian);
-        of->slope(of->forces, step->t, y, start.first);
+        derivatives->jacobian(derivatives->forces, step->t, y, start.jacobian);
+        derivatives->slope(derivatives->forces, step->t, y, start.first);
         step->cost.jacobians++;
         step->cost.evals++;
         rosenbrock_copy(n * n, start.jacobian, jacobian);
         rosenbrock_copy(n, start.first, first);
     }
-    for (int i = 0; i < n && of->timed; i++)
+    for (int i = 0; i < n && derivatives->timed; i++)
         start.drift[i] = drift[i];
     if (!few_inverse(n, 1 / (rosenbrock->gamma * step->h), start.jacobian, column))
         return STEP_NO_SOLUTION;
-    few_stages(n, rosenbrock, of, step, y, &start, column, u);
+    few_stages(n, rosenbrock, derivatives, step, y, &start, column, u);
     UNROLL for (int s = 0; s < stages; s++) for (int i = 0; i < n; i++) reused[s * n + i] =
         few_get(&u[s], i);
     if (error && rosenbrock->b_hat) {

@@ -66,7 +66,7 @@ static bool applies_with_drag(const struct method *method, const struct system *
     double quadratic = system->oscillator.quadratic;
     if (drag == DRAG_EXPLICIT)
         return true;
-    if (system->across && has_dry(system)) {
+    if (system->steps_across_kinks && has_dry(system)) {
         error_set(error, ERROR_COMMAND,
                   "%s would step across the jump of dry friction (turning is off), "
                   "and knows no such drag",
@@ -105,7 +105,7 @@ static void force(const void *system, double t, const double *y, double *a)
     system_force(system, t, y, a);
 }
 
-static void drag(const void *system, double t, const double *y, double *a)
+static void split_drag_force(const void *system, double t, const double *y, double *a)
 {
     system_drag(system, t, y, a);
 }
@@ -115,14 +115,15 @@ enum step_status split_step(const struct method *method, struct step *step)
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
     double *z = step->work, *pull = z + n, *low = step->low ? pull + d : NULL;
-    const struct split_forces forces = {force, drag, system, &system->oscillator};
+    const struct split_forces forces = {force, split_drag_force, system, &system->oscillator};
     struct split_way way;
     split_choose(&way, method, system->velocity ? step->drag : DRAG_DEFAULT);
     memcpy(z, step->y, (size_t)n * sizeof *z);
     if (low)
         memcpy(low, step->low, (size_t)n * sizeof *low);
-    const struct drag_flow half =
-        way.around ? oscillator_drag_flow(&system->oscillator, step->h / 2) : (struct drag_flow){0};
+    const struct drag_flow half = way.drag_at_ends
+                                      ? oscillator_drag_flow(&system->oscillator, step->h / 2)
+                                      : (struct drag_flow){0};
     split_stages(&way, n, &forces, &half, NULL, step->t, step->h, z, pull, low,
                  split_known(&way, step));
     step->cost.evals += way.kicks - split_known(&way, step);

@@ -29,7 +29,7 @@ struct split_way {
     const struct splitting *splitting;
     enum drag drag; /* DRAG_DEFAULT if there is none */
     bool symmetric;
-    bool around; /* the drag's own flow stands at the step's ends */
+    bool drag_at_ends; /* the drag's own flow stands at the step's ends */
     /* a step that begins and ends with a kick begins where the last one left the force */
     bool continues;
     int kicks; /* forces evaluated a step, one fewer where the first is known */
@@ -42,7 +42,7 @@ INLINE void split_choose(struct split_way *way, const struct method *method, enu
     *way = (struct split_way){.splitting = splitting,
                               .drag = drag,
                               .symmetric = symmetric,
-                              .around = drag == DRAG_EXACT && symmetric && method->order <= 2,
+                              .drag_at_ends = drag == DRAG_EXACT && symmetric && method->order <= 2,
                               .continues = splitting->kick_first && splitting->count % 2 == 1,
                               .kicks = (splitting->count + splitting->kick_first) / 2};
 }
@@ -94,7 +94,7 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
             const double v = z[d + i];
             z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;
         }
-    } else if (way->drag == DRAG_EXACT && !way->around) {
+    } else if (way->drag == DRAG_EXACT && !way->drag_at_ends) {
         const struct frozen frozen = prepared ? *prepared : frozen_over(o, w);
         for (int i = 0; i < d; i++)
             step_add(&z[d + i], low ? &low[d + i] : NULL,
@@ -115,7 +115,7 @@ INLINE void split_stages(const struct split_way *way, int n, const struct split_
 {
     const struct splitting *splitting = way->splitting;
     const int d = n / 2, count = splitting->count;
-    if (way->around)
+    if (way->drag_at_ends)
         for (int j = d; j < n; j++)
             z[j] = drag_flow_apply(half, z[j]);
     UNROLL for (int i = 0; i < count; i++)
@@ -132,7 +132,7 @@ INLINE void split_stages(const struct split_way *way, int n, const struct split_
             t += w;
         }
     }
-    if (way->around)
+    if (way->drag_at_ends)
         for (int j = d; j < n; j++)
             z[j] = drag_flow_apply(half, z[j]);
 }

@@ -187,11 +187,11 @@ struct multistep {
 #define TURN_NEAR 1e-8
 enum { TURN_TRIES = 12, TURN_PIECES = 8 };
 /*
- * Ends a step from `before` at t, where the method turns. A step across a turning point is taken
+ * Ends a step from `y_begin` at t, where the method turns. A step across a turning point is taken
  * again, up to there; then step->h is less. low holds step->low as it was before, if there is one.
  */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
-                           const double *before, const double *low, bool *turned);
+                           const double *y_begin, const double *low, bool *turned);
 
 /* dydt at t, y; `forces` is whatever the function knows. */
 typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
@@ -213,9 +213,9 @@ size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
 /* Variable i of the last step, as method_polynomial() has it. */
 void rk_polynomial(const struct method *method, const struct step *step, int i,
-                   struct dense_polynomial *out);
+                   struct dense_polynomial *polynomial);
 void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
-                           struct dense_polynomial *out);
+                           struct dense_polynomial *polynomial);
 
 enum step_status nystrom_step(const struct method *method, struct step *step);
 size_t nystrom_work(const struct method *method, int n);

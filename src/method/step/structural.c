@@ -36,12 +36,12 @@ size_t structural_work(const struct method *method, int n)
 
 /* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */
 static bool factor(const struct structural *s, struct step *step, double t, double tau,
-                   const double *at, double *jacobian, double *factors)
+                   const double *state, double *jacobian, double *factors)
 {
     int n = step->system->n, d = n / 2;
     double part = 1 - s->alpha_f, by_position = part * s->beta * tau * tau,
            by_velocity = part * s->gamma * tau;
-    system_jacobian(step->system, t, at, jacobian);
+    system_jacobian(step->system, t, state, jacobian);
     step->cost.jacobians++;
     for (int i = 0; i < d; i++) {
         const double *row = jacobian + (d + i) * n;
@@ -78,11 +78,13 @@ struct increment {
     const double *y, *a; /* [n], [n/2] */
 };
 
-/* The share 1 - alpha_f of the way from y to `to` */
-static void structural_midpoint(const struct increment *increment, const double *to, double *at)
+/* The share 1 - alpha_f of the way from y to `y_end` */
+static void structural_midpoint(const struct increment *increment, const double *y_end,
+                                double *y_mid)
 {
     for (int i = 0; i < increment->system->n; i++)
-        at[i] = increment->y[i] + (1 - increment->structural->alpha_f) * (to[i] - increment->y[i]);
+        y_mid[i] =
+            increment->y[i] + (1 - increment->structural->alpha_f) * (y_end[i] - increment->y[i]);
 }
 
 /*
@@ -96,11 +98,11 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     const struct structural *s = all->structural;
     const int d = n / 2;
     const double ratio = s->beta / s->gamma, *a = all->a;
-    double to[LIMIT_VARIABLES], at[LIMIT_VARIABLES];
+    double y_end[LIMIT_VARIABLES], y_mid[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
-        to[i] = y[i] + z[i];
-    structural_midpoint(all, to, at);
-    system_acceleration(all->system, t + equations->tableau->c[0] * h, at, force);
+        y_end[i] = y[i] + z[i];
+    structural_midpoint(all, y_end, y_mid);
+    system_acceleration(all->system, t + equations->tableau->c[0] * h, y_mid, force);
     step->cost.evals++;
     for (int i = 0; i < d; i++) {
         rest[i] = h * (y[d + i] + ratio * z[d + i] + h * (1. / 2 - ratio) * a[i]) - z[i];
@@ -108,15 +110,15 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     }
 }
 
-/* Computes the Jacobian, at the end `to` of the step, of what the equations multiply by h. */
-static void increment_jacobian(const void *forces, double t, const double *to, double *jacobian)
+/* Computes the Jacobian, at the end `y_end` of the step, of what the equations multiply by h. */
+static void increment_jacobian(const void *forces, double t, const double *y_end, double *jacobian)
 {
     const struct increment *all = forces;
     const struct structural *s = all->structural;
     const int n = all->system->n, d = n / 2;
-    double at[LIMIT_VARIABLES] = {0};
-    structural_midpoint(all, to, at);
-    system_jacobian(all->system, t, at, jacobian);
+    double y_mid[LIMIT_VARIABLES] = {0};
+    structural_midpoint(all, y_end, y_mid);
+    system_jacobian(all->system, t, y_mid, jacobian);
     for (int i = 0; i < d; i++)
         for (int j = 0; j < n; j++) {
             jacobian[i * n + j] = j == d + i ? s->beta / s->gamma : 0;
@@ -126,7 +128,8 @@ static void increment_jacobian(const void *forces, double t, const double *to, d
 
 /* As newton_follow(); a+ by the force there. */
 static bool structural_follow(const struct structural *s, struct step *step, double tau,
-                              const double *a, double *ahead, double *z, double *at, double *work)
+                              const double *a, double *ahead, double *z, double *y_mid,
+                              double *work)
 {
     const int n = step->system->n;
     const double fraction = 1 - s->alpha_f;
@@ -142,8 +145,8 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
     if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
         return false;
     for (int i = 0; i < n; i++)
-        at[i] = step->y[i] + fraction * z[i];
-    system_acceleration(step->system, step->t + fraction * tau, at, ahead);
+        y_mid[i] = step->y[i] + fraction * z[i];
+    system_acceleration(step->system, step->t + fraction * tau, y_mid, ahead);
     step->cost.evals++;
     for (int i = 0; i < n / 2; i++)
         ahead[i] = (ahead[i] - s->alpha_m * a[i]) / (1 - s->alpha_m);
@@ -157,34 +160,34 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
  * own rounding only. near is as in newton_iterate().
  */
 static enum step_status iterate(const struct structural *s, struct step *step, double tau,
-                                const double *a, double *ahead, double *z, bool *near)
+                                const double *a, double *ahead, double *z, bool *is_near_root)
 {
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
     const double *y = step->y, t = step->t + (1 - s->alpha_f) * tau;
     const double by_position = s->beta * tau * tau, by_velocity = s->gamma * tau;
-    double *move = ahead + d, *force = move + d, *factors = force + d, *at = z + n,
-           *jacobian = at + n;
+    double *move = ahead + d, *force = move + d, *factors = force + d, *y_mid = z + n,
+           *jacobian = y_mid + n;
     for (int i = 0; i < d; i++) {
         ahead[i] = a[i];
         z[i] = tau * y[d + i] + tau * tau / 2 * a[i];
         z[d + i] = tau * a[i];
     }
     double last = HUGE_VAL;
-    *near = true;
+    *is_near_root = true;
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
         for (int i = 0; i < n; i++)
-            at[i] = y[i] + (1 - s->alpha_f) * z[i];
-        system_acceleration(system, t, at, force);
+            y_mid[i] = y[i] + (1 - s->alpha_f) * z[i];
+        system_acceleration(system, t, y_mid, force);
         step->cost.evals++;
         for (int i = 0; i < d; i++) {
             move[i] = force[i] - ((1 - s->alpha_m) * ahead[i] + s->alpha_m * a[i]);
             if (!isfinite(move[i]))
                 return iteration == 0 ? STEP_NONFINITE : STEP_NO_SOLUTION;
         }
-        if (iteration == 0 && !factor(s, step, t, tau, at, jacobian, factors))
+        if (iteration == 0 && !factor(s, step, t, tau, y_mid, jacobian, factors))
             return STEP_NO_SOLUTION;
-        *near = *near && !lu_negative(d, factors);
+        *is_near_root = *is_near_root && !lu_negative(d, factors);
         lu_solve(d, factors, move);
         step->cost.solves++;
         for (int i = 0; i < d; i++) {
@@ -194,19 +197,19 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
         }
         double size = move_size(step, by_position, by_velocity, move);
         if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
-            *near = false;
+            *is_near_root = false;
         if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 ||
             (size >= last && size <= INCREMENT_STALL_RELATIVE))
             return STEP_OK;
         if (!system->linear && size > JACOBIAN_REUSE_RATE * last) {
             for (int i = 0; i < n; i++)
-                at[i] = y[i] + (1 - s->alpha_f) * z[i];
-            if (!factor(s, step, t, tau, at, jacobian, factors))
+                y_mid[i] = y[i] + (1 - s->alpha_f) * z[i];
+            if (!factor(s, step, t, tau, y_mid, jacobian, factors))
                 return STEP_NO_SOLUTION;
         }
         last = size;
     }
-    *near = false;
+    *is_near_root = false;
     return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
@@ -216,9 +219,9 @@ static enum step_status structural_solve(const struct structural *s, struct step
                                          const double *a, double *ahead, double *z)
 {
     const int n = step->system->n;
-    bool near;
-    const enum step_status status = iterate(s, step, tau, a, ahead, z, &near);
-    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+    bool is_near_root;
+    const enum step_status status = iterate(s, step, tau, a, ahead, z, &is_near_root);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && is_near_root))
         return status;
     return structural_follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK
                                                                                   : status;

@@ -28,7 +28,7 @@ struct raw {
 };
 
 static bool take_reading(const struct session *session, const struct recording *recording,
-                         double from, double to, struct raw *raw, struct error *error)
+                         double t_begin, double t_end, struct raw *raw, struct error *error)
 {
     const struct calibration *c = &recording->calibration;
     const struct column *column = &recording->column[recording->value];
@@ -38,7 +38,7 @@ static bool take_reading(const struct session *session, const struct recording *
         double value = column->value[i];
         if (cancelled_at(session->front.cancel, i))
             return error_set(error, ERROR_CANCELLED, "stopped: nothing was calibrated");
-        if (!(recording->t[i] >= from && recording->t[i] <= to) || !isfinite(value))
+        if (!(recording->t[i] >= t_begin && recording->t[i] <= t_end) || !isfinite(value))
             continue;
         if (c->known)
             value = c->read[0] + (value - c->truth[0]) / calibration_gain(c);
@@ -50,7 +50,7 @@ static bool take_reading(const struct session *session, const struct recording *
     raw->scatter = raw->n > 1 ? sqrt(squares / (double)(raw->n - 1)) : 0;
     return raw->n >= READING_SAMPLES_MIN ||
            error_set(error, ERROR_COMMAND, "%s has %zu samples from %.6g to %.6g s: too few",
-                     recording->name, raw->n, from, to);
+                     recording->name, raw->n, t_begin, t_end);
 }
 
 /* As many digits as the scatter leaves, and one. */
@@ -182,22 +182,23 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
 }
 
 /* "0:2,5:7" [s], when it was held at each point of the recording there is. */
-static bool take_windows(struct session *session, struct text at, const double truth[2],
+static bool take_windows(struct session *session, struct text remaining, const double truth[2],
                          const struct unit *const unit[2], struct reply *reply, struct error *error)
 {
     const struct recording *recording = session_recording(session);
     struct raw raw[2];
-    const struct text all = at;
+    const struct text all = remaining;
     for (int i = 0; i < 2; i++) {
         double edge[2];
         for (int k = 0; k < 2; k++) {
             size_t used = 0;
-            const char behind = i == 1 && k == 1 ? '\0' : k ? ',' : ':';
-            if (real_scan(at, '.', &edge[k], &used) != REAL_OK || used == 0 ||
-                (behind ? used >= at.len || at.at[used] != behind : used != at.len))
+            const char delimiter = i == 1 && k == 1 ? '\0' : k ? ',' : ':';
+            if (real_scan(remaining, '.', &edge[k], &used) != REAL_OK || used == 0 ||
+                (delimiter ? used >= remaining.len || remaining.data[used] != delimiter
+                           : used != remaining.len))
                 return error_at(error, all, "at= takes two windows [s]: at=0:2,5:7");
-            used += behind != '\0';
-            at = (struct text){at.at + used, at.len - used};
+            used += delimiter != '\0';
+            remaining = (struct text){remaining.data + used, remaining.len - used};
         }
         if (!recording)
             return error_at(error, all, "there is no recording whose means could be taken");
@@ -216,8 +217,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
         return error_set(error, ERROR_COMMAND, "two points are wanted: these are one");
     if (text_starts(rest, key))
         return take_windows(session,
-                            text_trim((struct text){rest.at + key.len, rest.len - key.len}), truth,
-                            unit, reply, error);
+                            text_trim((struct text){rest.data + key.len, rest.len - key.len}),
+                            truth, unit, reply, error);
     if (!now) {
         error_set(error, ERROR_COMMAND, "nothing is being collected");
         return error_hint(error, "at=0:2,5:7 says when the current recording was held there; or "

@@ -92,12 +92,12 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
     const bool waits = trigger->wanted && isnan(trigger->t);
     if (waits && trigger_look(trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
-                   trigger->name.at, trigger->t);
+                   trigger->name.data, trigger->t);
     for (size_t i = recording->rows; isfinite(trigger->t) && i > 0; i--)
         if (recording->line[i - 1] >= trigger->line) /* its times are the last word */
             trigger->t = recording->t[i - 1];
     if (trigger->wanted && isfinite(trigger->t))
-        recording_window(recording, trigger->t - c->before, HUGE_VAL, &ignored);
+        recording_window(recording, trigger->t - c->pretrigger, HUGE_VAL, &ignored);
     if (!waits || isfinite(trigger->t))
         return true;
     trigger_missed(trigger, recording, &missed);

@@ -30,7 +30,7 @@ static void begin_showing(struct collection *c, struct recording *recording)
     if (same >= 0)
         session_drop_recording(c->session, same);
     snprintf(recording->name, sizeof recording->name, "%.*s", (int)c->options.name.len,
-             c->options.name.at);
+             c->options.name.data);
     struct buffer options = {0};
     buffer_put(&options, c->put_options);
     if (!growth_begin(&c->live.growth, recording))
@@ -104,7 +104,7 @@ static void look_at_recording(struct collection *c)
         return;
     if (waits && trigger_look(&c->trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
-                   c->trigger.name.at, c->trigger.t);
+                   c->trigger.name.data, c->trigger.t);
     if (shows)
         collection_show(c, recording);
     else
@@ -131,7 +131,7 @@ void collect_fit_last(struct collection *c)
 static void say_waiting(struct collection *c)
 {
     const struct feed_look *look = &c->look;
-    if (!c->said_silent && look->lines == 0 && look->now - c->from > SILENT_S) {
+    if (!c->said_silent && look->lines == 0 && look->now - c->t_begin > SILENT_S) {
         c->said_silent = true;
         if (look->bytes == 0)
             reply_note(c->reply,
@@ -157,11 +157,11 @@ static void tell_end(struct collection *c)
 {
     const int place = collect_own_place(c->session);
     const struct recording *shown = place >= 0 ? c->session->recording[place]->recording : NULL;
-    const double from = c->trigger.wanted    ? c->trigger.t
-                        : shown && !c->again ? shown->t[0]
-                                             : NAN,
-                 end = from + c->length + c->idle;
-    c->state.growing.until = end < HUGE_VAL ? end : NAN;
+    const double t_begin = c->trigger.wanted    ? c->trigger.t
+                           : shown && !c->again ? shown->t[0]
+                                                : NAN,
+                 end = t_begin + c->length + c->idle;
+    c->state.growing.t_end = end < HUGE_VAL ? end : NAN;
 }
 
 static void tell_state(struct collection *c)
@@ -179,7 +179,7 @@ static void tell_state(struct collection *c)
     state->seconds = isnan(start) ? 0 : c->look.now - start - c->idle;
     tell_end(c);
     const double end = start + c->length + c->idle;
-    c->session->front.feed->until(
+    c->session->front.feed->limit(
         state->feed, end < HUGE_VAL && state->state == COLLECT_GOES_ON ? end : HUGE_VAL);
     if (state->seconds >= c->length && state->state == COLLECT_GOES_ON) {
         state->stop = true;

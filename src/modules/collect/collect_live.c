@@ -24,13 +24,13 @@
 #define START_ROWS 8               /* that tell how the motion begins, at least */
 
 /* The last rows [s], so many at most. */
-static bool last_rows(const struct recording *recording, double from, struct arena *arena,
+static bool last_rows(const struct recording *recording, double t_begin, struct arena *arena,
                       struct series *series)
 {
     struct error ignored;
     if (!recording_series(recording, arena, 16, series, &ignored))
         return false;
-    size_t first = first_from(series->t, series->n, from), n = 0;
+    size_t first = first_from(series->t, series->n, t_begin), n = 0;
     const size_t each = (series->n - first) / PERIOD_ROWS + 1;
     double *t = arena_array(arena, PERIOD_ROWS + 1, sizeof *t),
            *y = arena_array(arena, PERIOD_ROWS + 1, sizeof *y);
@@ -72,10 +72,10 @@ static void find_period(struct collecting *now, const struct recording *recordin
     struct period period;
     struct period_reading reading;
     const double end = recording->t[recording->rows - 1],
-                 from = now->period > 0 ? end - (SHOWN_PERIODS + 0.5) * now->period : -HUGE_VAL;
+                 t_begin = now->period > 0 ? end - (SHOWN_PERIODS + 0.5) * now->period : -HUGE_VAL;
     now->period = now->amplitude = NAN;
     now->quantity = recording->column[recording->value].quantity;
-    if (last_rows(recording, from, &arena, &series) &&
+    if (last_rows(recording, t_begin, &arena, &series) &&
         series_period(&series, &arena, &period, &ignored)) {
         now->period = period.period.value;
         if (series_period_readings(&series, 1, &arena, &reading, &ignored))
@@ -198,11 +198,11 @@ static void find_model(struct collection *c, const struct recording *recording)
     struct collect_live *live = &c->live;
     struct collecting *now = &c->state;
     struct system system;
-    if (live->by != setup->method || live->laid.model != setup->scene.model ||
+    if (live->method != setup->method || live->laid.model != setup->scene.model ||
         memcmp(live->laid.value, setup->scene.value, sizeof setup->scene.value) != 0) {
         forget_model(now);
         live->laid = setup->scene;
-        live->by = setup->method;
+        live->method = setup->method;
     }
     if (!now->growing.model && matches(c->session, recording, &system))
         begin_model(c, recording);

@@ -21,7 +21,7 @@
 
 static bool is_counted(struct text line)
 {
-    return line.len > 0 && line.at[0] != '#';
+    return line.len > 0 && line.data[0] != '#';
 }
 
 /* The file from the line on where the last look ended, behind its head. *all: to its end. */
@@ -34,13 +34,13 @@ static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
     if (view->fd < 0)
         return false;
     buffer_put(text, buffer_text(&view->head));
-    for (off_t at = view->from; at < view->from + FIRST_BYTES;) {
-        const ssize_t got = pread(view->fd, piece, sizeof piece, at);
+    for (off_t offset = view->offset; offset < view->offset + FIRST_BYTES;) {
+        const ssize_t got = pread(view->fd, piece, sizeof piece, offset);
         *all = got <= 0;
         if (*all)
             break;
         buffer_put(text, (struct text){piece, (size_t)got});
-        at += got;
+        offset += got;
     }
     while (text->len > 0 && text->data[text->len - 1] != '\n')
         text->len--; /* the rest is being written */
@@ -61,17 +61,17 @@ static void keep_head(struct collect_view *view, struct text file,
         buffer_char(&view->head, '\n');
         view->head_lines += is_counted(line);
     }
-    view->from = (off_t)view->head.len;
-    view->before = view->head_lines;
+    view->offset = (off_t)view->head.len;
+    view->lines_before = view->head_lines;
 }
 
 /* The next look begins so many bytes before the end of this one, at a line. */
 static void go_on(struct collect_view *view, struct text seen, size_t overlap)
 {
-    struct text rest = {seen.at + view->head.len, seen.len - view->head.len}, line;
+    struct text rest = {seen.data + view->head.len, seen.len - view->head.len}, line;
     while (rest.len > overlap && text_split(&rest, '\n', &line)) {
-        view->from += (off_t)line.len + 1;
-        view->before += is_counted(line);
+        view->offset += (off_t)line.len + 1;
+        view->lines_before += is_counted(line);
     }
 }
 
@@ -84,7 +84,7 @@ static struct recording *read_rows(struct collect_view *view, struct text text)
         keep_head(view, text, recording);
     else
         for (size_t i = 0; i < recording->rows; i++)
-            recording->line[i] += view->before - view->head_lines;
+            recording->line[i] += view->lines_before - view->head_lines;
     if (view->newest > 0) /* clocks that count from the first line that is read */
         recording_join_clock(recording, view->newest, view->t);
     view->newest = recording->line[recording->rows - 1];
@@ -119,8 +119,8 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
 void collect_view_restart(struct collect_view *view)
 {
     buffer_clear(&view->head);
-    view->head_lines = view->before = 0;
-    view->from = 0;
+    view->head_lines = view->lines_before = 0;
+    view->offset = 0;
     view->lines = 0;
     view->newest = 0;
     view->due = 0;
@@ -140,11 +140,12 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     const struct text all = parser->rest;
     struct item item = {0};
     trigger->name = peek_word(parser->rest, "");
-    parser->rest = (struct text){trigger->name.at + trigger->name.len,
-                                 (size_t)(all.at + all.len - trigger->name.at) - trigger->name.len};
+    parser->rest =
+        (struct text){trigger->name.data + trigger->name.len,
+                      (size_t)(all.data + all.len - trigger->name.data) - trigger->name.len};
     text_skip_blanks(&parser->rest);
     const struct text way = peek_word(parser->rest, "");
-    parser->rest = (struct text){way.at + way.len, parser->rest.len - way.len};
+    parser->rest = (struct text){way.data + way.len, parser->rest.len - way.len};
     trigger->direction = text_is(way, "rising") ? 1 : text_is(way, "falling") ? -1 : 0;
     text_skip_blanks(&parser->rest);
     if (trigger->name.len == 0 || trigger->direction == 0)
@@ -156,7 +157,7 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     trigger->level = item.value.value;
     trigger->unit = item.unit;
     trigger->said = all;
-    trigger->after = 0;
+    trigger->after_line = 0;
     trigger->t = trigger->arrival = NAN;
     return true;
 }
@@ -205,40 +206,40 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording, st
                     column->quantity != trigger->unit->quantity))
         return refuse_trigger(trigger, recording, column, error);
     const double factor = trigger_factor(trigger, column);
-    double before = NAN;
+    double previous = NAN;
     for (size_t i = 0; i < recording->rows; i++) {
         const double value = column->value[i] * factor - trigger->level;
         if (!isfinite(value))
             continue;
-        if (before * trigger->direction < 0 && value * trigger->direction >= 0 &&
-            recording->line[i] > trigger->after) {
+        if (previous * trigger->direction < 0 && value * trigger->direction >= 0 &&
+            recording->line[i] > trigger->after_line) {
             trigger->t = recording->t[i];
             trigger->line = recording->line[i];
             trigger->arrival =
                 recording->collected->last - (recording->t[recording->rows - 1] - trigger->t);
             return true;
         }
-        before = value;
+        previous = value;
     }
     return false;
 }
 
 void trigger_missed(const struct trigger *trigger, const struct recording *recording,
-                    struct buffer *out)
+                    struct buffer *output)
 {
     char name[SAFE_NAME_SIZE];
     const struct column *column = trigger_column(trigger, recording);
     double low = HUGE_VAL, high = -HUGE_VAL;
     size_t n = 0;
     for (size_t i = 0; column && i < recording->rows; i++)
-        if (isfinite(column->value[i]) && recording->line[i] > trigger->after) {
+        if (isfinite(column->value[i]) && recording->line[i] > trigger->after_line) {
             low = fmin(low, column->value[i]);
             high = fmax(high, column->value[i]);
             n++;
         }
-    buffer_format(out, "the trigger never came: %s", safe_name(trigger->said, name));
+    buffer_format(output, "the trigger never came: %s", safe_name(trigger->said, name));
     if (n > 0)
-        buffer_format(out, "; %s was %.6g to %.6g%s%s in %zu samples",
+        buffer_format(output, "; %s was %.6g to %.6g%s%s in %zu samples",
                       safe_name(trigger->name, name), low, high, column->unit[0] ? " " : "",
                       column->unit, n);
 }

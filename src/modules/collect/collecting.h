@@ -40,7 +40,7 @@ struct collecting *session_collecting(const struct session *session);
 
 /* Appends time, lines, period and fit to the state line. counts: with the number of lines; blanks:
  * between numbers and units. Returns false where nothing is collected. */
-bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *out);
+bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *output);
 /* Appends "calibrate take" where a calibration waits for a point. */
 bool collect_next(const struct session *session, struct buffer *line, bool *insists);
 

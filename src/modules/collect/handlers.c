@@ -35,7 +35,7 @@ static double value_given(const struct arguments *args, const char *name, double
 /* ---- what is wanted ---- */
 
 /* As they stand in a statement, those of `load` or all. */
-static void put_options(const struct arguments *args, bool all, struct buffer *out)
+static void put_options(const struct arguments *args, bool all, struct buffer *output)
 {
     static const char *const keys[] = {"t",   "y",    "unit",    "tunit",  "rate", "decimal",
                                        "sep", "baud", "trigger", "before", "for",  "max"};
@@ -43,17 +43,17 @@ static void put_options(const struct arguments *args, bool all, struct buffer *o
         const struct argument_value *key = argument_value(args, keys[i]);
         if (key->count == 0)
             continue;
-        buffer_format(out, " %s=", keys[i]);
-        buffer_word(out, key->item->text);
+        buffer_format(output, " %s=", keys[i]);
+        buffer_word(output, key->item->text);
     }
 }
 
 /* Makes a name of letters, digits and _, with - for the rest. */
-static void plain_name(struct text of, size_t max, char name[LIMIT_NAME + 1])
+static void plain_name(struct text source, size_t max, char name[LIMIT_NAME + 1])
 {
     size_t len = 0;
-    for (; len < of.len && len < max; len++) {
-        const char c = of.at[len];
+    for (; len < source.len && len < max; len++) {
+        const char c = source.data[len];
         const bool plain =
             (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
         name[len] = plain ? c : '-';
@@ -96,7 +96,7 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
                               .decimal = decimal->count ? decimal_letters[decimal->item->index] : 0,
                               .separator = sep->count ? separator_letters[sep->item->index] : 0};
     c->length = value_given(args, "for", HUGE_VAL);
-    c->before = value_given(args, "before", 0);
+    c->pretrigger = value_given(args, "before", 0);
     c->baud = (long)value_given(args, "baud", BAUD_DEFAULT);
     c->max = (uint64_t)value_given(args, "max", LINES_MAX);
     struct buffer options = {0};
@@ -194,7 +194,7 @@ static bool collection_start(struct collection *c, const struct arguments *args,
     const struct feed_request request = {.source = c->source,
                                          .file = file,
                                          .baud = c->baud,
-                                         .from = c->from,
+                                         .t_begin = c->t_begin,
                                          .max = c->max,
                                          .safe = session->options.safe};
     if (c->again && session->setup.calibration.decided && !collect_put_calibration(c, error)) {
@@ -204,11 +204,11 @@ static bool collection_start(struct collection *c, const struct arguments *args,
     c->options.calibration = &c->calibration;
     c->view = (struct collect_view){.path = c->path, .options = &c->options, .fd = -1};
     c->state = (struct collecting){
-        .growing = {.steady = NAN, .middle = NAN, .swing = NAN, .until = NAN, .late = NAN},
+        .growing = {.steady = NAN, .middle = NAN, .swing = NAN, .t_end = NAN, .late = NAN},
         .period = NAN,
         .amplitude = NAN,
         .fit = {.t = NAN}};
-    c->trigger.after = c->after;
+    c->trigger.after_line = c->after_line;
     c->state.feed = feed->open(&request, error);
     if (!c->state.feed) {
         if (!c->again)
@@ -242,11 +242,11 @@ static bool steer(struct session *session, const struct arguments *args, struct 
                   struct error *error)
 {
     struct collecting *now = session_collecting(session);
-    const bool pause = has_argument(args, "pause"), on = has_argument(args, "continue");
-    if (!pause && !on && !has_argument(args, "stop"))
+    const bool pause = has_argument(args, "pause"), continues = has_argument(args, "continue");
+    if (!pause && !continues && !has_argument(args, "stop"))
         return error_set(error, ERROR_COMMAND,
                          "a recording is being collected: 'stop' ends it, and keeps it");
-    if (!pause && !on) {
+    if (!pause && !continues) {
         now->stop = true;
         return true;
     }
@@ -271,7 +271,7 @@ static bool repeat(struct session *session, const struct arguments *args, struct
         return error_memory(error);
     struct parser parser = {session, args->scope, args->arena, text_of(copy)};
     const struct text word = peek_word(parser.rest, "");
-    parser.rest = (struct text){word.at + word.len, parser.rest.len - word.len};
+    parser.rest = (struct text){word.data + word.len, parser.rest.len - word.len};
     if (!text_is(word, "collect"))
         return error_set(error, ERROR_COMMAND, "its file does not say how it was collected");
     *again = (struct arguments){.command = args->command,
@@ -291,21 +291,21 @@ static bool go_on_after(struct collection *c, const struct recording *recording)
     struct timespec now;
     if (stat(recording->path, &st) != 0 || clock_gettime(CLOCK_REALTIME, &now) != 0)
         return false;
-    const double since =
+    const double elapsed =
         difftime(now.tv_sec, st.st_mtim.tv_sec) + 1e-9 * (double)(now.tv_nsec - st.st_mtim.tv_nsec);
     c->again = true;
     c->path = recording->path;
     c->there = recording->collected->lines;
-    c->after = recording->line[recording->rows - 1];
-    c->from = recording->collected->last + (since > 0 ? since : 0);
+    c->after_line = recording->line[recording->rows - 1];
+    c->t_begin = recording->collected->last + (elapsed > 0 ? elapsed : 0);
     return true;
 }
 
 static bool name_it(struct collection *c, const struct arguments *args, struct error *error)
 {
-    const struct text to = text_given(args, "to"), as = text_given(args, "as");
+    const struct text path = text_given(args, "to"), as = text_given(args, "as");
     if (!c->path)
-        c->path = to.len ? arena_text(args->arena, to) : free_name(args, c->source);
+        c->path = path.len ? arena_text(args->arena, path) : free_name(args, c->source);
     if (!c->path)
         return error_set(error, ERROR_IO, "no name for the file: to=FILE gives it one");
     if (as.len > 0 && (as.len > LIMIT_NAME || peek_name(as).len != as.len))
@@ -315,7 +315,7 @@ static bool name_it(struct collection *c, const struct arguments *args, struct e
     const struct text file = text_last_component(text_of(c->path));
     const size_t end = file.len > 4 ? file.len - 4 : file.len;
     char name[LIMIT_NAME + 1];
-    plain_name(as.len ? as : (struct text){file.at, end}, LIMIT_NAME, name);
+    plain_name(as.len ? as : (struct text){file.data, end}, LIMIT_NAME, name);
     const char *kept = arena_text(args->arena, text_of(name));
     c->options.name = text_of(kept ? kept : "");
     return kept || error_memory(error);
@@ -327,7 +327,8 @@ HANDLER(collect)
     if (session_collecting(session))
         return steer(session, args, reply, error);
     struct arguments *again = arena_alloc(args->arena, sizeof *again);
-    const bool on = has_argument(args, "continue"), anew = on || has_argument(args, "again");
+    const bool continues = has_argument(args, "continue"),
+               anew = continues || has_argument(args, "again");
     if (!again)
         return error_memory(error);
     if (session->live.state == LIVE_RUNNING || session->execution.reacting)
@@ -336,7 +337,7 @@ HANDLER(collect)
         return error_set(error, ERROR_COMMAND, "nothing is being collected");
     if (anew && !repeat(session, args, again, error))
         return false;
-    if (on && !go_on_after(&c, session_recording(session)))
+    if (continues && !go_on_after(&c, session_recording(session)))
         return error_set(error, ERROR_IO, "its file is gone");
     const struct text source = text_given(anew ? again : args, "SOURCE");
     const bool input = text_is(source, "-");
@@ -345,9 +346,9 @@ HANDLER(collect)
                error_hint(error, "'load FILE' reads a recording that is there already");
     if (input && !check_input(session, source, error))
         return false;
-    const struct recording *before = anew ? session_recording(session) : NULL;
+    const struct recording *previous = anew ? session_recording(session) : NULL;
     c.calibration = session->setup.calibration.decided ? session->setup.calibration
-                    : before                           ? before->calibration
+                    : previous                         ? previous->calibration
                                                        : c.calibration;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
     return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&

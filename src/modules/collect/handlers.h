@@ -19,7 +19,7 @@ struct trigger {
     struct text name;        /* of the column; "y": the value */
     double level;            /* SI, or as the column has it */
     const struct unit *unit; /* NULL: none, the level is as the column has its numbers */
-    uint32_t after;          /* line of the file: not before */
+    uint32_t after_line;     /* line of the file: not before */
     double t;                /* [s] of the recording, where it came; NAN: not yet */
     uint32_t line;           /* of the file, where it came */
     double arrival;          /* [s] of that line, by the clock of the arrivals */
@@ -31,21 +31,21 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
 bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error);
 /* What was waited for in vain: between which numbers the column was. */
 void trigger_missed(const struct trigger *trigger, const struct recording *recording,
-                    struct buffer *out);
+                    struct buffer *output);
 
 /* What has come, for the panes and the trigger: each look reads on in the file. */
 struct collect_view {
     const char *path;
     const struct load_options *options;
-    int fd;              /* of the file; -1: not yet opened */
-    struct buffer head;  /* of the file, before its first sample; empty: not yet known */
-    uint32_t head_lines; /* in it, without remarks */
-    off_t from;          /* the line at which the next look begins … */
-    uint32_t before;     /* … and lines in the file before it, without remarks */
-    uint64_t lines;      /* in the file when it was last read */
-    int64_t due;         /* [clock_ns] not before */
-    uint32_t newest;     /* line of the newest row … */
-    double t;            /* [s] … and its time, by the clock of the first look */
+    int fd;                /* of the file; -1: not yet opened */
+    struct buffer head;    /* of the file, before its first sample; empty: not yet known */
+    uint32_t head_lines;   /* in it, without remarks */
+    off_t offset;          /* the line at which the next look begins … */
+    uint32_t lines_before; /* … and lines in the file before it, without remarks */
+    uint64_t lines;        /* in the file when it was last read */
+    int64_t due;           /* [clock_ns] not before */
+    uint32_t newest;       /* line of the newest row … */
+    double t;              /* [s] … and its time, by the clock of the first look */
     struct error problem;
 };
 
@@ -60,7 +60,7 @@ struct collect_live {
     struct lengthening growth;
     int64_t period_due, fit_due; /* [clock_ns] */
     struct scene laid;           /* that the model is of */
-    const struct method *by;
+    const struct method *method;
 };
 
 enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
@@ -75,10 +75,10 @@ struct collection {
     struct calibration calibration; /* in force */
     struct text put_options;        /* as they stand behind load */
     struct trigger trigger;
-    double length, before; /* [s] HUGE_VAL: no end */
-    bool again;            /* goes on with a file there is … */
-    uint32_t after;        /* … behind that line */
-    double from;           /* [s] its time goes on from there */
+    double length, pretrigger; /* [s] HUGE_VAL: no end */
+    bool again;                /* goes on with a file there is … */
+    uint32_t after_line;       /* … behind that line */
+    double t_begin;            /* [s] its time goes on from there */
     long baud;
     uint64_t max, there; /* lines; that were there before */
     struct collecting state;

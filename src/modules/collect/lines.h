@@ -60,15 +60,15 @@ double clock_pace(const struct arrivals *arrivals, const double *v, double *scra
 struct clock_mended {
     size_t starts, wraps; /* it started again, was full */
     size_t wrong;         /* stamps that are NAN now */
-    bool *after;          /* [n] the first one after a new start */
+    bool *is_restart;     /* [n] the first one after a new start */
 };
 /* Lets stamps v [n] that go back continue instead if they are those of a clock (a sawtooth only if
  * `trusted`); garbled ones become NAN. Returns false if out of memory. */
 bool clock_mend(const struct arrivals *arrivals, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended);
-/* Lines lost between the times t [n], rising, but not before those `after` (NULL if there is none)
- * a new start; not known where the steps are uneven. */
-size_t clock_lost(const struct arrivals *arrivals, const double *t, const bool *after,
+/* Lines lost between the times t [n], rising, but not before those `is_restart` (NULL if there is
+ * none) a new start; not known where the steps are uneven. */
+size_t clock_lost(const struct arrivals *arrivals, const double *t, const bool *is_restart,
                   double *scratch, bool *known);
 
 /* Times [n] of the samples: fills clock, lost, rate and jitter of what is known of them. Scratch

@@ -7,62 +7,62 @@
 
 #include <math.h>
 
-static void put_quantity(struct buffer *out, double value, enum quantity quantity, bool blanks)
+static void put_quantity(struct buffer *output, double value, enum quantity quantity, bool blanks)
 {
     struct buffer text = {0};
     buffer_quantity(&text, value, quantity, 3);
     for (size_t i = 0; i < text.len; i++)
         if (blanks || text.data[i] != ' ')
-            buffer_char(out, text.data[i]);
+            buffer_char(output, text.data[i]);
     buffer_free(&text);
 }
 
 /* "T=0.72553(4)s" */
-static void put_fitted(struct buffer *out, const char *name, struct measured value,
+static void put_fitted(struct buffer *output, const char *name, struct measured value,
                        const char *unit, bool blanks)
 {
     if (!isfinite(value.value) || !(value.uncertainty > 0))
         return;
-    buffer_format(out, " %s=", name);
-    buffer_parenthesis(out, value.value, value.uncertainty);
-    buffer_format(out, "%s%s", blanks && unit[0] ? " " : "", unit);
+    buffer_format(output, " %s=", name);
+    buffer_parenthesis(output, value.value, value.uncertainty);
+    buffer_format(output, "%s%s", blanks && unit[0] ? " " : "", unit);
 }
 
-static void put_live_fit(struct buffer *out, const struct collecting *now, bool blanks)
+static void put_live_fit(struct buffer *output, const struct collecting *now, bool blanks)
 {
-    buffer_put(out, TEXT("  fit"));
+    buffer_put(output, TEXT("  fit"));
     if (!isfinite(now->fit.period.value))
-        buffer_put(out, TEXT(": not determined yet"));
-    put_fitted(out, "T", now->fit.period, "s", blanks);
-    put_fitted(out, "gamma", now->fit.gamma, "", blanks);
-    put_fitted(out, "k", now->fit.k, "N/m", blanks);
+        buffer_put(output, TEXT(": not determined yet"));
+    put_fitted(output, "T", now->fit.period, "s", blanks);
+    put_fitted(output, "gamma", now->fit.gamma, "", blanks);
+    put_fitted(output, "k", now->fit.k, "N/m", blanks);
 }
 
 /* What is collected, instead of what is simulated. */
-static void put_collecting(struct buffer *out, const struct collecting *now, bool counts,
+static void put_collecting(struct buffer *output, const struct collecting *now, bool counts,
                            bool blanks)
 {
     static const char *const words[] = {[COLLECT_WAITING] = "WAITING",
                                         [COLLECT_GOES_ON] = "COLLECTING",
                                         [COLLECT_PAUSED] = "PAUSED"};
     const bool fits = isfinite(now->fit.t);
-    buffer_format(out, "%s %.1f s", words[now->state], now->seconds);
+    buffer_format(output, "%s %.1f s", words[now->state], now->seconds);
     if (counts)
-        buffer_format(out, "  %llu lines", (unsigned long long)now->lines);
+        buffer_format(output, "  %llu lines", (unsigned long long)now->lines);
     if (now->period > 0 && !fits) {
-        buffer_put(out, TEXT("  T="));
-        put_quantity(out, now->period, QUANTITY_TIME, blanks);
+        buffer_put(output, TEXT("  T="));
+        put_quantity(output, now->period, QUANTITY_TIME, blanks);
     }
     if (now->amplitude > 0 && now->quantity != QUANTITY_OTHER) {
-        buffer_put(out, TEXT(" A="));
-        put_quantity(out, now->amplitude, now->quantity, blanks);
+        buffer_put(output, TEXT(" A="));
+        put_quantity(output, now->amplitude, now->quantity, blanks);
     }
     if (fits)
-        put_live_fit(out, now, blanks);
+        put_live_fit(output, now, blanks);
     if (counts && now->growing.late > 0) {
-        buffer_put(out, TEXT("  v "));
-        put_quantity(out, now->growing.late, QUANTITY_TIME, blanks);
-        buffer_put(out, TEXT(" late"));
+        buffer_put(output, TEXT("  v "));
+        put_quantity(output, now->growing.late, QUANTITY_TIME, blanks);
+        buffer_put(output, TEXT(" late"));
     }
 }
 
@@ -72,10 +72,10 @@ struct collecting *session_collecting(const struct session *session)
     return part ? part->now : NULL;
 }
 
-bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *out)
+bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *output)
 {
     if (session_collecting(session))
-        put_collecting(out, session_collecting(session), counts, blanks);
+        put_collecting(output, session_collecting(session), counts, blanks);
     return session_collecting(session) != NULL;
 }
 

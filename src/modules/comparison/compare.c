@@ -13,20 +13,20 @@
 #include <string.h>
 
 /* The rows as they are shown. */
-static void fill_rows(const struct session *session, const struct comparison *from, int count,
+static void fill_rows(const struct session *session, const struct comparison *compared, int count,
                       struct arena *arena, struct compared_row *rows)
 {
     struct recording *recording = session_recording(session);
     for (int i = 0; i < count; i++) {
-        const struct run *run = from[i].run;
+        const struct run *run = compared[i].run;
         struct compared_row *row = &rows[i];
-        compared_init(row, &from[i]);
+        compared_init(row, &compared[i]);
         const bool stopped = cancelled(session->front.cancel),
                    arrived = !stop_is_failure(run->stop) && run->stop != STOP_GIVEN_UP;
         if (stopped || !arrived || !run_period(run, arena, &row->period))
             row->period = (struct measured){NAN, NAN};
         for (int k = 0; k < count; k++)
-            row->mixed |= from[k].path != from[0].path;
+            row->mixed |= compared[k].path != compared[0].path;
         if (!recording || stopped)
             continue;
         const struct data_distance data = run_data_distance(run, recording);
@@ -39,13 +39,13 @@ static void fill_rows(const struct session *session, const struct comparison *fr
 }
 
 /* Which rows took extra steps: they are not the methods as they are printed. */
-static void put_turning(const struct comparison *rows, int count, struct buffer *out)
+static void put_turning(const struct comparison *rows, int count, struct buffer *output)
 {
     bool any = false;
     for (int i = 0; i < count; i++) {
         const int64_t turns = rows[i].run->cost.turns;
         if (turns > 0)
-            buffer_format(out, "%s%s %lld",
+            buffer_format(output, "%s%s %lld",
                           any ? ", "
                           : rows[i].run->system.switches > rows[i].run->system.dry
                               ? "extra steps that end at switches (set turning off): "
@@ -54,11 +54,11 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
         any |= turns > 0;
     }
     if (any)
-        buffer_char(out, '\n');
+        buffer_char(output, '\n');
 }
 
 /* Which rows have times that do not compare with the rest. */
-static void put_general(const struct comparison *rows, int count, struct buffer *out)
+static void put_general(const struct comparison *rows, int count, struct buffer *output)
 {
     struct buffer names = {0};
     const struct method *last = NULL;
@@ -68,7 +68,7 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
         last = rows[i].run->method;
     }
     buffer_format(
-        out,
+        output,
         "(!) timed by the general code: %s\n"
         "    The others have code made for the method and these forces: do not rank by time\n"
         "    what is marked against what is not.\n",
@@ -83,14 +83,14 @@ static void put_verdicts(const struct compared_row *rows, int count, struct buff
     for (int i = 1; i < count; i++)
         several |= rows[i].method == rows[i - 1].method;
     for (int i = 0; i < count; i++) {
-        if (!rows[i].by.verdict[0])
+        if (!rows[i].comparison.verdict[0])
             continue;
         buffer_put(text, text_of(rows[i].method->row.name));
         if (several) {
             buffer_char(text, ' ');
             compared_setting(&rows[i], text);
         }
-        buffer_format(text, ": %s\n", rows[i].by.verdict);
+        buffer_format(text, ": %s\n", rows[i].comparison.verdict);
     }
 }
 
@@ -108,7 +108,7 @@ static void put_compared(const struct compared_row *rows, int count, int width, 
     }
 }
 
-static void reply_table(const struct session *session, const struct comparison *from,
+static void reply_table(const struct session *session, const struct comparison *compared,
                         const struct compared_row *rows, int count, bool brief, struct arena *arena,
                         struct reply *reply)
 {
@@ -119,10 +119,10 @@ static void reply_table(const struct session *session, const struct comparison *
     put_compared(rows, count, width, arena, &text);
     bool timed = false;
     for (int i = 0; i < count; i++)
-        timed |= isfinite(from[i].time.minimum);
+        timed |= isfinite(compared[i].time.minimum);
     if (timed && rows[0].mixed)
-        put_general(from, count, &text);
-    put_turning(from, count, &text);
+        put_general(compared, count, &text);
+    put_turning(compared, count, &text);
     const size_t table_end = text.len;
     put_verdicts(rows, count, &text);
     const int rows_max =
@@ -131,11 +131,11 @@ static void reply_table(const struct session *session, const struct comparison *
         text.len = table_end;
         buffer_put(&text, TEXT("... what each does in words: --full\n"));
     }
-    if (from[0].reference[0]) {
+    if (compared[0].reference[0]) {
         buffer_format(&text, "errors against %s and %s, which agree to %s",
-                      from[0].reference[0]->row.name, from[0].reference[1]->row.name,
-                      SHOWN_SHORT(from[0].errors.floor, 2));
-        buffer_put(&text, from[0].reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
+                      compared[0].reference[0]->row.name, compared[0].reference[1]->row.name,
+                      SHOWN_SHORT(compared[0].errors.floor, 2));
+        buffer_put(&text, compared[0].reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -144,7 +144,7 @@ static void reply_table(const struct session *session, const struct comparison *
 static void reply_comparison(const struct session *session, const struct compared_row *rows,
                              int count, struct reply *reply)
 {
-    const struct comparison *first = &rows[0].by;
+    const struct comparison *first = &rows[0].comparison;
     struct buffer reference = {0};
     if (first->reference[0])
         buffer_format(&reference, "%s and %s, which agree to %s", first->reference[0]->row.name,

@@ -68,7 +68,7 @@ static bool part_uses(const void *state, const struct model *model)
 }
 
 /* A reference that the next study would not have to compute. */
-static void plan(const struct session *session, struct buffer *text)
+static void comparison_plan(const struct session *session, struct buffer *text)
 {
     struct comparison_part *part = session_part_if_made(session, &comparison_module);
     const struct setup *setup = &session->setup;
@@ -87,5 +87,5 @@ const struct module comparison_module = {
     .part_size = sizeof(struct comparison_part),
     .part_free = free_part,
     .part_uses = part_uses,
-    .plan = plan,
+    .plan = comparison_plan,
 };

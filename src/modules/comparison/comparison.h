@@ -44,15 +44,15 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
                       struct error *error);
 /* One table a method, or that of one method only (NULL: of all); a wide one has more columns. */
 void precision_tables(const struct precision *precision, const struct method *only, int width,
-                      struct arena *arena, struct buffer *out);
+                      struct arena *arena, struct buffer *output);
 /* One line a method: its slope, and what it costs at best. */
-void precision_overview(const struct precision *precision, struct buffer *out);
+void precision_overview(const struct precision *precision, struct buffer *output);
 /* The fastest methods for errors that are `step` decades apart; all: with what is fewest, and what
  * is not ranked. */
 void precision_winners(const struct precision *precision, int step, bool all, int width,
-                       struct arena *arena, struct buffer *out);
+                       struct arena *arena, struct buffer *output);
 /* "a euler  b verlet …", in lines of that width. */
-void precision_legend(const struct precision *precision, int width, struct buffer *out);
+void precision_legend(const struct precision *precision, int width, struct buffer *output);
 /* Records of points, and of the fastest for each error. */
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply);

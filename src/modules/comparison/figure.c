@@ -95,8 +95,8 @@ static void widen(double range[2], double value)
 static bool add_method(struct diagram *d, int c)
 {
     const struct precision *precision = d->precision;
-    const struct precision_curve *from = &precision->curve[c];
-    const size_t n = (size_t)from->count + 1;
+    const struct precision_curve *source = &precision->curve[c];
+    const size_t n = (size_t)source->count + 1;
     double *x = arena_array(d->arena, 4 * n, sizeof *x), *y = x + n, *failed_x = x + 2 * n,
            *failed_y = x + 3 * n;
     if (!x)
@@ -109,7 +109,7 @@ static bool add_method(struct diagram *d, int c)
                              .points = true,
                              .mark = failure_letter(precision, c),
                              .look = c + 1};
-    for (int i = from->first; i < from->first + from->count; i++) {
+    for (int i = source->first; i < source->first + source->count; i++) {
         const struct precision_point *point = &precision->point[i];
         const double work = work_of(precision, point, d->timed);
         if (isnan(work))
@@ -132,11 +132,11 @@ static bool add_method(struct diagram *d, int c)
 /* Adds the line that the order of a method predicts, through the middle of its fitted points. */
 static void add_slope(struct diagram *d, int c)
 {
-    const struct precision_curve *from = &d->precision->curve[c];
-    const double order = from->by.method->order, beyond = 1.6;
+    const struct precision_curve *source = &d->precision->curve[c];
+    const double order = source->choice.method->order, excess = 1.6;
     double x = 0, y = 0, range[2] = {HUGE_VAL, 0};
     int n = 0;
-    for (int i = from->first; i < from->first + from->count; i++) {
+    for (int i = source->first; i < source->first + source->count; i++) {
         const struct precision_point *point = &d->precision->point[i];
         const double work = work_of(d->precision, point, d->timed);
         if (!point->asymptotic || isnan(work))
@@ -146,11 +146,11 @@ static void add_slope(struct diagram *d, int c)
         widen(range, work);
         n++;
     }
-    if (n == 0 || !(order > 0) || isnan(from->expected))
+    if (n == 0 || !(order > 0) || isnan(source->expected))
         return;
     struct figure_guide *guide = &d->guide[d->guides++];
     for (int end = 0; end < 2; end++) {
-        guide->x[end] = end ? range[1] * beyond : range[0] / beyond;
+        guide->x[end] = end ? range[1] * excess : range[0] / excess;
         guide->y[end] = exp(y / n - order * (log(guide->x[end]) - x / n));
     }
 }
@@ -175,7 +175,7 @@ static bool add_fastest(struct diagram *d, double error, bool named)
     for (int i = 0; i < tied && i < shown_max; i++) {
         const char letter[2] = {precision_letter(cost[i].curve), '\0'};
         buffer_format(&text, "%s%s", i ? named ? " = " : "=" : "",
-                      named ? precision->curve[cost[i].curve].by.method->row.name : letter);
+                      named ? precision->curve[cost[i].curve].choice.method->row.name : letter);
     }
     if (tied > shown_max && named)
         buffer_format(&text, " = %d more", tied - shown_max);
@@ -205,15 +205,15 @@ static bool add_labels(struct diagram *d, bool named)
  * columns. */
 static void make_room(struct diagram *d, bool named)
 {
-    const double letter = named ? 0.0105 : 1.0 / 66, beside = named ? 2.5 : 2, part_max = 0.6;
-    const double to = log10(d->work[1]);
-    double from = log10(d->work[0]);
+    const double letter = named ? 0.0105 : 1.0 / 66, margin = named ? 2.5 : 2, part_max = 0.6;
+    const double upper = log10(d->work[1]);
+    double lower = log10(d->work[0]);
     for (int i = 0; i < d->labels; i++) {
         const double part =
-            fmin(letter * (text_width(text_of(d->label[i].text)) + beside), part_max);
-        from = fmin(from, (log10(d->label[i].x) - part * to) / (1 - part));
+            fmin(letter * (text_width(text_of(d->label[i].text)) + margin), part_max);
+        lower = fmin(lower, (log10(d->label[i].x) - part * upper) / (1 - part));
     }
-    d->work[0] = pow(10, from);
+    d->work[0] = pow(10, lower);
 }
 
 /* Shades what the reference does not resolve, and draws the slopes of the orders. */
@@ -265,7 +265,7 @@ static const char *words_of(const struct diagram *d)
                   d->error[0], d->top, d->timed ? "the time of a solve" : "evaluations", d->work[0],
                   d->work[1], d->timed ? " s" : "");
     for (int c = 0; c < precision->curves; c++)
-        buffer_format(&text, "%s %s", c ? "," : " of", precision->curve[c].by.method->row.name);
+        buffer_format(&text, "%s %s", c ? "," : " of", precision->curve[c].choice.method->row.name);
     buffer_char(&text, '.');
     for (int i = 0; i < d->labels; i++)
         buffer_format(&text, " For an error of %.0e %s: %s, %.3g%s.", d->label[i].y,
@@ -305,25 +305,29 @@ static bool make_diagram(const struct precision *precision, bool named, struct a
         return error_memory(error);
     make_room(&d, named);
     add_guides(&d, named);
-    *figure = (struct figure){
-        .title = "precision",
-        .curve = d.curve,
-        .curves = (int)curves,
-        .x = {.label = d.timed ? "time of a solve" : "evaluations",
-              .unit = d.timed ? "s" : "",
-              .log = true,
-              .fixed = true,
-              .from = d.work[0],
-              .to = d.work[1]},
-        .y = {.label = "error", .log = true, .fixed = true, .from = d.error[0], .to = 1.8 * d.top},
-        .plane = true,
-        .note = note_of(&d, named),
-        .words = words_of(&d),
-        .caption = precision->reference.exact ? "against the closed form" : "against two methods",
-        .guide = d.guide,
-        .guides = d.guides,
-        .label = d.label,
-        .labels = d.labels};
+    *figure = (struct figure){.title = "precision",
+                              .curve = d.curve,
+                              .curves = (int)curves,
+                              .x = {.label = d.timed ? "time of a solve" : "evaluations",
+                                    .unit = d.timed ? "s" : "",
+                                    .log = true,
+                                    .fixed = true,
+                                    .first_value = d.work[0],
+                                    .last_value = d.work[1]},
+                              .y = {.label = "error",
+                                    .log = true,
+                                    .fixed = true,
+                                    .first_value = d.error[0],
+                                    .last_value = 1.8 * d.top},
+                              .plane = true,
+                              .note = note_of(&d, named),
+                              .words = words_of(&d),
+                              .caption = precision->reference.exact ? "against the closed form"
+                                                                    : "against two methods",
+                              .guide = d.guide,
+                              .guides = d.guides,
+                              .label = d.label,
+                              .labels = d.labels};
     return true;
 }
 
@@ -364,11 +368,11 @@ bool precision_name_curves(const struct session *session, struct arena *arena,
     memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
     for (int i = 0; i < precision->curves; i++) {
         if (!curve[i].label)
-            curve[i].label = precision->curve[i].by.method->row.name;
+            curve[i].label = precision->curve[i].choice.method->row.name;
         curve[precision->curves + i].mark = '*'; /* a picture has the method's mark, no letter */
     }
     figure->curve = curve;
-    figure->x.from = named.x.from;
+    figure->x.first_value = named.x.first_value;
     figure->note = named.note;
     figure->words = named.words;
     figure->guide = named.guide;

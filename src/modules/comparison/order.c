@@ -14,37 +14,39 @@
 /* ---- order ---- */
 
 static void put_order(const struct session *session, const struct order *order, struct arena *arena,
-                      struct buffer *out)
+                      struct buffer *output)
 {
-    const char *drag = contender_drag(&order->by);
+    const char *drag = contender_drag(&order->choice);
     struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
-    buffer_format(out,
+    buffer_format(output,
                   "%s%s%s, %s of the scene in fixed steps with compensated sums; root mean square "
                   "error of the whole state at four times, good to %s",
-                  order->by.method->row.name, drag ? " drag=" : "", drag ? drag : "",
+                  order->choice.method->row.name, drag ? " drag=" : "", drag ? drag : "",
                   SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
                   SHOWN_SHORT(order->floor, 2));
-    buffer_put(out, order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
+    buffer_put(output,
+               order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
     columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
-    text_table_put(&table, out);
+    text_table_put(&table, output);
     int64_t turns = 0;
     for (int i = 0; i < order->points; i++)
         turns = order->point[i].turns > turns ? order->point[i].turns : turns;
     if (turns > 0)
         buffer_format(
-            out, "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
+            output,
+            "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
             order->switches ? "switches" : "turning points", (long long)turns);
     const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     if (order->fitted)
-        buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
+        buffer_format(output, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
                       order->slope, order->guard, order->fitted, order->r2, order->claimed,
                       verdict);
     else if (order->verdict == ORDER_EXACT)
-        buffer_put(out, TEXT("exact: every step size gives the solution to rounding\n"));
+        buffer_put(output, TEXT("exact: every step size gives the solution to rounding\n"));
     else
-        buffer_format(out, "no order can be measured here (claimed %d)\n", order->claimed);
+        buffer_format(output, "no order can be measured here (claimed %d)\n", order->claimed);
     if (order->words[0])
-        buffer_format(out, "%s\n", order->words);
+        buffer_format(output, "%s\n", order->words);
 }
 
 /* Measures each method in turn. Of several those that do not apply are left out with the reason;
@@ -60,7 +62,7 @@ static bool measure_orders(struct session *session, const struct method_choice *
                                     .cancel = session->front.cancel};
     for (int i = 0; i < choices; i++) {
         struct order *order = &orders[*count];
-        request.by = choice[i];
+        request.choice = choice[i];
         const bool ok = study_order(&request, order, error);
         *count += ok || order->points > 0;
         if (!ok && (choices == 1 || error->code != ERROR_COMMAND))
@@ -81,7 +83,7 @@ static bool reply_orders(const struct session *session, const struct order *orde
     for (int i = 0; i < count; i++)
         n += order_rows(&orders[i], rows + n);
     reply_result(session, reply, "order", &order_row_columns, rows, n,
-                 count == 1 ? orders->by.method->row.name : NULL, NULL);
+                 count == 1 ? orders->choice.method->row.name : NULL, NULL);
     reply_records(reply, "order", &order_columns, orders, (size_t)count);
     return true;
 }
@@ -95,7 +97,7 @@ static void put_orders(const struct order *orders, int count, const struct buffe
     buffer_put(text, buffer_text(absent));
     for (int i = 0; i < count; i++)
         if (orders[i].words[0])
-            buffer_format(text, "%s: %s\n", orders[i].by.method->row.name, orders[i].words);
+            buffer_format(text, "%s: %s\n", orders[i].choice.method->row.name, orders[i].words);
     buffer_put(text, TEXT("'plot order' draws the errors; 'order METHOD' lists those of one\n"));
 }
 
@@ -180,9 +182,9 @@ static void selftest_cells(const struct selftest_row *row, struct text_table *ta
 #define CHECK(name, index)                                                                         \
     {                                                                                              \
         name, .kind = COLUMN_OBJECT, .part = &check_columns,                                       \
-              .at = offsetof(struct selftest_row, check[index])                                    \
+              .offset = offsetof(struct selftest_row, check[index])                                \
     }
-#define AT(member) .at = offsetof(struct selftest_result, member)
+#define AT(member) .offset = offsetof(struct selftest_result, member)
 
 static const struct result_column of_check[] = {
     {.name = "asked", .kind = COLUMN_BOOL, AT(applies)},
@@ -193,8 +195,8 @@ static const struct result_column of_check[] = {
 static const struct result_columns check_columns = RESULT_COLUMNS(of_check, struct selftest_result);
 
 static const struct result_column of_selftest[] = {
-    {.name = "method", .kind = COLUMN_ROW, .at = offsetof(struct selftest_row, method)},
-    {.name = "passed", .kind = COLUMN_BOOL, .at = offsetof(struct selftest_row, passed)},
+    {.name = "method", .kind = COLUMN_ROW, .offset = offsetof(struct selftest_row, method)},
+    {.name = "passed", .kind = COLUMN_BOOL, .offset = offsetof(struct selftest_row, passed)},
     CHECK("order", SELFTEST_ORDER),
     CHECK("area", SELFTEST_AREA),
     CHECK("reversal", SELFTEST_REVERSAL),

@@ -20,11 +20,11 @@ static void note_absent(void *context, const char *method, const char *reason)
     buffer_format(text, "%s\n", reason);
 }
 
-static void take_range(const struct argument_value *range, double out[2])
+static void take_range(const struct argument_value *range, double limits[2])
 {
-    out[0] = out[1] = NAN;
+    limits[0] = limits[1] = NAN;
     for (int i = 0; i < 2 && range->count; i++)
-        out[i] = range->item->range[i];
+        limits[i] = range->item->range[i];
 }
 
 static bool check_range(const struct argument_value *range, const char *example,
@@ -41,7 +41,7 @@ static bool check_range(const struct argument_value *range, const char *example,
 /* brief: without what is about the whole study. */
 static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
 {
-    const bool resolved = !precision->reference.against[0];
+    const bool resolved = !precision->reference.dissenting_method[0];
     double others = 0;
     struct {
         bool any;
@@ -60,7 +60,7 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         const struct precision_point *point = &precision->point[i];
         others = fmax(others, point->time.others);
         mark[0].any |= point->asymptotic;
-        mark[1].any |= point->below;
+        mark[1].any |= point->is_below_reference;
         mark[2].any |= point->time.spread > TIMING_SPREAD;
         mark[3].any |= point->time.few;
         mark[4].any |= point->stop == STOP_END && !point->refused && !precision_meaningful(point);
@@ -115,9 +115,8 @@ static void put_without_result(const struct precision *precision, struct buffer 
         const struct precision_point *last = &precision->point[curve->first + curve->count - 1];
         if (curve->count == 0 || has_result(precision, curve))
             continue;
-        buffer_format(text, "%s%s %s",
-                      text->len > begin ? ", " : "without a result: ", curve->by.method->row.name,
-                      precision_failure(precision, last));
+        buffer_format(text, "%s%s %s", text->len > begin ? ", " : "without a result: ",
+                      curve->choice.method->row.name, precision_failure(precision, last));
         if (last->part < 1 && last->part > 0 && last->seconds > 0)
             buffer_format(text, " (about %s a solve)",
                           SHOWN_QUANTITY(last->seconds / last->part, QUANTITY_TIME, 2));
@@ -219,10 +218,10 @@ static bool reply_tables(const struct session *session, const struct arguments *
         return error_hint(error, "'precision' makes one");
     }
     for (int i = 0; i < methods->count; i++) {
-        const size_t before = text.len;
+        const size_t old_len = text.len;
         const struct row *row = methods->item[i].row;
         precision_tables(precision, method_from(row), width, args->arena, &text);
-        if (text.len == before) {
+        if (text.len == old_len) {
             buffer_free(&text);
             return error_at(error, methods->item[i].text, "%s was not part of the last study",
                             row->name);

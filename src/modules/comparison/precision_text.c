@@ -13,28 +13,28 @@
 
 /* ---- a method ---- */
 
-static void put_slope(const struct precision_curve *curve, struct buffer *out)
+static void put_slope(const struct precision_curve *curve, struct buffer *output)
 {
     if (curve->fitted == 0) {
-        buffer_format(out, "no slope: %s\n",
+        buffer_format(output, "no slope: %s\n",
                       isnan(curve->expected) ? "it makes no error of its own"
                                              : "fewer than 3 errors between 5 % and rounding");
         return;
     }
     if (isnan(curve->slope)) {
-        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n",
+        buffer_format(output, "no slope: its %d errors are all the same, whatever the steps\n",
                       curve->fitted);
         return;
     }
     if (curve->adaptive)
-        buffer_format(out, "error ~ tol^%.2f", curve->slope);
+        buffer_format(output, "error ~ tol^%.2f", curve->slope);
     else
-        buffer_format(out, "order %.2f", curve->slope);
-    buffer_format(out, " (%d points, R^2 %.4f)", curve->fitted, curve->r2);
+        buffer_format(output, "order %.2f", curve->slope);
+    buffer_format(output, " (%d points, R^2 %.4f)", curve->fitted, curve->r2);
     if (curve->differs)
-        buffer_format(out, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed",
+        buffer_format(output, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed",
                       curve->expected);
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
 }
 
 static bool is_timed(const struct precision *precision, int first, int count)
@@ -55,54 +55,54 @@ static bool is_mixed(const struct precision *precision)
 }
 
 void precision_tables(const struct precision *precision, const struct method *only, int width,
-                      struct arena *arena, struct buffer *out)
+                      struct arena *arena, struct buffer *output)
 {
     const struct precision_row *rows = precision_rows(precision, arena);
     for (int c = 0; rows && c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
-        if (only && curve->by.method != only)
+        if (only && curve->choice.method != only)
             continue;
         struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .max = width};
-        buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
-        if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
-            buffer_format(out, " drag=%s", contender_drag(&curve->by));
+        buffer_format(output, "%c  %s", precision_letter(c), curve->choice.method->row.name);
+        if (curve->choice.drag != DRAG_DEFAULT && precision->system.velocity)
+            buffer_format(output, " drag=%s", contender_drag(&curve->choice));
         if (is_timed(precision, curve->first, curve->count) && is_mixed(precision))
-            buffer_format(out, " (timed by %s code)",
+            buffer_format(output, " (timed by %s code)",
                           catalog_row(&kernel_catalog, precision->point[curve->first].path)->name);
-        buffer_put(out, TEXT(": "));
-        put_slope(curve, out);
+        buffer_put(output, TEXT(": "));
+        put_slope(curve, output);
         columns_text(&precision_columns, rows + curve->first, (size_t)curve->count,
                      width >= WIDE_TABLE_CELLS, &table);
-        text_table_put(&table, out);
+        text_table_put(&table, output);
         if (curve->cut)
-            buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
+            buffer_put(output, TEXT("  not swept further: its share of the time was used up\n"));
     }
 }
 
-void precision_overview(const struct precision *precision, struct buffer *out)
+void precision_overview(const struct precision *precision, struct buffer *output)
 {
     for (int c = 0; c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
-        buffer_format(out, "%c  %s, %d settings: ", precision_letter(c), curve->by.method->row.name,
-                      curve->count);
-        put_slope(curve, out);
+        buffer_format(output, "%c  %s, %d settings: ", precision_letter(c),
+                      curve->choice.method->row.name, curve->count);
+        put_slope(curve, output);
     }
 }
 
-void precision_legend(const struct precision *precision, int width, struct buffer *out)
+void precision_legend(const struct precision *precision, int width, struct buffer *output)
 {
     int used = 0;
     for (int c = 0; c < precision->curves; c++) {
-        const char *name = precision->curve[c].by.method->row.name;
+        const char *name = precision->curve[c].choice.method->row.name;
         const int more = text_width(text_of(name)) + 4;
         if (used > 0 && used + more > width) {
-            buffer_char(out, '\n');
+            buffer_char(output, '\n');
             used = 0;
         }
-        buffer_format(out, "%s%c %s", used ? "  " : "", precision_letter(c), name);
+        buffer_format(output, "%s%c %s", used ? "  " : "", precision_letter(c), name);
         used += more;
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
 }
 
 /* ---- what is fastest ---- */
@@ -120,7 +120,7 @@ struct fastest_row {
 
 static const char *precision_name_of(const struct fastest_row *row, int i)
 {
-    return row->precision->curve[row->cost[i].curve].by.method->row.name;
+    return row->precision->curve[row->cost[i].curve].choice.method->row.name;
 }
 
 static const char *best_of(const void *row)
@@ -133,24 +133,24 @@ static double time_of(const void *row)
     return ((const struct fastest_row *)row)->cost->minimum;
 }
 
-static void put_tied(struct reply *reply, const char *key, const void *of)
+static void put_tied(struct reply *reply, const char *key, const void *row_data)
 {
-    const struct fastest_row *row = of;
+    const struct fastest_row *row = row_data;
     reply_array(reply, key);
     for (int i = 1; i < row->tied; i++)
         reply_string(reply, NULL, precision_name_of(row, i));
     reply_close(reply);
 }
 
-static const char *next_of(const void *of)
+static const char *next_of(const void *row_data)
 {
-    const struct fastest_row *row = of;
+    const struct fastest_row *row = row_data;
     return row->tied < row->ranked ? precision_name_of(row, row->tied) : NULL;
 }
 
-static double next_times(const void *of)
+static double next_times(const void *row_data)
 {
-    const struct fastest_row *row = of;
+    const struct fastest_row *row = row_data;
     const struct precision_cost *best = row->cost, *next = row->cost + row->tied;
     if (row->tied == row->ranked)
         return NAN;
@@ -170,9 +170,9 @@ static const char *best_head(const void *row)
 }
 
 /* Names of those that tie, as many as the width holds; without times the evaluations. */
-static void best_cell(struct text_table *table, const void *of)
+static void best_cell(struct text_table *table, const void *row_data)
 {
-    const struct fastest_row *row = of;
+    const struct fastest_row *row = row_data;
     struct buffer text = {0};
     int shown = 0, used = 0;
     for (; shown < row->tied; shown++) {
@@ -197,9 +197,9 @@ static void next_cell(struct text_table *table, const void *row)
     cell_take(table, &text);
 }
 
-static void fewest_cell(struct text_table *table, const void *of)
+static void fewest_cell(struct text_table *table, const void *row_data)
 {
-    const struct fastest_row *row = of;
+    const struct fastest_row *row = row_data;
     struct buffer text = {0};
     int best = 0;
     for (int i = 1; i < row->ranked + row->others; i++)
@@ -215,7 +215,7 @@ static bool is_row_timed(const void *row)
 
 /* clang-format off */
 static const struct result_column of_fastest[] = {
-    {.name = "error", .at = offsetof(struct fastest_row, error),
+    {.name = "error", .offset = offsetof(struct fastest_row, error),
      .index = 1, .heading = "error", .look = error_cell},
     {.name = "method", .kind = COLUMN_NAME, .text = best_of,
      .index = 2, .head = best_head, .cell = best_cell},
@@ -235,8 +235,8 @@ static const struct result_columns fastest_columns = RESULT_COLUMNS(of_fastest, 
 
 /* Rankings for errors that are `step` decades apart, those that a method reaches. NULL without
  * memory. */
-static struct fastest_row *rank(const struct precision *precision, int step, int width,
-                                struct arena *arena, size_t *count)
+static struct fastest_row *fastest_rows_rank(const struct precision *precision, int step, int width,
+                                             struct arena *arena, size_t *count)
 {
     enum { BESIDE = 50 /* columns of a line beside the names of those that tie */ };
     struct fastest_row *row = arena_array(arena, PRECISION_LEVELS, sizeof *row);
@@ -261,7 +261,7 @@ static struct fastest_row *rank(const struct precision *precision, int step, int
 
 /* Which methods were left out of the rankings, and why. */
 static void put_left_out(const struct precision *precision, const struct fastest_row *row,
-                         size_t count, struct buffer *out)
+                         size_t count, struct buffer *output)
 {
     struct buffer names = {0};
     for (int c = 0; c < precision->curves; c++) {
@@ -271,10 +271,10 @@ static void put_left_out(const struct precision *precision, const struct fastest
                 is_left_out |= row[i].cost[k].curve == c && row[i].cost[k].path == KERNEL_GENERAL;
         if (is_left_out)
             buffer_format(&names, "%s%s", names.len ? ", " : "",
-                          precision->curve[c].by.method->row.name);
+                          precision->curve[c].choice.method->row.name);
     }
     if (names.len)
-        buffer_format(out,
+        buffer_format(output,
                       "  not ranked after methods that have specialised code: %s, timed by the "
                       "general code,\n"
                       "  whose times do not compare; only where the general code is ahead all the "
@@ -284,21 +284,21 @@ static void put_left_out(const struct precision *precision, const struct fastest
 }
 
 void precision_winners(const struct precision *precision, int step, bool all, int width,
-                       struct arena *arena, struct buffer *out)
+                       struct arena *arena, struct buffer *output)
 {
     size_t count;
     struct text_table table = {.arena = arena, .gap = 2, .indent = all ? 2 : 0, .max = width};
-    const struct fastest_row *row = rank(precision, step, width, arena, &count);
+    const struct fastest_row *row = fastest_rows_rank(precision, step, width, arena, &count);
     if (!row || count == 0)
         return;
     if (all)
-        buffer_put(out, is_row_timed(row) ? TEXT("fastest method for an error (= : the times "
-                                                 "[minimum, median] overlap)\n")
-                                          : TEXT("cheapest method for an error\n"));
+        buffer_put(output, is_row_timed(row) ? TEXT("fastest method for an error (= : the times "
+                                                    "[minimum, median] overlap)\n")
+                                             : TEXT("cheapest method for an error\n"));
     columns_text(&fastest_columns, row, count, all, &table);
-    text_table_put(&table, out);
+    text_table_put(&table, output);
     if (all)
-        put_left_out(precision, row, count, out);
+        put_left_out(precision, row, count, output);
 }
 
 void reply_precision(const struct session *session, const struct precision *precision,
@@ -307,7 +307,7 @@ void reply_precision(const struct session *session, const struct precision *prec
     const struct precision_row *points = precision_rows(precision, arena);
     struct buffer reference = {0};
     size_t count;
-    const struct fastest_row *row = rank(precision, 1, 0, arena, &count);
+    const struct fastest_row *row = fastest_rows_rank(precision, 1, 0, arena, &count);
     if (!points || !row)
         return;
     reference_describe(&precision->reference, &reference);

@@ -14,82 +14,84 @@
 
 /* ---- one method in words ---- */
 
-static void put_checks(struct buffer *out, const struct stability *s)
+static void put_checks(struct buffer *output, const struct stability *s)
 {
     for (int i = 0; i < s->checks; i++) {
         const struct stability_check *check = &s->check[i];
-        buffer_put(out, i == 0   ? TEXT("  at dt: growth a step ")
-                        : i == 1 ? TEXT("  just below dt_max: ")
-                                 : TEXT("  just above dt_max: "));
-        buffer_growth(out, check->predicted);
-        buffer_put(out, TEXT(" predicted, "));
-        buffer_growth(out, check->measured);
-        buffer_format(out, " measured in %lld steps: %s\n", (long long)check->steps,
+        buffer_put(output, i == 0   ? TEXT("  at dt: growth a step ")
+                           : i == 1 ? TEXT("  just below dt_max: ")
+                                    : TEXT("  just above dt_max: "));
+        buffer_growth(output, check->predicted);
+        buffer_put(output, TEXT(" predicted, "));
+        buffer_growth(output, check->measured);
+        buffer_format(output, " measured in %lld steps: %s\n", (long long)check->steps,
                       check->agrees ? "agrees" : "DOES NOT AGREE");
     }
 }
 
-static void put_weakness(struct buffer *out, const struct stability *s)
+static void put_weakness(struct buffer *output, const struct stability *s)
 {
     if (s->refused)
-        buffer_format(out,
+        buffer_format(output,
                       "  dt_max is the longest step that %s takes here: a longer one is refused, "
                       "stable or not\n",
-                      s->by.method->row.name);
+                      s->choice.method->row.name);
     if (!isnan(s->weak[1]))
-        buffer_format(out,
+        buffer_format(output,
                       "  weak instability: growth 1 + %.3g (omega dt)^%.3g, doubles the amplitude "
                       "after %.3g steps (%s)\n",
                       s->weak[0], s->weak[1], s->doubling,
                       SHOWN_QUANTITY(s->doubling * s->dt, QUANTITY_TIME, 3));
     else if (isfinite(s->doubling) && s->doubling >= 2)
-        buffer_format(out, "  doubles the amplitude after %.3g steps\n", s->doubling);
+        buffer_format(output, "  doubles the amplitude after %.3g steps\n", s->doubling);
     if (!isnan(s->window[0]))
-        buffer_format(out,
+        buffer_format(output,
                       "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a "
                       "step; stable again after it\n",
                       s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega,
                       s->window[2]);
 }
 
-static void put_eigenvalues(struct buffer *out, const struct stability *s)
+static void put_eigenvalues(struct buffer *output, const struct stability *s)
 {
     double re[2], im;
     mode_eigenvalues(&s->worst, re, &im);
-    buffer_format(out, "  %s: eigenvalues %.6g and %.6g 1/s\n",
+    buffer_format(output, "  %s: eigenvalues %.6g and %.6g 1/s\n",
                   s->worst.sign == STIFFNESS_ZERO ? "no force pulls back"
                                                   : "the force pushes away from rest",
                   re[0], re[1]);
 }
 
-static void put_scene(struct buffer *out, const struct session *session, const struct stability *s)
+static void put_scene(struct buffer *output, const struct session *session,
+                      const struct stability *s)
 {
     const double seconds = session->setup.settings.duration;
     if (s->modes && s->linear && s->worst.sign != STIFFNESS_POSITIVE)
-        put_eigenvalues(out, s);
+        put_eigenvalues(output, s);
     else if (s->modes && s->linear)
-        buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega,
+        buffer_format(output, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega,
                       s->worst.zeta, s->worst.omega * s->dt);
     else if (s->modes)
-        buffer_format(out,
+        buffer_format(output,
                       "  not linear: eigenvalues of the Jacobian at the start and along %.4g s;\n"
                       "  dt_max comes from t = %.4g s, where omega = %.4g 1/s, zeta = %.4g\n",
                       seconds, s->tightest.t, s->tightest.omega, s->tightest.zeta);
     else
-        buffer_put(out, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
+        buffer_put(output, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
     if (s->grows && s->linear && s->modes)
         buffer_format(
-            out, "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
+            output,
+            "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
             s->growth_exact);
     else if (s->grows)
         buffer_put(
-            out,
+            output,
             TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
                  "judged\n"));
     if (s->linear)
         return;
     buffer_format(
-        out,
+        output,
         "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
         s->stop == STOP_END        ? "arrives"
         : s->stop == STOP_FULL     ? "still bounded, stopped"
@@ -110,99 +112,104 @@ static double finite_or(double value, double otherwise)
 }
 
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
-static void put_region(struct buffer *out, const struct stability *s, int height)
+static void put_region(struct buffer *output, const struct stability *s, int height)
 {
     enum { BESIDE = 3 /* [row] the heading, the axis, and that it is outside */ };
     const int rows = height - BESIDE > REGION_ROWS_MAX   ? REGION_ROWS_MAX
                      : height - BESIDE > REGION_ROWS_MIN ? height - BESIDE
                                                          : REGION_ROWS_MIN;
-    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
-                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
+    const double real = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 1), 6),
+                 high = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0), 0);
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
         1.25 * fmax(fmax(high, real * 0.7),
-                    finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
+                    finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0.3), 0));
     const double dx = (right - left) / REGION_COLUMNS, dy = top / (rows - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
-    buffer_put(out, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
-                         "half); o: this scene\n"));
+    buffer_put(output, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
+                            "half); o: this scene\n"));
     for (int row = 0; row < rows; row++) {
         const double im = top - row * dy;
         for (int column = 0; column < REGION_COLUMNS; column++) {
             const double re = left + (column + 0.5) * dx;
-            line[column] = stability_growth(&s->by, re, im) <= 1 + 1e-7 ? '#'
-                           : fabs(re) <= dx / 2                         ? '|'
-                                                                        : '.';
+            line[column] = stability_growth(&s->choice, re, im) <= 1 + 1e-7 ? '#'
+                           : fabs(re) <= dx / 2                             ? '|'
+                                                                            : '.';
         }
         for (int i = 0; i < s->at_start; i++) {
             double rate[2], turn;
             mode_eigenvalues(&s->mode[i], rate, &turn);
             for (int k = 0; k < 2; k++) {
-                const double column = (rate[k] * s->dt - left) / dx, at = (top - turn * s->dt) / dy;
-                if (lround(fmin(at, 1e3)) == row && column >= 0 && column < REGION_COLUMNS) {
+                const double column = (rate[k] * s->dt - left) / dx,
+                             row_position = (top - turn * s->dt) / dy;
+                if (lround(fmin(row_position, 1e3)) == row && column >= 0 &&
+                    column < REGION_COLUMNS) {
                     line[(int)column] = 'o';
                     shown = true;
                 }
             }
         }
         line[REGION_COLUMNS] = '\0';
-        buffer_format(out, "  %6.2f %s\n", im, line);
+        buffer_format(output, "  %6.2f %s\n", im, line);
     }
-    buffer_format(out, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2,
+    buffer_format(output, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2,
                   right);
     if (!shown && s->modes)
-        buffer_put(out, TEXT("  this scene's z lies outside of the picture\n"));
+        buffer_put(output, TEXT("  this scene's z lies outside of the picture\n"));
 }
 
 /* For methods that only know forces without velocity: growth over omega dt. */
-static bool put_growth_figure(struct buffer *out, const struct session *session,
+static bool put_growth_figure(struct buffer *output, const struct session *session,
                               const struct stability *s, int height, struct arena *arena)
 {
     enum { POINTS = 400, BETWEEN = 16 };
     double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
-    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 4);
+    const double limit = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0), 4);
     int width, whole;
     if (!x || !y)
         return false;
     for (int i = 0; i < POINTS; i++) {
         x[i] = 1.3 * limit * (i + 1) / POINTS;
         for (int k = 0; k < BETWEEN; k++) { /* a resonance is narrower than a point */
-            const double at = 1.3 * limit * (i + (double)(k + 1) / BETWEEN) / POINTS;
-            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0) - 1);
+            const double omega_dt = 1.3 * limit * (i + (double)(k + 1) / BETWEEN) / POINTS;
+            y[i] = fmax(y[i], method_growth(s->choice.method, s->choice.drag, omega_dt, 0) - 1);
         }
     }
-    const struct curve curve = {.label = s->by.method->row.name, .x = x, .y = y, .n = POINTS};
-    const struct figure figure = {
-        .title = "growth - 1 a step",
-        .x = {.label = "omega dt", .unit = ""},
-        .y =
-            {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
-        .curve = &curve,
-        .curves = 1,
-        .note = "0 is below the axis"};
+    const struct curve curve = {.label = s->choice.method->row.name, .x = x, .y = y, .n = POINTS};
+    const struct figure figure = {.title = "growth - 1 a step",
+                                  .x = {.label = "omega dt", .unit = ""},
+                                  .y = {.label = "growth - 1",
+                                        .unit = "",
+                                        .log = true,
+                                        .fixed = true,
+                                        .first_value = 1e-8,
+                                        .last_value = 10},
+                                  .curve = &curve,
+                                  .curves = 1,
+                                  .note = "0 is below the axis"};
     session_size(session, &width, &whole);
-    return figure_print(&figure, width, height, session_charset(session), false, out);
+    return figure_print(&figure, width, height, session_charset(session), false, output);
 }
 
 /* height: rows that are left for it; it takes at least 8. */
-static bool put_picture(struct buffer *out, const struct session *session,
+static bool put_picture(struct buffer *output, const struct session *session,
                         const struct stability *s, int height, struct arena *arena)
 {
-    if (isnan(stability_growth(&s->by, -0.5, 0.5)))
-        return put_growth_figure(out, session, s, height > 8 ? height : 8, arena);
-    put_region(out, s, height);
+    if (isnan(stability_growth(&s->choice, -0.5, 0.5)))
+        return put_growth_figure(output, session, s, height > 8 ? height : 8, arena);
+    put_region(output, s, height);
     return true;
 }
 
 /* ---- the table ---- */
 
-static void stability_table_put(struct buffer *out, const struct stability *rows, int count,
+static void stability_table_put(struct buffer *output, const struct stability *rows, int count,
                                 struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2};
     columns_text(&stability_columns, rows, (size_t)count, true, &table);
-    text_table_put(&table, out);
+    text_table_put(&table, output);
 }
 
 /* ---- the command ---- */
@@ -225,7 +232,7 @@ static bool study_each(const struct session *session, const struct arguments *ar
     for (int i = 0; i < wanted; i++) {
         const struct stability_request request = {
             .scene = &session->setup.scene,
-            .by = choice[i],
+            .choice = choice[i],
             .dt = dt->count ? dt->item->value.value : session->setup.settings.dt,
             .duration = session->setup.settings.duration,
             .cancel = session->front.cancel,
@@ -272,7 +279,7 @@ static bool trace_regions(struct session *session, enum region_plane plane,
     struct region region = {0};
     int count = 0;
     for (int i = 0; i < choices; i++) {
-        request.by = choice[i];
+        request.choice = choice[i];
         if (study_stability(&request, &studied[count], error))
             count++;
         else if (choices == 1 || error->code != ERROR_COMMAND)
@@ -323,7 +330,7 @@ static void put_study(const struct session *session, const struct arguments *arg
     stability_table_put(text, rows, count, args->arena);
     buffer_put(text, buffer_text(absent));
     for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
-        buffer_format(text, "%s:\n", rows[i].by.method->row.name);
+        buffer_format(text, "%s:\n", rows[i].choice.method->row.name);
         put_scene(text, session, &rows[i]);
         put_checks(text, &rows[i]);
         put_weakness(text, &rows[i]);

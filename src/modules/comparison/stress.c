@@ -31,9 +31,10 @@ struct stress_total {
     const struct stress_row *slowest; /* by time, else by steps; NULL: nothing was finished */
 };
 
-static bool is_slower(const struct stress_row *row, const struct stress_row *than)
+static bool is_slower(const struct stress_row *row, const struct stress_row *other)
 {
-    return !than || (isnan(row->seconds) ? row->steps > than->steps : row->seconds > than->seconds);
+    return !other ||
+           (isnan(row->seconds) ? row->steps > other->steps : row->seconds > other->seconds);
 }
 
 /* Most wrong answers first; the order of the list among equals. */
@@ -59,12 +60,12 @@ static void slowest_cell(struct text_table *table, const void *row)
     cell_take(table, &text);
 }
 
-#define COUNTED(class) .kind = COLUMN_INT, .at = offsetof(struct stress_total, count[class])
+#define COUNTED(class) .kind = COLUMN_INT, .offset = offsetof(struct stress_total, count[class])
 
 static const struct result_column of_total[] = {
     {.heading = "method",
      .kind = COLUMN_ROW,
-     .at = offsetof(struct stress_total, method),
+     .offset = offsetof(struct stress_total, method),
      .index = 1},
     {.heading = "right", COUNTED(CLASS_RIGHT), .index = 2},
     {.heading = "said so", COUNTED(CLASS_SAID), .index = 3},
@@ -75,23 +76,24 @@ static const struct result_column of_total[] = {
 static const struct result_columns total_columns = RESULT_COLUMNS(of_total, struct stress_total);
 
 /* Those that are never wrong. */
-static void put_right(const struct stress_total *total, int methods, int width, struct buffer *out)
+static void put_right(const struct stress_total *total, int methods, int width,
+                      struct buffer *output)
 {
     struct buffer line = {0};
     for (int i = 0; i < methods; i++)
         if (total[i].count[CLASS_WRONG] == 0)
             buffer_format(&line, "%s %s",
                           line.len ? "" : "nothing wrong:", total[i].method->row.name);
-    buffer_folded(out, buffer_text(&line), width);
+    buffer_folded(output, buffer_text(&line), width);
     if (line.len > 0)
-        buffer_char(out, '\n');
-    out->failed |= line.failed;
+        buffer_char(output, '\n');
+    output->failed |= line.failed;
     buffer_free(&line);
 }
 
 /* A line for each method that is wrong somewhere, as many as fit. */
 static void put_totals(const struct stress *stress, const struct method *const *method, int methods,
-                       int width, int rows, struct arena *arena, struct buffer *out)
+                       int width, int rows, struct arena *arena, struct buffer *output)
 {
     struct text_table table = {.arena = arena, .gap = 2};
     struct stress_total *total = arena_array(arena, (size_t)methods + 1, sizeof *total);
@@ -108,7 +110,7 @@ static void put_totals(const struct stress *stress, const struct method *const *
         wrong += total[m].count[CLASS_WRONG] > 0;
     }
     if (!total) {
-        out->failed = true;
+        output->failed = true;
         return;
     }
     qsort(total, (size_t)methods, sizeof *total, compare_totals);
@@ -118,11 +120,11 @@ static void put_totals(const struct stress *stress, const struct method *const *
     const int lines = wrong > 0 ? shown : methods < room ? methods : 0;
     columns_text(&total_columns, total, (size_t)lines, true, &table);
     if (lines > 0)
-        text_table_put(&table, out);
+        text_table_put(&table, output);
     if (shown < wrong)
-        buffer_format(out, "... %d more methods, wrong in at most %d cases: --full\n",
+        buffer_format(output, "... %d more methods, wrong in at most %d cases: --full\n",
                       wrong - shown, total[shown].count[CLASS_WRONG]);
-    buffer_put(out, buffer_text(&right));
+    buffer_put(output, buffer_text(&right));
     buffer_free(&right);
 }
 
@@ -130,14 +132,14 @@ static void put_totals(const struct stress *stress, const struct method *const *
 
 /* Which of the rows each verdict was given to: the cases of one method, else the methods; with the
  * first reason where `reasons` are wanted. */
-static void put_verdicts(const struct stress *stress, int from, int to, bool by_method, int width,
-                         bool reasons, struct buffer *out)
+static void put_verdicts(const struct stress *stress, int begin, int end, bool by_method, int width,
+                         bool reasons, struct buffer *output)
 {
     struct buffer line = {0};
     for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++) {
         const char *reason = "";
         buffer_clear(&line);
-        for (int i = from; i < to; i++) {
+        for (int i = begin; i < end; i++) {
             const struct stress_row *row = &stress->row[i];
             if (row->verdict != v)
                 continue;
@@ -151,48 +153,49 @@ static void put_verdicts(const struct stress *stress, int from, int to, bool by_
         }
         if (reasons && *reason)
             buffer_format(&line, " (%s)", reason);
-        buffer_folded(out, buffer_text(&line), width);
+        buffer_folded(output, buffer_text(&line), width);
         if (line.len > 0)
-            buffer_char(out, '\n');
+            buffer_char(output, '\n');
     }
-    out->failed |= line.failed;
+    output->failed |= line.failed;
     buffer_free(&line);
 }
 
-static void put_count(const struct stress *stress, int methods, int cases, struct buffer *out)
+static void put_count(const struct stress *stress, int methods, int cases, struct buffer *output)
 {
-    buffer_format(out, "%d method%s, %d case%s", methods, plural_s(methods), cases,
+    buffer_format(output, "%d method%s, %d case%s", methods, plural_s(methods), cases,
                   plural_s(cases));
     if (!isnan(stress->seconds))
-        buffer_format(out, ", %.1f s", stress->seconds);
+        buffer_format(output, ", %.1f s", stress->seconds);
 }
 
 static void put_full(const struct session *session, const struct stress *stress,
                      const struct method *const *method, int methods, struct arena *arena,
-                     struct buffer *out)
+                     struct buffer *output)
 {
     int width, height;
     session_size(session, &width, &height);
-    put_totals(stress, method, methods, width, INT_MAX, arena, out);
+    put_totals(stress, method, methods, width, INT_MAX, arena, output);
     const int finished = (stress->rows + methods - 1) / methods;
     for (int c = 0; c < finished; c++) {
         const int begin = c * methods, end = begin + methods;
-        buffer_format(out, "\n%d %s: %s\n", c + 1, stress->cases[c].name, stress->cases[c].brief);
+        buffer_format(output, "\n%d %s: %s\n", c + 1, stress->cases[c].name,
+                      stress->cases[c].brief);
         put_verdicts(stress, begin, end < stress->rows ? end : stress->rows, true, width, true,
-                     out);
+                     output);
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
     for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++)
         if (stress->count_of[v])
-            buffer_format(out, "%4d %s: %s\n", stress->count_of[v],
+            buffer_format(output, "%4d %s: %s\n", stress->count_of[v],
                           catalog_row(&stress_verdict_catalog, v)->name,
                           catalog_row(&stress_verdict_catalog, v)->brief);
-    put_count(stress, methods, finished, out);
+    put_count(stress, methods, finished, output);
 }
 
 static void put_short(const struct session *session, const struct stress *stress,
                       const struct method *const *method, int methods, struct arena *arena,
-                      struct buffer *out)
+                      struct buffer *output)
 {
     enum { ROWS_OF_ONE = 4 /* what the table of one method takes */ };
     int width, height;
@@ -210,18 +213,18 @@ static void put_short(const struct session *session, const struct stress *stress
         put_totals(stress, method, methods, width,
                    methods > 1 ? answer_rows(session) - text_rows(buffer_text(&end), width)
                                : ROWS_OF_ONE,
-                   arena, out);
+                   arena, output);
     else
-        buffer_format(out, "%s: %s\n", stress->cases[0].name, stress->cases[0].brief);
+        buffer_format(output, "%s: %s\n", stress->cases[0].name, stress->cases[0].brief);
     if (stress->count == 1 || methods == 1)
-        put_verdicts(stress, 0, stress->rows, methods > 1, width, false, out);
-    buffer_put(out, buffer_text(&end));
+        put_verdicts(stress, 0, stress->rows, methods > 1, width, false, output);
+    buffer_put(output, buffer_text(&end));
     buffer_free(&end);
 }
 
 /* ---- records ---- */
 
-#define AT(member) .at = offsetof(struct stress_row, member)
+#define AT(member) .offset = offsetof(struct stress_row, member)
 
 static const struct result_column of_stress[] = {
     {.name = "scene", .kind = COLUMN_NAME, AT(scene)},
@@ -236,8 +239,8 @@ static const struct result_column of_stress[] = {
 static const struct result_columns stress_columns = RESULT_COLUMNS(of_stress, struct stress_row);
 
 /* Initial values, and what else acts, of the present scene. */
-static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of,
-                       struct error *error)
+static bool this_scene(const struct session *session, struct arena *arena,
+                       struct stress_scene *result, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     const size_t params = scene_params(scene)->count;
@@ -253,7 +256,7 @@ static bool this_scene(const struct session *session, struct arena *arena, struc
         start[i] = begins && i != scene_param(scene, "t0");
         matter[i] = !begins && param_matters(scene, i);
     }
-    *of = (struct stress_scene){scene, session->setup.settings.duration, start, matter};
+    *result = (struct stress_scene){scene, session->setup.settings.duration, start, matter};
     return true;
 }
 
@@ -296,12 +299,12 @@ HANDLER(stress)
     const int methods = list_stressed(wanted, method, &only, error);
     if (methods == 0)
         return false;
-    struct stress_scene of;
+    struct stress_scene stress_scene;
     const bool present = has_argument(args, "scene");
-    if (present && !this_scene(session, args->arena, &of, error))
+    if (present && !this_scene(session, args->arena, &stress_scene, error))
         return false;
-    const bool ok = study_stress(present ? &of : NULL, only, method, methods, session->front.cancel,
-                                 stress, error);
+    const bool ok = study_stress(present ? &stress_scene : NULL, only, method, methods,
+                                 session->front.cancel, stress, error);
     if (session->setup.settings.timing == TIMING_OFF) {
         stress->seconds = NAN;
         for (int i = 0; i < stress->rows; i++)

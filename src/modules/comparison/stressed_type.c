@@ -14,27 +14,27 @@ static bool read_stressed(struct parser *parser, const struct argument *argument
     struct stress_case one;
     if (!parse_word(parser, stops, item, error))
         return false;
-    struct suggestion near = {.wanted = item->text};
+    struct suggestion suggestion = {.wanted = item->text};
     for (size_t i = 0; stress_case_at(i, &one); i++) {
         if (text_is(item->text, one.name))
             return true;
-        suggestion_offer(&near, one.name);
+        suggestion_offer(&suggestion, one.name);
     }
     parser->rest = begun;
     if (argument_type_row(TYPE_CHOICE)->read(parser, argument, stops, item, error))
         return true;
     if (!error->hint[0])
-        suggestion_hint(&near, error);
+        suggestion_hint(&suggestion, error);
     return error->hint[0]
                ? false
                : error_hint(error, "it takes methods, and the cases that 'stress --full' lists");
 }
 
 static void complete_stressed(struct completion *c, const struct argument *argument,
-                              struct text before)
+                              struct text preceding)
 {
     struct stress_case one;
-    UNUSED(before);
+    UNUSED(preceding);
     complete_catalog(c, argument->choices);
     for (size_t i = 0; stress_case_at(i, &one); i++)
         if (!strchr(one.name, ' ')) /* it would have to be quoted */

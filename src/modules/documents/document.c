@@ -28,29 +28,30 @@ static const struct {
 
 /* ---- escaping ---- */
 
-void buffer_replaced(struct buffer *out, struct text text, const struct sign *signs, size_t count)
+void buffer_replaced(struct buffer *output, struct text text, const struct sign *signs,
+                     size_t count)
 {
     for (size_t i = 0; i < text.len; i++) {
-        struct text as = {text.at + i, 1};
+        struct text as = {text.data + i, 1};
         for (size_t k = 0; k < count; k++)
-            as = signs[k].c == text.at[i] ? text_of(signs[k].as) : as;
-        buffer_put(out, as);
+            as = signs[k].c == text.data[i] ? text_of(signs[k].as) : as;
+        buffer_put(output, as);
     }
 }
 
-void buffer_html(struct buffer *out, struct text text)
+void buffer_html(struct buffer *output, struct text text)
 {
     static const struct sign signs[] = {
         {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-    buffer_replaced(out, text, signs, COUNT_OF(signs));
+    buffer_replaced(output, text, signs, COUNT_OF(signs));
 }
 
-void buffer_markdown(struct buffer *out, struct text text)
+void buffer_markdown(struct buffer *output, struct text text)
 {
     for (size_t i = 0; i < text.len; i++) {
-        if (strchr("\\`*_<>[]|#~&", text.at[i]))
-            buffer_char(out, '\\');
-        buffer_char(out, text.at[i]);
+        if (strchr("\\`*_<>[]|#~&", text.data[i]))
+            buffer_char(output, '\\');
+        buffer_char(output, text.data[i]);
     }
 }
 
@@ -58,16 +59,16 @@ static size_t longest_run(struct text text, char c)
 {
     size_t longest = 0, run = 0;
     for (size_t i = 0; i < text.len; i++) {
-        run = text.at[i] == c ? run + 1 : 0;
+        run = text.data[i] == c ? run + 1 : 0;
         longest = run > longest ? run : longest;
     }
     return longest;
 }
 
-static void put_many(struct buffer *out, char c, size_t count)
+static void put_many(struct buffer *output, char c, size_t count)
 {
     while (count-- > 0)
-        buffer_char(out, c);
+        buffer_char(output, c);
 }
 
 /* ---- the document ---- */
@@ -126,10 +127,10 @@ static void document_words_put(struct document *document, struct text words, boo
 {
     struct buffer text = {0};
     for (size_t i = 0; i < words.len; i++)
-        if (words.at[i] == '+' && i + 1 < words.len && words.at[i + 1] == '-')
+        if (words.data[i] == '+' && i + 1 < words.len && words.data[i + 1] == '-')
             buffer_codepoint(&text, 0xB1), i++;
         else
-            buffer_char(&text, words.at[i]);
+            buffer_char(&text, words.data[i]);
     buffer_markdown(&document->md, buffer_text(&text));
     buffer_html(&document->html, buffer_text(&text));
     if (tex)
@@ -174,8 +175,9 @@ void document_name(struct document *document, struct text name)
     put_many(&document->md, '`', ticks);
     buffer_put(&document->md, ticks > 1 ? TEXT(" ") : TEXT(""));
     for (size_t i = 0; i < text.len; i++) {
-        buffer_put(&document->md, document->in_table && text.at[i] == '|' ? TEXT("\\") : TEXT(""));
-        buffer_char(&document->md, text.at[i]);
+        buffer_put(&document->md,
+                   document->in_table && text.data[i] == '|' ? TEXT("\\") : TEXT(""));
+        buffer_char(&document->md, text.data[i]);
     }
     buffer_put(&document->md, ticks > 1 || text.len == 0 ? TEXT(" ") : TEXT(""));
     put_many(&document->md, '`', ticks);
@@ -242,7 +244,7 @@ void document_figure(struct document *document, const struct document_picture *p
 void document_code(struct document *document, struct text code)
 {
     const size_t ticks = longest_run(code, '`') + 3;
-    const bool ends = code.len > 0 && code.at[code.len - 1] == '\n';
+    const bool ends = code.len > 0 && code.data[code.len - 1] == '\n';
     put_many(&document->md, '`', ticks);
     buffer_char(&document->md, '\n');
     buffer_put(&document->md, code);

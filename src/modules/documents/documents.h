@@ -9,7 +9,7 @@
 table_format documents_markdown, documents_html, documents_latex;
 
 /* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
-void buffer_siunitx(struct buffer *out, struct text measured);
+void buffer_siunitx(struct buffer *output, struct text measured);
 
 /* ---- documents ----
  *

@@ -16,20 +16,20 @@ struct markup {
     const char *keys, *key, *key_between, *key_end, *keys_end;
     bool bare_keys;    /* not escaped: a comment */
     const char *table; /* before what says how columns are aligned, where that comes first */
-    const char *head, *unit, *unit_end, *head_end, *between, *heading_end;
+    const char *head, *unit, *unit_end, *head_end, *cell_separator, *heading_end;
     const char *aligned[3]; /* of text, of numbers, behind all */
     const char *row, *text, *number, *cell_end, *row_end;
     const char *end;
-    void (*escape)(struct buffer *out, struct text text);
-    void (*real)(struct buffer *out, double value);
+    void (*escape)(struct buffer *output, struct text text);
+    void (*real)(struct buffer *output, double value);
 };
 
 /* As S columns of siunitx read it. */
-static void latex_real(struct buffer *out, double value)
+static void latex_real(struct buffer *output, double value)
 {
     char z[REAL_TEXT_SIZE];
     real_format(value, z);
-    buffer_format(out, isinf(value) ? "{%s}" : "%s", z);
+    buffer_format(output, isinf(value) ? "{%s}" : "%s", z);
 }
 
 static const struct markup markdown = {.key = "- ",
@@ -81,7 +81,7 @@ static const struct markup latex = {.begin = "% \\usepackage{siunitx}\n",
                                     .unit = " [",
                                     .unit_end = "]",
                                     .head_end = "}",
-                                    .between = " & ",
+                                    .cell_separator = " & ",
                                     .heading_end = " \\\\\n\\hline\n",
                                     .aligned = {"l", "S", "}\n\\hline\n"},
                                     .row_end = " \\\\\n",
@@ -91,109 +91,109 @@ static const struct markup latex = {.begin = "% \\usepackage{siunitx}\n",
 
 /* ---- the walk ---- */
 
-static void words_put(struct buffer *out, const char *words)
+static void words_put(struct buffer *output, const char *words)
 {
-    buffer_put(out, text_of(words));
+    buffer_put(output, text_of(words));
 }
 
-static void put_escaped(struct buffer *out, const struct markup *as, const char *text)
+static void put_escaped(struct buffer *output, const struct markup *as, const char *text)
 {
     struct buffer safe = {0};
     safe_text(&safe, text_of(text), false);
-    as->escape(out, buffer_text(&safe));
-    out->failed |= safe.failed;
+    as->escape(output, buffer_text(&safe));
+    output->failed |= safe.failed;
     buffer_free(&safe);
 }
 
-static void put_key(struct buffer *out, const struct markup *as, const struct table_key *key)
+static void put_key(struct buffer *output, const struct markup *as, const struct table_key *key)
 {
-    const char *const of[] = {key->key, key->value};
-    words_put(out, as->key);
+    const char *const cell_text[] = {key->key, key->value};
+    words_put(output, as->key);
     for (int i = 0; i < 2; i++) {
         if (as->bare_keys)
-            safe_text(out, text_of(of[i]), false);
+            safe_text(output, text_of(cell_text[i]), false);
         else
-            put_escaped(out, as, of[i]);
-        words_put(out, i ? as->key_end : as->key_between);
+            put_escaped(output, as, cell_text[i]);
+        words_put(output, i ? as->key_end : as->key_between);
     }
 }
 
-static void put_alignment(struct buffer *out, const struct markup *as, const struct table *table)
+static void put_alignment(struct buffer *output, const struct markup *as, const struct table *table)
 {
     for (int i = 0; i < table->columns; i++)
-        words_put(out, as->aligned[table->column[i].value != NULL]);
-    words_put(out, as->aligned[2]);
+        words_put(output, as->aligned[table->column[i].value != NULL]);
+    words_put(output, as->aligned[2]);
 }
 
-static void markup_heading_put(struct buffer *out, const struct markup *as,
+static void markup_heading_put(struct buffer *output, const struct markup *as,
                                const struct table *table)
 {
-    words_put(out, as->table);
+    words_put(output, as->table);
     if (as->table)
-        put_alignment(out, as, table);
-    words_put(out, as->row);
+        put_alignment(output, as, table);
+    words_put(output, as->row);
     for (int i = 0; i < table->columns; i++) {
         const struct table_column *column = &table->column[i];
-        words_put(out, i ? as->between : NULL);
-        words_put(out, as->head);
-        put_escaped(out, as, column->name);
+        words_put(output, i ? as->cell_separator : NULL);
+        words_put(output, as->head);
+        put_escaped(output, as, column->name);
         if (column->unit && column->unit[0]) {
-            words_put(out, as->unit);
-            put_escaped(out, as, column->unit);
-            words_put(out, as->unit_end);
+            words_put(output, as->unit);
+            put_escaped(output, as, column->unit);
+            words_put(output, as->unit_end);
         }
-        words_put(out, as->head_end);
+        words_put(output, as->head_end);
     }
-    words_put(out, as->heading_end);
+    words_put(output, as->heading_end);
     if (!as->table)
-        put_alignment(out, as, table);
+        put_alignment(output, as, table);
 }
 
-static void markup_row_put(struct buffer *out, const struct markup *as, const struct table *table,
-                           size_t row)
+static void markup_row_put(struct buffer *output, const struct markup *as,
+                           const struct table *table, size_t row)
 {
-    words_put(out, as->row);
+    words_put(output, as->row);
     for (int i = 0; i < table->columns; i++) {
         const struct table_column *column = &table->column[i];
-        words_put(out, i ? as->between : NULL);
-        words_put(out, column->value ? as->number : as->text);
+        words_put(output, i ? as->cell_separator : NULL);
+        words_put(output, column->value ? as->number : as->text);
         if (!column->value)
-            put_escaped(out, as, column->text[row]);
+            put_escaped(output, as, column->text[row]);
         else if (!isnan(column->value[row]))
-            as->real(out, column->value[row]);
-        words_put(out, as->cell_end);
+            as->real(output, column->value[row]);
+        words_put(output, as->cell_end);
     }
-    words_put(out, as->row_end);
+    words_put(output, as->row_end);
 }
 
 static void markup_table_put(const struct table *table, const struct markup *as,
                              struct outlet *sink)
 {
-    struct buffer *out = sink->text;
-    words_put(out, as->begin);
-    words_put(out, table->keys ? as->keys : NULL);
+    struct buffer *output = sink->text;
+    words_put(output, as->begin);
+    words_put(output, table->keys ? as->keys : NULL);
     for (int i = 0; i < table->keys; i++)
-        put_key(out, as, &table->key[i]);
-    words_put(out, table->keys ? as->keys_end : NULL);
-    markup_heading_put(out, as, table);
+        put_key(output, as, &table->key[i]);
+    words_put(output, table->keys ? as->keys_end : NULL);
+    markup_heading_put(output, as, table);
     for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
-        markup_row_put(out, as, table, row);
+        markup_row_put(output, as, table, row);
         outlet_pass(sink, OUTLET_CHUNK);
     }
-    words_put(out, as->end);
+    words_put(output, as->end);
 }
 
-void documents_markdown(const struct table *table, struct outlet *to)
+void documents_markdown(const struct table *table, struct outlet *outlet)
 {
-    markup_table_put(table, &markdown, to);
+    markup_table_put(table, &markdown, outlet);
 }
 
-void documents_html(const struct table *table, struct outlet *to)
+void documents_html(const struct table *table, struct outlet *outlet)
 {
-    markup_table_put(table, &html, to);
+    markup_table_put(table, &html, outlet);
 }
 
-void documents_latex(const struct table *table, struct outlet *to)
+void documents_latex(const struct table *table, struct outlet *outlet)
 {
-    markup_table_put(table, &latex, to);
+    markup_table_put(table, &latex, outlet);
 }

@@ -47,8 +47,8 @@ static bool read_side(struct session *session, const struct arguments *args, str
     if (range.log)
         return error_at(error, argument, "%s: starts lie in equal steps", variable.name);
     request->axis[axis].variable = i;
-    request->axis[axis].from = range.from;
-    request->axis[axis].to = range.to;
+    request->axis[axis].low = range.first;
+    request->axis[axis].high = range.last;
     request->axis[axis].count = range.count;
     return true;
 }
@@ -68,80 +68,81 @@ static char letter(int fate)
                                      : ' ';
 }
 
-static void put_map(struct buffer *out, const struct map *map, int max)
+static void put_map(struct buffer *output, const struct map *map, int max)
 {
-    const int across = map->request->axis[0].count, up = map->request->axis[1].count;
-    const int columns = across < MAP_COLUMNS ? across : MAP_COLUMNS, rows = up < max ? up : max;
+    const int x_count = map->request->axis[0].count, y_count = map->request->axis[1].count;
+    const int columns = x_count < MAP_COLUMNS ? x_count : MAP_COLUMNS,
+              rows = y_count < max ? y_count : max;
     for (int r = rows - 1; r >= 0; r--) {
-        const int64_t b = rows > 1 ? (int64_t)r * (up - 1) / (rows - 1) : 0;
-        buffer_format(out, "%10.4g ", basins_value(map->request, 1, b));
+        const int64_t b = rows > 1 ? (int64_t)r * (y_count - 1) / (rows - 1) : 0;
+        buffer_format(output, "%10.4g ", basins_value(map->request, 1, b));
         for (int c = 0; c < columns; c++) {
-            const int64_t a = columns > 1 ? (int64_t)c * (across - 1) / (columns - 1) : 0;
-            buffer_char(out, letter(map->basins->fate[a * up + b]));
+            const int64_t a = columns > 1 ? (int64_t)c * (x_count - 1) / (columns - 1) : 0;
+            buffer_char(output, letter(map->basins->fate[a * y_count + b]));
         }
-        buffer_char(out, '\n');
+        buffer_char(output, '\n');
     }
-    buffer_format(out, "%10s %-*.4g%.4g  %s, %s up\n", "", columns > 10 ? columns - 4 : 8,
-                  map->request->axis[0].from, map->request->axis[0].to,
+    buffer_format(output, "%10s %-*.4g%.4g  %s, %s up\n", "", columns > 10 ? columns - 4 : 8,
+                  map->request->axis[0].low, map->request->axis[0].high,
                   system_variable(map->system, map->request->axis[0].variable).name,
                   system_variable(map->system, map->request->axis[1].variable).name);
 }
 
 static const char *const kind_name[] = {"equilibrium", "orbit", "response", "irregular"};
 
-static void put_basin(struct buffer *out, const struct map *map, int k)
+static void put_basin(struct buffer *output, const struct map *map, int k)
 {
-    const struct basin *b = &map->basins->of[k];
+    const struct basin *b = &map->basins->basin[k];
     const double share = 100.0 * (double)b->count / (double)map->basins->finished,
                  error = 100 * basins_error(b->count, map->basins->finished);
-    buffer_format(out, "  %c  %.4g +- %.2g %%  %s", letter(k), share, error, kind_name[b->kind]);
+    buffer_format(output, "  %c  %.4g +- %.2g %%  %s", letter(k), share, error, kind_name[b->kind]);
     if (b->multiple > 0)
-        buffer_format(out, " of %d period%s of the drive", b->multiple, plural_s(b->multiple));
+        buffer_format(output, " of %d period%s of the drive", b->multiple, plural_s(b->multiple));
     else if (b->period > 0)
-        buffer_format(out, " of period %s", SHOWN_QUANTITY(b->period, QUANTITY_TIME, 7));
-    buffer_put(out, b->kind == BASIN_EQUILIBRIUM ? TEXT(" at ") : TEXT(" through "));
+        buffer_format(output, " of period %s", SHOWN_QUANTITY(b->period, QUANTITY_TIME, 7));
+    buffer_put(output, b->kind == BASIN_EQUILIBRIUM ? TEXT(" at ") : TEXT(" through "));
     for (int i = 0; i < map->system->n; i++) {
-        buffer_put(out, i > 0 ? TEXT(", ") : TEXT(""));
-        put_variable(out, map->system, i, b->state[i], 6);
+        buffer_put(output, i > 0 ? TEXT(", ") : TEXT(""));
+        put_variable(output, map->system, i, b->state[i], 6);
     }
     if (b->kind == BASIN_IRREGULAR)
-        buffer_put(out, TEXT(", does not repeat"));
+        buffer_put(output, TEXT(", does not repeat"));
     else
-        buffer_format(out, ", %s", b->stable ? "stable" : "unstable: starts on the way into it");
-    buffer_char(out, '\n');
+        buffer_format(output, ", %s", b->stable ? "stable" : "unstable: starts on the way into it");
+    buffer_char(output, '\n');
 }
 
-static void put_basins(struct buffer *out, const struct map *map)
+static void put_basins(struct buffer *output, const struct map *map)
 {
     enum { BELOW = 3 /* [row] the axis, and how it was found */ };
     const struct basins *b = map->basins;
-    buffer_format(out, "%d attractor%s of %lld starts\n", b->count, b->count == 1 ? "" : "s",
+    buffer_format(output, "%d attractor%s of %lld starts\n", b->count, b->count == 1 ? "" : "s",
                   (long long)b->finished);
     for (int k = 0; k < b->count; k++)
-        put_basin(out, map, k);
+        put_basin(output, map, k);
     if (b->escaping > 0)
-        buffer_format(out, "  .  %.4g %%  escapes\n",
+        buffer_format(output, "  .  %.4g %%  escapes\n",
                       100.0 * (double)b->escaping / (double)b->finished);
     if (b->undecided > 0)
-        buffer_format(out, "  ?  %.4g %%  not decided\n",
+        buffer_format(output, "  ?  %.4g %%  not decided\n",
                       100.0 * (double)b->undecided / (double)b->finished);
     int max =
-        map->answer ? map->answer - text_rows(buffer_text(out), map->width) - BELOW : MAP_ROWS;
+        map->answer ? map->answer - text_rows(buffer_text(output), map->width) - BELOW : MAP_ROWS;
     max = max < MAP_ROWS_MIN ? MAP_ROWS_MIN : max > MAP_ROWS ? MAP_ROWS : max;
-    put_map(out, map, max);
-    buffer_format(out, "looked at every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
+    put_map(output, map, max);
+    buffer_format(output, "looked at every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
     if (b->steps > 0)
-        buffer_format(out, " by %d steps of rk4, %lld evaluations", b->steps,
+        buffer_format(output, " by %d steps of rk4, %lld evaluations", b->steps,
                       4 * b->steps * (long long)b->looks);
     else
-        buffer_format(out, ", %lld looks", (long long)b->looks);
-    buffer_format(out, map->timed ? ", %d thread%s, %.3g s" : ", %d thread%s", b->threads,
+        buffer_format(output, ", %lld looks", (long long)b->looks);
+    buffer_format(output, map->timed ? ", %d thread%s, %.3g s" : ", %d thread%s", b->threads,
                   plural_s(b->threads), b->seconds);
 }
 
 static void reply_basin(struct reply *reply, const struct map *map, int k)
 {
-    const struct basin *b = &map->basins->of[k];
+    const struct basin *b = &map->basins->basin[k];
     const char name[2] = {letter(k), 0};
     reply_begin(reply, "basin");
     reply_string(reply, "attractor", name);
@@ -176,7 +177,7 @@ static void keep_map(const struct map *map, struct reply *reply)
                                         "J", "K", "L", "M", "N", "O", "P", "Q", "R",
                                         "S", "T", "U", "V", "W", "X", "Y", "Z"};
     struct table_builder table = {.rows = (size_t)map->basins->total};
-    const int64_t up = map->request->axis[1].count;
+    const int64_t y_count = map->request->axis[1].count;
     double *value[2];
     for (int a = 0; a < 2; a++) {
         const struct variable v = system_variable(map->system, map->request->axis[a].variable);
@@ -187,8 +188,8 @@ static void keep_map(const struct map *map, struct reply *reply)
         if (i % CANCEL_ROWS == 0 && !map->basins->cancelled && cancelled(map->request->cancel))
             table.failed = true;
         const int f = map->basins->fate[i];
-        value[0][i] = basins_value(map->request, 0, (int64_t)i / up);
-        value[1][i] = basins_value(map->request, 1, (int64_t)i % up);
+        value[0][i] = basins_value(map->request, 0, (int64_t)i / y_count);
+        value[1][i] = basins_value(map->request, 1, (int64_t)i % y_count);
         fate[i] = f >= 0                 ? names[f]
                   : f == BASIN_ESCAPES   ? "escapes"
                   : f == BASIN_UNDECIDED ? "not decided"
@@ -233,8 +234,8 @@ HANDLER(basins)
     for (int i = 0; i < system.n; i++)
         box[i][0] = box[i][1] = NAN;
     for (int a = 0; a < axes; a++) {
-        box[request.axis[a].variable][0] = request.axis[a].from;
-        box[request.axis[a].variable][1] = request.axis[a].to;
+        box[request.axis[a].variable][0] = request.axis[a].low;
+        box[request.axis[a].variable][1] = request.axis[a].high;
     }
     if (!scene_bind_inside(&scene, box, &system, error) || !basins_find(&request, &basins, error))
         return false;

@@ -19,8 +19,8 @@
 
 struct branch_words {
     int params, param[2];
-    double from[2], to[2];
-    struct text of, number, label;
+    double low[2], high[2];
+    struct text origin, number, label;
     double max, step;
     bool forward;
 };
@@ -28,17 +28,17 @@ struct branch_words {
 static bool is_word(struct text text, const char *word)
 {
     const size_t len = strlen(word);
-    return text_starts(text, text_of(word)) && (text.len == len || strchr(" \t", text.at[len]));
+    return text_starts(text, text_of(word)) && (text.len == len || strchr(" \t", text.data[len]));
 }
 
 static struct text take_word(struct text *rest)
 {
     size_t end = 0;
     *rest = text_trim(*rest);
-    while (end < rest->len && !strchr(" \t", rest->at[end]))
+    while (end < rest->len && !strchr(" \t", rest->data[end]))
         end++;
-    const struct text word = {rest->at, end};
-    *rest = text_trim((struct text){rest->at + end, rest->len - end});
+    const struct text word = {rest->data, end};
+    *rest = text_trim((struct text){rest->data + end, rest->len - end});
     return word;
 }
 
@@ -47,11 +47,12 @@ static struct text take_argument(struct text *rest)
 {
     struct text all = *rest, argument = next_key_argument(&all);
     for (size_t i = 1; i < argument.len; i++) {
-        const struct text behind = {argument.at + i, argument.len - i};
-        if (strchr(" \t", argument.at[i - 1]) && (is_word(behind, "of") || is_word(behind, "from")))
+        const struct text remaining = {argument.data + i, argument.len - i};
+        if (strchr(" \t", argument.data[i - 1]) &&
+            (is_word(remaining, "of") || is_word(remaining, "from")))
             argument.len = i;
     }
-    *rest = text_trim((struct text){rest->at + argument.len, rest->len - argument.len});
+    *rest = text_trim((struct text){rest->data + argument.len, rest->len - argument.len});
     return text_trim(argument);
 }
 
@@ -68,7 +69,7 @@ static bool read_range(struct session *session, const struct arguments *args, st
         return error_at(error, argument, "a branch has one or two parameters");
     for (int j = 0; j < words->params; j++)
         if (words->param[j] == param)
-            return error_at(error, name, "'%.*s' is given twice", (int)name.len, name.at);
+            return error_at(error, name, "'%.*s' is given twice", (int)name.len, name.data);
     take_equals(&parser, argument, name);
     const struct param_row *row = param_at(scene, param);
     if (!parse_range(&parser, row->row.name, row->quantity, &item, error) ||
@@ -79,8 +80,8 @@ static bool read_range(struct session *session, const struct arguments *args, st
                         row->row.name, row->row.name);
     const int j = words->params++;
     words->param[j] = param;
-    words->from[j] = item.range[0];
-    words->to[j] = item.range[1];
+    words->low[j] = item.range[0];
+    words->high[j] = item.range[1];
     return true;
 }
 
@@ -90,7 +91,7 @@ static bool read_number(struct session *session, const struct arguments *args, s
     struct parser parser = {session, args->scope, args->arena, argument};
     struct item item = {0};
     char what[8];
-    snprintf(what, sizeof what, "%.*s", (int)name.len, name.at);
+    snprintf(what, sizeof what, "%.*s", (int)name.len, name.data);
     take_equals(&parser, argument, name);
     if (!read_value(&parser, what, QUANTITY_NUMBER, &item, error))
         return false;
@@ -102,12 +103,13 @@ static bool read_number(struct session *session, const struct arguments *args, s
 static bool read_of(struct text *rest, struct branch_words *words, struct error *error)
 {
     take_word(rest);
-    words->of = take_word(rest);
-    if (rest->len > 0 && rest->at[0] >= '0' && rest->at[0] <= '9')
+    words->origin = take_word(rest);
+    if (rest->len > 0 && rest->data[0] >= '0' && rest->data[0] <= '9')
         words->number = take_word(rest);
-    return text_is(words->of, "equilibrium") || text_is(words->of, "orbit") ||
-           text_is(words->of, "response") ||
-           error_at(error, words->of, "a branch is of equilibrium N, of orbit N or of response");
+    return text_is(words->origin, "equilibrium") || text_is(words->origin, "orbit") ||
+           text_is(words->origin, "response") ||
+           error_at(error, words->origin,
+                    "a branch is of equilibrium N, of orbit N or of response");
 }
 
 static bool read_words(struct session *session, const struct arguments *args,
@@ -129,8 +131,8 @@ static bool read_words(struct session *session, const struct arguments *args,
             continue;
         }
         const struct text argument = take_argument(&rest), name = peek_name(argument),
-                          behind = text_trim(
-                              (struct text){argument.at + name.len, argument.len - name.len});
+                          remaining = text_trim(
+                              (struct text){argument.data + name.len, argument.len - name.len});
         if (text_is(argument, "--forward")) {
             words->forward = true;
             continue;
@@ -139,8 +141,8 @@ static bool read_words(struct session *session, const struct arguments *args,
             continue;
         if (text_starts(argument, TEXT("--")))
             return error_at(error, argument, "branch has no option '%.*s'",
-                            (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
-        if (name.len == 0 || !text_starts(behind, TEXT("="))) {
+                            (int)(argument.len < 64 ? argument.len - 2 : 62), argument.data + 2);
+        if (name.len == 0 || !text_starts(remaining, TEXT("="))) {
             error_at(error, argument, "branch takes NAME=FROM:TO");
             return error_hint(error, "for example: branch r=0:30 of equilibrium 1, then branch "
                                      "r=0:30 from HB1");
@@ -205,26 +207,26 @@ static bool find_rest(struct session *session, struct kept_reference *found, str
 }
 
 static bool find_start(struct session *session, const struct branch_words *words,
-                       struct kept_reference *found, char *of, struct error *error)
+                       struct kept_reference *found, char *origin, struct error *error)
 {
     const struct dynamics *d = session_dynamics(session);
     struct item item;
     const struct item *number = number_item(words, &item);
-    snprintf(of, LIMIT_NAME + 1, "%.*s%s%.*s", (int)words->of.len, words->of.at,
+    snprintf(origin, LIMIT_NAME + 1, "%.*s%s%.*s", (int)words->origin.len, words->origin.data,
              words->number.len > 0 ? " " : "", (int)fmin((double)words->number.len, 9),
-             words->number.at ? words->number.at : "");
+             words->number.data ? words->number.data : "");
     if (words->label.len > 0) {
-        snprintf(of, LIMIT_NAME + 1, "%.*s", (int)fmin((double)words->label.len, 15),
-                 words->label.at);
+        snprintf(origin, LIMIT_NAME + 1, "%.*s", (int)fmin((double)words->label.len, 15),
+                 words->label.data);
         return find_label(session, d, words->label, found, error);
     }
-    if (text_is(words->of, "response"))
+    if (text_is(words->origin, "response"))
         return find_response(session, found, error);
-    if (text_is(words->of, "orbit"))
+    if (text_is(words->origin, "orbit"))
         return find_orbit(session, d, number, found, error);
-    if (words->of.len == 0) {
+    if (words->origin.len == 0) {
         const bool rests = (d && d->equilibria.count > 0) || !d || d->orbits == 0;
-        snprintf(of, LIMIT_NAME + 1, "%s", rests ? "equilibrium 1" : "orbit");
+        snprintf(origin, LIMIT_NAME + 1, "%s", rests ? "equilibrium 1" : "orbit");
         return rests ? find_rest(session, found, error)
                      : find_orbit(session, d, NULL, found, error);
     }
@@ -255,7 +257,7 @@ static double longest_step(const struct branch *branch)
 }
 
 static void put_branch(const struct session *session, const struct kept_branch *b,
-                       struct arena *arena, struct buffer *out)
+                       struct arena *arena, struct buffer *output)
 {
     const struct branch *branch = &b->branch;
     const struct param_row *row = param_at(&session->setup.scene, b->param[0]);
@@ -265,28 +267,28 @@ static void put_branch(const struct session *session, const struct kept_branch *
     int stable = 0;
     for (int i = 0; i < branch->count; i++)
         stable += solution_stable(&branch->point[i].solution);
-    buffer_format(out, "branch %d: %d ", b->number, branch->count);
+    buffer_format(output, "branch %d: %d ", b->number, branch->count);
     if (b->params == 2)
-        buffer_format(out, "points like %s", b->of);
+        buffer_format(output, "points like %s", b->origin);
     else
-        buffer_format(out, "%s, %d of them stable", kinds[branch->kind], stable);
-    buffer_format(out, ", %s", row->row.name);
+        buffer_format(output, "%s, %d of them stable", kinds[branch->kind], stable);
+    buffer_format(output, ", %s", row->row.name);
     for (int side = 0; side < 2; side++) {
         const struct branch_point *end = &branch->point[side ? branch->count - 1 : 0];
-        buffer_format(out, " %s %s (%s)", side ? "to" : "from",
+        buffer_format(output, " %s %s (%s)", side ? "to" : "from",
                       SHOWN_QUANTITY(end->solution.param[0], row->quantity, 8),
                       branch->ends[side][0] ? branch->ends[side] : "the start");
     }
-    buffer_char(out, '\n');
-    put_points(session, &b, 1, arena, out);
-    buffer_format(out, "%lld evaluations", (long long)branch->evals);
-    put_seconds(out, session, branch->seconds);
+    buffer_char(output, '\n');
+    put_points(session, &b, 1, arena, output);
+    buffer_format(output, "%lld evaluations", (long long)branch->evals);
+    put_seconds(output, session, branch->seconds);
     if (branch->count > 1)
-        buffer_format(out,
+        buffer_format(output,
                       ", steps of %s up to %s (special points closer together than that may be "
                       "missed)",
                       row->row.name, SHOWN_QUANTITY(longest_step(branch), row->quantity, 2));
-    buffer_put(out, TEXT("; all points: 'export FILE table'"));
+    buffer_put(output, TEXT("; all points: 'export FILE table'"));
 }
 
 static void add_words(struct table_builder *table, const struct kept_branch *b)
@@ -301,7 +303,7 @@ static void add_words(struct table_builder *table, const struct kept_branch *b)
         char own[KEPT_LABEL];
         kept_point_label(&b->special[k], own);
         const char *copy = arena_text(&table->arena, text_of(own));
-        label[b->special[k].at] = copy ? copy : "";
+        label[b->special[k].index] = copy ? copy : "";
     }
 }
 
@@ -346,7 +348,7 @@ static void reply_branch(const struct session *session, const struct kept_branch
     reply_points(session, b, reply);
     reply_begin(reply, "branch");
     reply_int(reply, "branch", b->number);
-    reply_string(reply, "of", b->of);
+    reply_string(reply, "of", b->origin);
     reply_int(reply, "rows", b->branch.count);
     reply_real(reply, "from", b->branch.point[0].solution.param[0]);
     reply_real(reply, "to", b->branch.point[b->branch.count - 1].solution.param[0]);
@@ -363,18 +365,18 @@ HANDLER(branch)
     struct kept_reference start = {.scene = session->setup.scene};
     struct kept_branch like = {.params = 1};
     if (!read_words(session, args, &words, error) ||
-        !find_start(session, &words, &start, like.of, error) || !bind_start(&start, error))
+        !find_start(session, &words, &start, like.origin, error) || !bind_start(&start, error))
         return false;
     const bool two = words.params == 2;
     if (two && !start.point)
         return error_set(error, ERROR_COMMAND,
                          "two parameters follow a special point: branch P=.. Q=.. from LP1");
-    const struct branch_axis second = {words.param[1], words.from[1], words.to[1]};
+    const struct branch_axis second = {words.param[1], words.low[1], words.high[1]};
     struct solution solution = start.solution;
     solution.param[0] = start.scene.value[words.param[0]];
     if (two)
         solution.param[1] = start.scene.value[words.param[1]];
-    if (!(solution.param[0] >= words.from[0] && solution.param[0] <= words.to[0]))
+    if (!(solution.param[0] >= words.low[0] && solution.param[0] <= words.high[0]))
         return error_set(error, ERROR_COMMAND, "it begins at %s = %.6g, which is not in this range",
                          param_at(&start.scene, words.param[0])->row.name, solution.param[0]);
     struct branch_point point = {.special = SPECIAL_NONE};
@@ -386,8 +388,8 @@ HANDLER(branch)
     const bool leave = start.point && point.special != SPECIAL_END;
     const struct branch_request request = {.scene = &start.scene,
                                            .param = words.param[0],
-                                           .from = words.from[0],
-                                           .to = words.to[0],
+                                           .low = words.low[0],
+                                           .high = words.high[0],
                                            .start = &solution,
                                            .leave = leave ? &point : NULL,
                                            .second = two ? &second : NULL,
@@ -406,8 +408,8 @@ HANDLER(branch)
     const bool stopped = like.branch.cancelled || cancelled(session->front.cancel);
     for (int j = 0; j < words.params; j++) {
         like.param[j] = words.param[j];
-        like.from[j] = words.from[j];
-        like.to[j] = words.to[j];
+        like.low[j] = words.low[j];
+        like.high[j] = words.high[j];
     }
     like.params = words.params;
     const struct kept_branch *kept =

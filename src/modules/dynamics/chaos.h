@@ -75,7 +75,7 @@ struct basins_request {
     const struct scene *scene;
     struct {
         int variable;
-        double from, to; /* SI */
+        double low, high; /* SI */
         int count;
     } axis[2];
     int threads; /* 0 uses all processors */
@@ -86,7 +86,7 @@ struct basins_request {
 
 struct basins {
     int count;
-    struct basin of[BASINS_MOST]; /* the largest first */
+    struct basin basin[BASINS_MOST]; /* the largest first */
     int64_t total, finished, escaping, undecided;
     signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
     double strobe;     /* [s] between looks */
@@ -104,7 +104,7 @@ void basins_free(struct basins *basins);
 /* The value of an axis at its place. */
 double basins_value(const struct basins_request *request, int axis, int64_t place);
 /* Of a share of so many starts, as if they were drawn: one standard error. */
-double basins_error(int64_t count, int64_t of);
+double basins_error(int64_t count, int64_t total);
 
 /* Finds what the motion from the scene's own start ends in: a find_attractor. */
 double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin);

@@ -18,9 +18,9 @@ static bool is_label(struct text word)
     const struct row *row = NULL;
     double number;
     for (size_t i = 0; i < special_catalog.count && word.len > 2 && !row; i++)
-        if (strncasecmp(word.at, catalog_row(&special_catalog, i)->name, 2) == 0)
+        if (strncasecmp(word.data, catalog_row(&special_catalog, i)->name, 2) == 0)
             row = catalog_row(&special_catalog, i);
-    return row && real_parse((struct text){word.at + 2, word.len - 2}, &number) == REAL_OK;
+    return row && real_parse((struct text){word.data + 2, word.len - 2}, &number) == REAL_OK;
 }
 
 static void complete_labels(struct completion *c)

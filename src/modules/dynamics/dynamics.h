@@ -91,7 +91,7 @@ struct equilibria_request {
 
 struct equilibria {
     int count;
-    struct solution *of;           /* in the order of the first variable */
+    struct solution *solution;     /* in the order of the first variable */
     struct equilibrium_form *form; /* [count] of each */
     bool forced;                   /* of the mean over the drive's period: they are no rest */
     bool complete;                 /* proven that there are no others in the box */
@@ -170,13 +170,13 @@ struct branch_point {
 /* The second parameter of a curve of special points. */
 struct branch_axis {
     int param;
-    double from, to; /* SI */
+    double low, high; /* SI */
 };
 
 struct branch_request {
     const struct scene *scene;
-    int param;       /* place in the scene's, which varies */
-    double from, to; /* SI */
+    int param;        /* place in the scene's, which varies */
+    double low, high; /* SI */
     const struct solution *start;
     /* start on the branch that leaves it there: of a crossing, a doubling or a Hopf point */
     const struct branch_point *leave;

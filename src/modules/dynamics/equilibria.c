@@ -40,25 +40,25 @@ static const char *type_name(enum equilibrium_type type)
     return catalog_row(&equilibrium_catalog, (size_t)type)->name;
 }
 
-static void put_eigenvalue(struct buffer *out, const struct eigenvalue *value, const char *sign)
+static void put_eigenvalue(struct buffer *output, const struct eigenvalue *value, const char *sign)
 {
     if (isnan(value->re))
-        buffer_put(out, TEXT("not known"));
+        buffer_put(output, TEXT("not known"));
     else if (value->im == 0)
-        buffer_format(out, "%.5g", value->re);
+        buffer_format(output, "%.5g", value->re);
     else if (value->re == 0)
-        buffer_format(out, "%s%.5gi", sign, fabs(value->im));
+        buffer_format(output, "%s%.5gi", sign, fabs(value->im));
     else
-        buffer_format(out, "%.5g %s %.5gi", value->re, sign, fabs(value->im));
+        buffer_format(output, "%.5g %s %.5gi", value->re, sign, fabs(value->im));
 }
 
-void put_eigenvalues(struct buffer *out, const struct solution *s)
+void put_eigenvalues(struct buffer *output, const struct solution *s)
 {
     for (int i = 0; i < s->values; i++) {
         const bool pair = s->value[i].im != 0 && i + 1 < s->values;
         if (i > 0)
-            buffer_put(out, TEXT(", "));
-        put_eigenvalue(out, &s->value[i], "+-");
+            buffer_put(output, TEXT(", "));
+        put_eigenvalue(output, &s->value[i], "+-");
         i += pair;
     }
 }
@@ -70,7 +70,7 @@ static int digits_of(const struct equilibria *found, int n)
     for (int k = 1; k < found->count; k++) {
         double apart = 0;
         for (int i = 0; i < n; i++) {
-            const double a = found->of[k - 1].state[i], b = found->of[k].state[i];
+            const double a = found->solution[k - 1].state[i], b = found->solution[k].state[i];
             apart = fmax(apart, fabs(b - a) / fmax(fmax(fabs(a), fabs(b)), DBL_MIN));
         }
         if (apart > 0)
@@ -79,8 +79,8 @@ static int digits_of(const struct equilibria *found, int n)
     return digits;
 }
 
-void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
-                    struct arena *arena)
+void put_equilibria(struct buffer *output, const struct system *system,
+                    const struct equilibria *found, struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 3};
     const int digits = digits_of(found, system->n);
@@ -92,18 +92,18 @@ void put_equilibria(struct buffer *out, const struct system *system, const struc
     for (int k = 0; k < found->count; k++) {
         cell_count(&table, k + 1);
         for (int i = 0; i < system->n; i++)
-            cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity,
+            cell_quantity(&table, found->solution[k].state[i], system_variable(system, i).quantity,
                           digits);
         cell_text(&table, type_name(found->form[k].type));
         struct buffer values = {0};
-        put_eigenvalues(&values, &found->of[k]);
+        put_eigenvalues(&values, &found->solution[k]);
         cell_take(&table, &values);
     }
-    text_table_put(&table, out);
+    text_table_put(&table, output);
 }
 
 /* Real ones as (1, 2), those of pairs once, as (1, 2) +- i (3, 4); the largest part is 1. */
-static void put_vector(struct buffer *out, const struct equilibrium_form *form, int k, int n)
+static void put_vector(struct buffer *output, const struct equilibrium_form *form, int k, int n)
 {
     int largest = 0;
     for (int i = 1; i < n; i++)
@@ -113,65 +113,65 @@ static void put_vector(struct buffer *out, const struct equilibrium_form *form, 
     const double size = form->re[k][largest]; /* its imaginary part is 0 */
     bool turns = false;
     if (isnan(size)) {
-        buffer_put(out, TEXT(" a direction that is not known"));
+        buffer_put(output, TEXT(" a direction that is not known"));
         return;
     }
     for (int part = 0; part < (turns ? 2 : 1); part++) {
-        buffer_put(out, part ? TEXT(" +- i (") : TEXT(" ("));
+        buffer_put(output, part ? TEXT(" +- i (") : TEXT(" ("));
         for (int i = 0; i < n; i++) {
             const double value = (part ? form->im : form->re)[k][i] / size;
             turns = turns || fabs(form->im[k][i]) > 1e-12 * size;
-            buffer_format(out, "%s%.6g", i > 0 ? ", " : "", fabs(value) < 1e-12 ? 0 : value);
+            buffer_format(output, "%s%.6g", i > 0 ? ", " : "", fabs(value) < 1e-12 ? 0 : value);
         }
-        buffer_char(out, ')');
+        buffer_char(output, ')');
     }
 }
 
-static void put_vectors(struct buffer *out, const struct system *system,
+static void put_vectors(struct buffer *output, const struct system *system,
                         const struct equilibria *found)
 {
     for (int e = 0; e < found->count; e++) {
-        const struct solution *s = &found->of[e];
-        buffer_format(out, "  %d: index ", e + 1);
-        buffer_format(out, found->form[e].index ? "%+d\n" : "not known\n", found->form[e].index);
+        const struct solution *s = &found->solution[e];
+        buffer_format(output, "  %d: index ", e + 1);
+        buffer_format(output, found->form[e].index ? "%+d\n" : "not known\n", found->form[e].index);
         for (int k = 0; k < s->values; k++) {
-            buffer_put(out, TEXT("     "));
-            put_eigenvalue(out, &s->value[k], "+-");
-            buffer_put(out, TEXT(" along"));
-            put_vector(out, &found->form[e], k, system->n);
-            buffer_char(out, '\n');
+            buffer_put(output, TEXT("     "));
+            put_eigenvalue(output, &s->value[k], "+-");
+            buffer_put(output, TEXT(" along"));
+            put_vector(output, &found->form[e], k, system->n);
+            buffer_char(output, '\n');
             k += s->value[k].im != 0 && k + 1 < s->values;
         }
     }
 }
 
-static void put_box(struct buffer *out, const struct system *system, double box[][2])
+static void put_box(struct buffer *output, const struct system *system, double box[][2])
 {
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
-        buffer_format(out, "%s%s = %s", i > 0 ? ", " : "", variable.name,
+        buffer_format(output, "%s%s = %s", i > 0 ? ", " : "", variable.name,
                       SHOWN_RANGE(box[i][0], box[i][1], variable.quantity, 3));
     }
 }
 
-static void put_found(struct buffer *out, const struct system *system, double box[][2],
+static void put_found(struct buffer *output, const struct system *system, double box[][2],
                       const struct equilibria *found, struct arena *arena)
 {
     if (found->count == 0)
-        buffer_put(out, found->complete ? TEXT("no equilibrium in ") : TEXT("none found in "));
+        buffer_put(output, found->complete ? TEXT("no equilibrium in ") : TEXT("none found in "));
     else
-        buffer_format(out, "%d equilibri%s in ", found->count, found->count == 1 ? "um" : "a");
-    put_box(out, system, box);
+        buffer_format(output, "%d equilibri%s in ", found->count, found->count == 1 ? "um" : "a");
+    put_box(output, system, box);
     if (found->complete)
-        buffer_put(out, found->count > 0 ? TEXT(": proven that there are no others\n")
-                                         : TEXT(": proven\n"));
+        buffer_put(output, found->count > 0 ? TEXT(": proven that there are no others\n")
+                                            : TEXT(": proven\n"));
     else
-        buffer_format(out, ": may be incomplete (%s)\n", found->reason);
+        buffer_format(output, ": may be incomplete (%s)\n", found->reason);
     if (found->forced)
-        buffer_put(out, TEXT("of the mean over the drive's period: with the drive nothing rests "
-                             "there\n"));
+        buffer_put(output, TEXT("of the mean over the drive's period: with the drive nothing rests "
+                                "there\n"));
     if (found->count > 0)
-        put_equilibria(out, system, found, arena);
+        put_equilibria(output, system, found, arena);
 }
 
 /* Each eigenvector as its real and its imaginary part. */
@@ -191,7 +191,7 @@ static void reply_form(const struct equilibrium_form *form, int n, struct reply 
 void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
                        bool full, struct reply *reply)
 {
-    const struct solution *s = &found->of[k];
+    const struct solution *s = &found->solution[k];
     reply_begin(reply, "equilibrium");
     reply_int(reply, "n", k + 1);
     reply_state(reply, system, "state", s->state);

@@ -7,12 +7,12 @@
 #include <hooke/command/handler.h>
 
 /* Writes the table of equilibria for people (equilibria.c). */
-void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
-                    struct arena *arena);
+void put_equilibria(struct buffer *output, const struct system *system,
+                    const struct equilibria *found, struct arena *arena);
 void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
                        bool full, struct reply *reply);
 /* Pairs once: "-0.1 +- 1.4i, -3". */
-void put_eigenvalues(struct buffer *out, const struct solution *solution);
+void put_eigenvalues(struct buffer *output, const struct solution *solution);
 
 /* ---- shared.c ---- */
 
@@ -45,9 +45,10 @@ void reply_state(struct reply *reply, const struct system *system, const char *k
 /* An exponent [1/s] as an object of the array that is open. */
 void reply_exponent(struct reply *reply, double value, double uncertainty);
 /* Puts "NAME = VALUE" of variable i. */
-void put_variable(struct buffer *out, const struct system *system, int i, double value, int digits);
+void put_variable(struct buffer *output, const struct system *system, int i, double value,
+                  int digits);
 /* "-1 m .. 1 m" */
-const char *shown_range(struct value_text *text, double from, double to, enum quantity quantity,
+const char *shown_range(struct value_text *text, double begin, double end, enum quantity quantity,
                         int digits);
 #define SHOWN_RANGE(from, to, quantity, digits)                                                    \
     shown_range(&(struct value_text){""}, from, to, quantity, digits)
@@ -60,7 +61,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
 bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply);
 /* The points that a branch keeps as a table for people, and their records. */
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
-                struct arena *arena, struct buffer *out);
+                struct arena *arena, struct buffer *output);
 void reply_points(const struct session *session, const struct kept_branch *branch,
                   struct reply *reply);
 /* Solution that is stored under a number or a label, with the scene in which it was found. */
@@ -88,7 +89,7 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 /* Adds a line that says so where the user has chosen a method, a step or a tolerance. */
 void reply_own_solver(const struct session *session, const char *solver, struct reply *reply);
 /* ", 12 ms", where times are shown. */
-void put_seconds(struct buffer *out, const struct session *session, double seconds);
+void put_seconds(struct buffer *output, const struct session *session, double seconds);
 /* `use` of what is no run. */
 bool use_kept(HANDLER_PARAMETERS);
 

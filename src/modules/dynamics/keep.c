@@ -48,7 +48,7 @@ const struct dynamics *session_dynamics(const struct session *session)
 static void free_equilibria(struct kept_equilibria *kept)
 {
     free(kept->value);
-    free(kept->of);
+    free(kept->solution);
     free(kept->form);
     *kept = (struct kept_equilibria){.id = 0};
 }
@@ -106,12 +106,12 @@ static struct dynamics *dynamics_for(struct session *session)
     return part->found = fresh;
 }
 
-static double *copy_values(const struct session *session, const double *of)
+static double *copy_values(const struct session *session, const double *source)
 {
     const size_t bytes = scene_params(&session->setup.scene)->count * sizeof(double);
     double *value = malloc(bytes + sizeof *value);
     if (value)
-        memcpy(value, of, bytes);
+        memcpy(value, source, bytes);
     return value;
 }
 
@@ -136,23 +136,23 @@ bool dynamics_keep_equilibria(struct session *session, const struct equilibria *
     struct dynamics *dynamics = dynamics_for(session);
     const size_t count = (size_t)found->count;
     double *value = copy_values(session, session->setup.scene.value);
-    struct solution *of = malloc((count + 1) * sizeof *of);
+    struct solution *solution = malloc((count + 1) * sizeof *solution);
     struct equilibrium_form *form = malloc((count + 1) * sizeof *form);
-    if (!dynamics || !value || !of || !form) {
+    if (!dynamics || !value || !solution || !form) {
         free(value);
-        free(of);
+        free(solution);
         free(form);
         return error_memory(error);
     }
     for (size_t i = 0; i < count; i++) {
-        of[i] = found->of[i];
+        solution[i] = found->solution[i];
         form[i] = found->form[i];
     }
     free_equilibria(&dynamics->equilibria);
     dynamics->equilibria = (struct kept_equilibria){.id = dynamics->next_id++,
                                                     .value = value,
                                                     .count = found->count,
-                                                    .of = of,
+                                                    .solution = solution,
                                                     .form = form,
                                                     .forced = found->forced,
                                                     .complete = found->complete};
@@ -188,10 +188,10 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
     }
     if (bytes > 0)
         memcpy(copy, sample, bytes);
-    int at = find_same_orbit(dynamics, value, orbit);
-    const int number = at >= 0 ? dynamics->orbit[at].number : dynamics->next_orbit++;
-    if (at >= 0 || dynamics->orbits == LIMIT_ORBITS) {
-        const int goes = at >= 0 ? at : 0;
+    int index = find_same_orbit(dynamics, value, orbit);
+    const int number = index >= 0 ? dynamics->orbit[index].number : dynamics->next_orbit++;
+    if (index >= 0 || dynamics->orbits == LIMIT_ORBITS) {
+        const int goes = index >= 0 ? index : 0;
         free_orbit(&dynamics->orbit[goes]);
         dynamics->orbits--;
         memmove(&dynamics->orbit[goes], &dynamics->orbit[goes + 1],
@@ -268,7 +268,7 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
         if (special == SPECIAL_NONE)
             continue;
         struct kept_point *point = &branch->special[branch->specials];
-        *point = (struct kept_point){.at = i, .special = special};
+        *point = (struct kept_point){.index = i, .special = special};
         point->number = known_number(dynamics, branch, point);
         if (point->number == 0)
             point->number = dynamics->next_point[special]++;
@@ -315,7 +315,7 @@ const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct 
             char own[KEPT_LABEL];
             kept_point_label(point, own);
             size_t i = 0;
-            while (i < label.len && own[i] && toupper((unsigned char)label.at[i]) == own[i])
+            while (i < label.len && own[i] && toupper((unsigned char)label.data[i]) == own[i])
                 i++;
             if (i == label.len && !own[i]) {
                 *branch = dynamics->branch[b];
@@ -340,10 +340,10 @@ void dynamics_scene(const struct session *session, const double *value, struct s
         scene_take_value(scene, i, value[i]);
 }
 
-void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int at,
+void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int index,
                        struct scene *scene)
 {
     dynamics_scene(session, branch->value, scene);
     for (int j = 0; j < branch->params; j++)
-        scene_take_value(scene, branch->param[j], branch->branch.point[at].solution.param[j]);
+        scene_take_value(scene, branch->param[j], branch->branch.point[index].solution.param[j]);
 }

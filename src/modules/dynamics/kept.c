@@ -27,9 +27,9 @@ static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibri
 
 static void cell_values(struct text_table *table, const struct solution *s)
 {
-    struct buffer out = {0};
-    put_eigenvalues(&out, s);
-    cell_take(table, &out);
+    struct buffer output = {0};
+    put_eigenvalues(&output, s);
+    cell_take(table, &output);
 }
 
 static void cell_param(struct text_table *table, const struct scene *scene, int param, double value,
@@ -51,12 +51,12 @@ static const char *criticality_of(const struct branch_point *point)
 
 static void cell_what(struct text_table *table, const struct branch_point *point)
 {
-    struct buffer out = {0};
+    struct buffer output = {0};
     const char *way = criticality_of(point);
-    buffer_put(&out, text_of(special_types[point->special]));
+    buffer_put(&output, text_of(special_types[point->special]));
     if (way)
-        buffer_format(&out, ", %s%s", way, point->criticality == 0 ? "" : "critical");
-    cell_take(table, &out);
+        buffer_format(&output, ", %s%s", way, point->criticality == 0 ? "" : "critical");
+    cell_take(table, &output);
 }
 
 /* Returns the largest state of variable i on the branch, beside which rounding is 0. */
@@ -72,29 +72,29 @@ static void put_point(struct text_table *table, const struct scene *scene,
                       const struct system *system, const struct kept_branch *branch,
                       const struct kept_point *point, bool periods)
 {
-    const struct branch_point *at = kept_point_at(branch, point);
+    const struct branch_point *special = kept_point_at(branch, point);
     char label[KEPT_LABEL];
     kept_point_label(point, label);
     cell_text(table, label);
-    cell_what(table, at);
+    cell_what(table, special);
     struct buffer where = {0};
     for (int j = 0; j < branch->params; j++) {
         buffer_format(&where, "%s%s = ", j ? ", " : "",
                       param_at(scene, branch->param[j])->row.name);
         /* rounding of 0 is 0 */
-        const double value = at->solution.param[j], range = branch->to[j] - branch->from[j];
+        const double value = special->solution.param[j], range = branch->high[j] - branch->low[j];
         buffer_quantity(&where, fabs(value) < 1e-13 * range ? 0 : value,
                         param_at(scene, branch->param[j])->quantity, 10);
     }
     cell_take(table, &where);
-    if (at->solution.period > 0)
-        cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
+    if (special->solution.period > 0)
+        cell_quantity(table, special->solution.period, QUANTITY_TIME, 7);
     else if (periods)
         cell_text(table, "-");
-    cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
+    cell_text(table, special->verified > 0 ? "yes" : special->verified < 0 ? "NO" : "-");
     for (int i = 0; i < system->n; i++) {
-        const double value = at->solution.state[i],
-                     range = fmax(at->solution.top[i] - at->solution.bottom[i],
+        const double value = special->solution.state[i],
+                     range = fmax(special->solution.top[i] - special->solution.bottom[i],
                                   largest_state(&branch->branch, i));
         cell_quantity(table, fabs(value) < 1e-13 * range ? 0 : value,
                       system_variable(system, i).quantity, 5);
@@ -103,17 +103,17 @@ static void put_point(struct text_table *table, const struct scene *scene,
 
 /* Says what speaks against a label that runs do not confirm. */
 static void put_contradiction(const struct kept_branch *branch, const struct kept_point *point,
-                              struct buffer *out)
+                              struct buffer *output)
 {
-    const char *against = branch_contradiction(kept_point_at(branch, point)->verified);
+    const char *contradiction = branch_contradiction(kept_point_at(branch, point)->verified);
     char label[KEPT_LABEL];
     kept_point_label(point, label);
-    if (against)
-        buffer_format(out, "%s: NO, as %s\n", label, against);
+    if (contradiction)
+        buffer_format(output, "%s: NO, as %s\n", label, contradiction);
 }
 
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
-                struct arena *arena, struct buffer *out)
+                struct arena *arena, struct buffer *output)
 {
     const struct scene *scene = &session->setup.scene;
     const struct system system = {.model = scene->model, .n = scene->model->n};
@@ -141,18 +141,18 @@ void put_points(const struct session *session, const struct kept_branch *const *
     for (int b = 0; b < count; b++)
         for (int k = 0; k < branch[b]->specials; k++)
             put_point(&table, scene, &system, branch[b], &branch[b]->special[k], periods);
-    text_table_put(&table, out);
+    text_table_put(&table, output);
     for (int b = 0; b < count; b++)
         for (int k = 0; k < branch[b]->specials; k++)
-            put_contradiction(branch[b], &branch[b]->special[k], out);
+            put_contradiction(branch[b], &branch[b]->special[k], output);
 }
 
 static void reply_point(const struct scene *scene, const struct system *system,
                         const struct kept_branch *branch, const struct kept_point *point,
                         struct reply *reply)
 {
-    const struct branch_point *at = kept_point_at(branch, point);
-    const struct solution *s = &at->solution;
+    const struct branch_point *special = kept_point_at(branch, point);
+    const struct solution *s = &special->solution;
     char label[KEPT_LABEL];
     kept_point_label(point, label);
     reply_begin(reply, "branch-point");
@@ -166,16 +166,16 @@ static void reply_point(const struct scene *scene, const struct system *system,
     reply_state(reply, system, "state", s->state);
     reply_real(reply, "period", s->period > 0 ? s->period : NAN);
     reply_values(reply, s->kind == SOLUTION_EQUILIBRIUM ? "eigenvalues" : "multipliers", s);
-    const char *way = criticality_of(at);
-    reply_string(reply, "criticality", at->criticality != 0 ? way : NULL);
-    reply_real(reply, "first_lyapunov", at->criticality);
-    if (at->verified == 0)
+    const char *way = criticality_of(special);
+    reply_string(reply, "criticality", special->criticality != 0 ? way : NULL);
+    reply_real(reply, "first_lyapunov", special->criticality);
+    if (special->verified == 0)
         reply_null(reply, "verified");
     else
-        reply_bool(reply, "verified", at->verified > 0);
-    if (at->verified < 0)
-        reply_string(reply, "contradicted", branch_contradiction(at->verified));
-    reply_real(reply, "accuracy", at->accuracy);
+        reply_bool(reply, "verified", special->verified > 0);
+    if (special->verified < 0)
+        reply_string(reply, "contradicted", branch_contradiction(special->verified));
+    reply_real(reply, "accuracy", special->accuracy);
     reply_end(reply);
 }
 
@@ -209,7 +209,7 @@ bool dynamics_list_equilibria(struct session *session, struct arena *arena, stru
     if (!d || d->equilibria.id == 0)
         return list_none(reply, "equilibria", "equilibria");
     const struct equilibria found = {.count = d->equilibria.count,
-                                     .of = d->equilibria.of,
+                                     .solution = d->equilibria.solution,
                                      .form = d->equilibria.form,
                                      .forced = d->equilibria.forced,
                                      .complete = d->equilibria.complete};
@@ -267,12 +267,12 @@ bool dynamics_list_orbits(struct session *session, struct arena *arena, struct r
     return true;
 }
 
-static void put_labels(struct buffer *out, const struct kept_branch *b)
+static void put_labels(struct buffer *output, const struct kept_branch *b)
 {
     for (int k = 0; k < b->specials; k++) {
         char label[KEPT_LABEL];
         kept_point_label(&b->special[k], label);
-        buffer_format(out, "%s%s", k ? " " : "", label);
+        buffer_format(output, "%s%s", k ? " " : "", label);
     }
 }
 
@@ -291,7 +291,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
         const struct kept_branch *b = d->branch[k];
         struct buffer labels = {0};
         cell_count(&table, b->number);
-        cell_text(&table, b->of);
+        cell_text(&table, b->origin);
         const struct branch_point *last = &b->branch.point[b->branch.count - 1];
         cell_param(&table, scene, b->param[0], b->branch.point[0].solution.param[0], 6);
         cell_param(&table, scene, b->param[0], last->solution.param[0], 6);
@@ -306,10 +306,10 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
         put_labels(&labels, b);
         reply_begin(reply, "kept-branch");
         reply_int(reply, "branch", b->number);
-        reply_string(reply, "of", b->of);
+        reply_string(reply, "of", b->origin);
         reply_string(reply, "parameter", param_at(scene, b->param[0])->row.name);
-        reply_real(reply, "from", b->from[0]);
-        reply_real(reply, "to", b->to[0]);
+        reply_real(reply, "from", b->low[0]);
+        reply_real(reply, "to", b->high[0]);
         reply_int(reply, "rows", b->branch.count);
         reply_string(reply, "labels", buffer_view(&labels));
         reply_end(reply);
@@ -346,7 +346,7 @@ bool find_equilibrium(const struct session *session, const struct dynamics *d,
                  count > 0 ? "there are equilibria 1 to %d" : "no equilibria are kept", count);
         return error_hint(error, count > 0 ? "type: list equilibria" : "type: equilibria");
     }
-    found->solution = d->equilibria.of[(int)n - 1];
+    found->solution = d->equilibria.solution[(int)n - 1];
     dynamics_scene(session, d->equilibria.value, &found->scene);
     return true;
 }
@@ -373,21 +373,21 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
     found->point = dynamics_point(d, label, &found->branch);
     if (found->point) {
         found->solution = kept_point_at(found->branch, found->point)->solution;
-        dynamics_scene_at(session, found->branch, found->point->at, &found->scene);
+        dynamics_scene_at(session, found->branch, found->point->index, &found->scene);
         return true;
     }
-    struct suggestion near = {.wanted = label};
+    struct suggestion suggestion = {.wanted = label};
     bool any = false;
     error_at(error, label, "there is no point '%.*s'", (int)(label.len < 64 ? label.len : 64),
-             label.at);
+             label.data);
     for (int b = 0; d && b < d->branches; b++)
         for (int k = 0; k < d->branch[b]->specials; k++) {
             char own[KEPT_LABEL];
             kept_point_label(&d->branch[b]->special[k], own);
-            suggestion_offer(&near, own);
+            suggestion_offer(&suggestion, own);
             any = true;
         }
-    suggestion_hint(&near, error);
+    suggestion_hint(&suggestion, error);
     if (error->hint[0])
         return false;
     return error_hint(error, any ? "'list points' shows the labels that there are"
@@ -395,11 +395,13 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
 }
 
 /* What of the scene has changed, as one line. */
-static void put_changes(const struct scene *before, const struct scene *now, struct buffer *out)
+static void put_changes(const struct scene *previous, const struct scene *now,
+                        struct buffer *output)
 {
     for (int i = 0; i < (int)scene_params(now)->count; i++)
-        if (now->value[i] != before->value[i])
-            buffer_format(out, "%s%s = %s", out->len > 0 ? "  " : "", param_at(now, i)->row.name,
+        if (now->value[i] != previous->value[i])
+            buffer_format(output, "%s%s = %s", output->len > 0 ? "  " : "",
+                          param_at(now, i)->row.name,
                           SHOWN_QUANTITY(now->value[i], param_at(now, i)->quantity, 9));
 }
 
@@ -417,21 +419,21 @@ bool use_kept(HANDLER_PARAMETERS)
             : !error_set(error, ERROR_COMMAND,
                          "use takes a run, a label of 'list points', an orbit or an equilibrium"))
         return false;
-    const struct scene before = session->setup.scene;
+    const struct scene previous = session->setup.scene;
     if (!scene_start_at(&found.scene, found.solution.state, error))
         return false;
     session->setup.scene = found.scene;
     session_changed(session);
-    struct buffer out = {0};
-    put_changes(&before, &found.scene, &out);
-    reply_text(reply, out.len > 0 ? buffer_text(&out) : TEXT("the scene is there already"));
+    struct buffer output = {0};
+    put_changes(&previous, &found.scene, &output);
+    reply_text(reply, output.len > 0 ? buffer_text(&output) : TEXT("the scene is there already"));
     reply_begin(reply, "use");
     reply_object(reply, "parameters");
     for (int i = 0; i < (int)scene_params(&found.scene)->count; i++)
-        if (found.scene.value[i] != before.value[i])
+        if (found.scene.value[i] != previous.value[i])
             reply_real(reply, param_at(&found.scene, i)->row.name, found.scene.value[i]);
     reply_close(reply);
     reply_end(reply);
-    buffer_free(&out);
+    buffer_free(&output);
     return true;
 }

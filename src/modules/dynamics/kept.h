@@ -16,7 +16,7 @@ struct kept_equilibria {
     uint64_t id;   /* in the session's file, or 0 if there is none */
     double *value; /* [params] SI, of the scene then */
     int count;
-    struct solution *of;
+    struct solution *solution;
     struct equilibrium_form *form;
     bool forced, complete;
 };
@@ -31,7 +31,7 @@ struct kept_orbit {
 };
 
 struct kept_point {
-    int at; /* place in the branch */
+    int index; /* place in the branch */
     enum special special;
     int number; /* its label is the letters of `special` with it */
 };
@@ -41,9 +41,9 @@ struct kept_branch {
     int number;
     double *value;        /* but for what varies */
     int params, param[2]; /* indices of what varies among the scene's */
-    double from[2], to[2];
-    char of[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
-    struct branch branch;    /* its points are owned */
+    double low[2], high[2];
+    char origin[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
+    struct branch branch;        /* its points are owned */
     struct kept_point *special;
     int specials;
 };
@@ -69,7 +69,7 @@ struct dynamics_part {
 };
 
 /* Functions of dynamics_module.store (store.c). */
-void dynamics_put_head(const void *part, struct buffer *to);
+void dynamics_put_head(const void *part, struct buffer *buffer);
 bool dynamics_put_next(const void *part, struct stored *stored, int *next);
 void dynamics_forget(const void *part, struct stored *stored);
 void dynamics_read(struct reader *reader);
@@ -103,7 +103,7 @@ const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct 
 static inline const struct branch_point *kept_point_at(const struct kept_branch *branch,
                                                        const struct kept_point *point)
 {
-    return &branch->branch.point[point->at];
+    return &branch->branch.point[point->index];
 }
 #define KEPT_LABEL 16
 void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL]);
@@ -111,7 +111,7 @@ void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL]);
 /* The scene with these values of all its parameters [params]. */
 void dynamics_scene(const struct session *session, const double *value, struct scene *scene);
 /* Likewise at a point of a branch. */
-void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int at,
+void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int index,
                        struct scene *scene);
 
 /*

@@ -10,13 +10,13 @@
 
 #define ZERO_WITHIN_ERRORS 2 /* standard errors */
 
-static void put_measured(struct buffer *out, struct exponent value, enum quantity quantity)
+static void put_measured(struct buffer *output, struct exponent value, enum quantity quantity)
 {
     const double error = isfinite(value.error) ? value.error : 0;
     if (isfinite(value.value))
-        buffer_measured(out, (struct measured){value.value, error}, quantity, 12);
+        buffer_measured(output, (struct measured){value.value, error}, quantity, 12);
     else
-        buffer_put(out, TEXT("not determined"));
+        buffer_put(output, TEXT("not determined"));
 }
 
 /* Returns the index of the exponent that is 0 of a flow without a drive, or -1 if none is that
@@ -31,69 +31,74 @@ static int zero_of(const struct lyapunov *f)
     return zero;
 }
 
-static void put_exponents(struct buffer *out, const struct lyapunov *f)
+static void put_exponents(struct buffer *output, const struct lyapunov *f)
 {
     const int zero = zero_of(f);
     for (int i = 0; i < f->count; i++) {
-        buffer_format(out, "  %d  ", i + 1);
-        put_measured(out, f->exponent[i], QUANTITY_RATE);
+        buffer_format(output, "  %d  ", i + 1);
+        put_measured(output, f->exponent[i], QUANTITY_RATE);
         if (i == zero)
-            buffer_put(out, TEXT("   0 within its error, as one of a flow has to be"));
-        buffer_char(out, '\n');
+            buffer_put(output, TEXT("   0 within its error, as one of a flow has to be"));
+        buffer_char(output, '\n');
     }
     if (zero < 0 && f->period == 0 && f->determined && f->count == f->n)
-        buffer_put(out, f->rests
-                            ? TEXT("the motion has come to rest: none of them has to be 0\n")
+        buffer_put(output,
+                   f->rests ? TEXT("the motion has come to rest: none of them has to be 0\n")
                             : TEXT("none of them is 0 within its error: the motion leaves, or the "
                                    "time is too short\n"));
 }
 
-static void put_checks(struct buffer *out, const struct lyapunov *f)
+static void put_checks(struct buffer *output, const struct lyapunov *f)
 {
     if (f->count == f->n)
-        buffer_format(out, "sum %.10g, mean divergence %.10g 1/s: apart by %.1g\n", f->sum,
+        buffer_format(output, "sum %.10g, mean divergence %.10g 1/s: apart by %.1g\n", f->sum,
                       f->divergence, fabs(f->sum - f->divergence));
     if (f->period > 0) {
-        buffer_format(out, "a period of the drive (%.6g s):", f->period);
+        buffer_format(output, "a period of the drive (%.6g s):", f->period);
         for (int i = 0; i < f->count; i++)
-            buffer_format(out, " %.5g", f->exponent[i].value * f->period);
+            buffer_format(output, " %.5g", f->exponent[i].value * f->period);
         if (isfinite(f->strobe))
-            buffer_format(out, "; by the stroboscopic map the same to %.1g", f->strobe * f->period);
-        buffer_char(out, '\n');
+            buffer_format(output, "; by the stroboscopic map the same to %.1g",
+                          f->strobe * f->period);
+        buffer_char(output, '\n');
     }
     if (f->conservative && f->count == f->n) {
-        double off = 0;
+        double deviation = 0;
         for (int i = 0; i < f->n; i++)
-            off = fmax(off, fabs(f->exponent[i].value + f->exponent[f->n - 1 - i].value));
-        buffer_format(out, "energy is kept: pairs of opposite signs, apart by %.1g 1/s\n", off);
+            deviation =
+                fmax(deviation, fabs(f->exponent[i].value + f->exponent[f->n - 1 - i].value));
+        buffer_format(output, "energy is kept: pairs of opposite signs, apart by %.1g 1/s\n",
+                      deviation);
     }
     if (f->determined && isfinite(f->dimension.value)) {
-        buffer_put(out, TEXT("Kaplan-Yorke dimension "));
-        put_measured(out, f->dimension, QUANTITY_NUMBER);
-        buffer_char(out, '\n');
+        buffer_put(output, TEXT("Kaplan-Yorke dimension "));
+        put_measured(output, f->dimension, QUANTITY_NUMBER);
+        buffer_char(output, '\n');
     }
     if (f->regular)
-        buffer_put(out, TEXT("regular motion: means converge faster than any power of the time\n"));
+        buffer_put(output,
+                   TEXT("regular motion: means converge faster than any power of the time\n"));
 }
 
-static void put_lyapunov(struct buffer *out, const struct session *session,
+static void put_lyapunov(struct buffer *output, const struct session *session,
                          const struct lyapunov *f, bool chosen)
 {
     if (f->time > 0) {
-        buffer_format(out, "Lyapunov exponent%s over %s, after %s%s\n", plural_s(f->count),
+        buffer_format(output, "Lyapunov exponent%s over %s, after %s%s\n", plural_s(f->count),
                       SHOWN_QUANTITY(f->time, QUANTITY_TIME, 6),
                       SHOWN_QUANTITY(f->skip, QUANTITY_TIME, 6),
                       chosen ? " ('over T' chosen for about 2e6 evaluations)" : "");
-        put_exponents(out, f);
-        put_checks(out, f);
+        put_exponents(output, f);
+        put_checks(output, f);
     }
     if (f->reason)
-        buffer_format(out, "%s: %s\n", f->determined ? "ends early" : "not determined", f->reason);
-    buffer_format(out,
+        buffer_format(output, "%s: %s\n", f->determined ? "ends early" : "not determined",
+                      f->reason);
+    buffer_format(output,
                   "%lld evaluations by %s at tol = %.0e ('method', 'dt' and 'tol' do not matter "
                   "here)",
                   (long long)f->evals, f->method, f->tol);
-    put_seconds(out, session, f->seconds);
+    put_seconds(output, session, f->seconds);
 }
 
 static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
@@ -121,12 +126,12 @@ static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
 HANDLER(lyapunov)
 {
     const struct argument_value *count = argument_value(args, "N"),
-                                *over = argument_value(args, "over"),
+                                *duration = argument_value(args, "over"),
                                 *skip = argument_value(args, "skip");
     const struct lyapunov_request request = {
         .scene = &session->setup.scene,
         .count = count->count ? (int)fmin(count->item->value.value, LIMIT_VARIABLES) : 0,
-        .duration = over->count ? over->item->value.value : 0,
+        .duration = duration->count ? duration->item->value.value : 0,
         .skip = skip->count ? skip->item->value.value : -1,
         .cancel = session->front.cancel,
         .progress = report_fraction,
@@ -145,7 +150,7 @@ HANDLER(lyapunov)
                         found.n == 1 ? "" : "s");
     if (found.cancelled && !(found.time > 0))
         return error_set(error, ERROR_CANCELLED, "stopped before means were taken");
-    put_lyapunov(reply_buffer(reply), session, &found, !over->count);
+    put_lyapunov(reply_buffer(reply), session, &found, !duration->count);
     reply_lyapunov(&found, reply);
     return !found.cancelled || error_set(error, ERROR_CANCELLED, "stopped");
 }

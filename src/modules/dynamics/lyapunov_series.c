@@ -6,28 +6,28 @@
 
 #include <math.h>
 
-static void put_exponent(struct buffer *out, const char *name, const struct series_exponent *f,
+static void put_exponent(struct buffer *output, const char *name, const struct series_exponent *f,
                          enum quantity quantity)
 {
     if (f->determined) {
-        buffer_format(out,
+        buffer_format(output,
                       "largest Lyapunov exponent of %s: %s, from %zu pairs of neighbours\n"
                       "distances grow evenly from %s to %s, by a factor of %.3g\n",
                       name, SHOWN_MEASURED(f->value, QUANTITY_RATE, 6), f->pairs,
-                      SHOWN_QUANTITY(f->from, QUANTITY_TIME, 3),
-                      SHOWN_QUANTITY(f->to, QUANTITY_TIME, 3), f->growth);
+                      SHOWN_QUANTITY(f->t_begin, QUANTITY_TIME, 3),
+                      SHOWN_QUANTITY(f->t_end, QUANTITY_TIME, 3), f->growth);
     } else
-        buffer_format(out, "largest Lyapunov exponent of %s: not determined: %s\n", name,
+        buffer_format(output, "largest Lyapunov exponent of %s: not determined: %s\n", name,
                       f->reason);
     if (isfinite(f->dimension.value)) {
-        buffer_format(out, "correlation dimension %s, at distances from %s to %s\n",
+        buffer_format(output, "correlation dimension %s, at distances from %s to %s\n",
                       SHOWN_MEASURED(f->dimension, QUANTITY_NUMBER, 6),
                       SHOWN_QUANTITY(f->distance[0], quantity, 3),
                       SHOWN_QUANTITY(f->distance[1], quantity, 3));
     } else if (f->dimensions > 0)
-        buffer_format(out, "correlation dimension: not determined: %s\n", f->dimension_reason);
+        buffer_format(output, "correlation dimension: not determined: %s\n", f->dimension_reason);
     if (f->dimensions > 0)
-        buffer_format(out,
+        buffer_format(output,
                       "vectors of %d value%s, %s from one to the next; neighbours are farther "
                       "apart in time than %s",
                       f->dimensions, plural_s(f->dimensions),
@@ -53,8 +53,8 @@ static void reply_largest(const struct subject *subject, const struct series_exp
     reply_string(reply, "reason", f->reason[0] ? f->reason : NULL);
     reply_quantity(reply, "delay", f->dimensions > 0 ? f->delay : NAN, "s");
     reply_int(reply, "values", f->dimensions);
-    reply_quantity(reply, "from", f->determined ? f->from : NAN, "s");
-    reply_quantity(reply, "to", f->determined ? f->to : NAN, "s");
+    reply_quantity(reply, "from", f->determined ? f->t_begin : NAN, "s");
+    reply_quantity(reply, "to", f->determined ? f->t_end : NAN, "s");
     reply_real(reply, "growth", f->determined ? f->growth : NAN);
     reply_int(reply, "pairs", (long long)f->pairs);
     reply_end(reply);

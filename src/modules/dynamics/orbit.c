@@ -67,65 +67,65 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 #define ORBIT_DISTANCE_FRACTION 0.01
 
 /* Where it was looked for from, and whether it is the motion from there. */
-static void put_from(struct buffer *out, const struct found_orbit *orbit, const char *from)
+static void put_from(struct buffer *output, const struct found_orbit *orbit, const char *source)
 {
-    buffer_format(out, ", from %s", from);
+    buffer_format(output, ", from %s", source);
     if (orbit->given_up)
-        buffer_put(out, TEXT("; no stable one was found: the motion may be chaotic"));
+        buffer_put(output, TEXT("; no stable one was found: the motion may be chaotic"));
     if (orbit->family && orbit->away > ORBIT_DISTANCE_FRACTION)
-        buffer_format(out,
+        buffer_format(output,
                       ";\n  it passes there at %.2g of its extent: the motion from there is not "
                       "on it, and was not found to close",
                       orbit->away);
 }
 
-static void put_energy(struct buffer *out, const struct found_orbit *orbit, bool driven)
+static void put_energy(struct buffer *output, const struct found_orbit *orbit, bool driven)
 {
     if (isfinite(orbit->energy_in) && orbit->energy_in != 0)
-        buffer_format(out, "  energy %s put in %s in a period\n",
+        buffer_format(output, "  energy %s put in %s in a period\n",
                       SHOWN_QUANTITY(orbit->energy_in, QUANTITY_ENERGY, 6),
                       driven ? "by the drive" : "and taken out");
 }
 
-static void put_multipliers(struct buffer *out, const struct solution *s)
+static void put_multipliers(struct buffer *output, const struct solution *s)
 {
     if (s->values > 0) {
-        buffer_put(out, TEXT("\n  multipliers "));
-        put_eigenvalues(out, s);
+        buffer_put(output, TEXT("\n  multipliers "));
+        put_eigenvalues(output, s);
     }
     if (isfinite(s->trivial))
-        buffer_format(out, "%s the trivial one off 1 by %.1e", s->values > 0 ? ";" : "\n ",
+        buffer_format(output, "%s the trivial one off 1 by %.1e", s->values > 0 ? ";" : "\n ",
                       s->trivial);
 }
 
-static void put_orbit(struct buffer *out, const struct system *system, int number,
+static void put_orbit(struct buffer *output, const struct system *system, int number,
                       const struct found_orbit *orbit)
 {
     const struct solution *s = &orbit->solution;
-    buffer_format(out, "orbit %d: T = %s", number, SHOWN_QUANTITY(s->period, QUANTITY_TIME, 12));
+    buffer_format(output, "orbit %d: T = %s", number, SHOWN_QUANTITY(s->period, QUANTITY_TIME, 12));
     if (s->multiple > 1)
-        buffer_format(out, " (%d periods of the drive)", s->multiple);
+        buffer_format(output, " (%d periods of the drive)", s->multiple);
     else if (s->multiple == 1)
-        buffer_put(out, TEXT(" (that of the drive)"));
-    buffer_put(out, !solution_is_known(s)
-                        ? TEXT(", stability not known: the equations jump, and multipliers with "
-                               "them")
-                    : !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
-                    : solution_stable(s)
-                        ? TEXT(", neutral: a multiplier is 1, others are beside it")
-                        : TEXT(", unstable, and a multiplier is 1"));
-    put_multipliers(out, s);
+        buffer_put(output, TEXT(" (that of the drive)"));
+    buffer_put(output, !solution_is_known(s)
+                           ? TEXT(", stability not known: the equations jump, and multipliers with "
+                                  "them")
+                       : !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
+                       : solution_stable(s)
+                           ? TEXT(", neutral: a multiplier is 1, others are beside it")
+                           : TEXT(", unstable, and a multiplier is 1"));
+    put_multipliers(output, s);
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
-        buffer_format(out, "\n  %s = %s", variable.name,
+        buffer_format(output, "\n  %s = %s", variable.name,
                       SHOWN_RANGE(s->bottom[i], s->top[i], variable.quantity, 8));
     }
-    buffer_char(out, '\n');
-    put_energy(out, orbit, s->multiple > 0);
-    buffer_format(out, "  residual %.1e", s->residual);
+    buffer_char(output, '\n');
+    put_energy(output, orbit, s->multiple > 0);
+    buffer_format(output, "  residual %.1e", s->residual);
     if (isfinite(orbit->error))
-        buffer_format(out, ", error about %.0e", orbit->error);
-    buffer_format(out, ", %lld evaluations", (long long)orbit->evals);
+        buffer_format(output, ", error about %.0e", orbit->error);
+    buffer_format(output, ", %lld evaluations", (long long)orbit->evals);
 }
 
 static void reply_orbit(const struct system *system, int number, const struct found_orbit *orbit,
@@ -180,7 +180,7 @@ HANDLER(orbit)
     if (system.n > DYNAMICS_VARIABLES)
         return error_set(error, ERROR_COMMAND, "orbits are found of at most %d variables",
                          DYNAMICS_VARIABLES);
-    const char *from = orbit_begin(session, &system, &request);
+    const char *source = orbit_begin(session, &system, &request);
     struct text rest = guesses->count ? guesses->item->text : TEXT("");
     for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
         const struct text guess = next_key_argument(&rest);
@@ -204,7 +204,7 @@ HANDLER(orbit)
             buffer_format(text, ",\n  along its family from T = %s",
                           SHOWN_QUANTITY(found.family_from, QUANTITY_TIME, 6));
         else
-            put_from(text, &found, request.settles ? from : "the guess");
+            put_from(text, &found, request.settles ? source : "the guess");
         reply_own_solver(session, FLOW_SOLVER, reply);
         reply_orbit(&system, kept->number, &found, reply);
         keep_table(&system, &found, reply);

@@ -10,11 +10,11 @@
 static void put_crossing(struct buffer *text, const struct portrait_crossing *crossing,
                          const struct variable variable[2])
 {
-    const struct variable *at = &variable[crossing->variable],
+    const struct variable *axis = &variable[crossing->variable],
                           *other = &variable[!crossing->variable];
     buffer_format(text, ", %s = %s at %s = %s", other->name,
-                  SHOWN_QUANTITY(crossing->other, other->quantity, 7), at->name,
-                  SHOWN_QUANTITY(crossing->value, at->quantity, 4));
+                  SHOWN_QUANTITY(crossing->other, other->quantity, 7), axis->name,
+                  SHOWN_QUANTITY(crossing->value, axis->quantity, 4));
 }
 
 static void reply_crossings(const struct separatrix *s, const struct variable variable[2],
@@ -48,8 +48,8 @@ void reply_portrait(const struct session *session, const struct figure_request *
         struct buffer *text = reply_buffer(reply);
         buffer_format(text, "separatrix of equilibrium %d, %s", s->equilibrium + 1,
                       s->stable ? "stable" : "unstable");
-        if (s->to >= 0)
-            buffer_format(text, ", %s equilibrium %d", s->stable ? "from" : "to", s->to + 1);
+        if (s->target >= 0)
+            buffer_format(text, ", %s equilibrium %d", s->stable ? "from" : "to", s->target + 1);
         for (int k = 0; k < s->crossings && k < 2; k++)
             put_crossing(text, &s->crossing[k], variable);
         reply_begin(reply, "separatrix");

@@ -33,7 +33,7 @@ struct separatrix {
     bool stable;     /* goes to the saddle; else it leaves it */
     int side;        /* 1 or -1: along the eigenvector */
     const char *end; /* "frame", "equilibrium", "goes on" */
-    int to;          /* the equilibrium, or -1 if there is none */
+    int target;      /* the equilibrium, or -1 if there is none */
     /* where it crosses the lines variable = value through equilibria, in the order of the way */
     int crossings;
     struct portrait_crossing {

@@ -12,10 +12,10 @@
 bool take_equals(struct parser *parser, struct text argument, struct text name)
 {
     const struct text rest =
-        text_trim((struct text){argument.at + name.len, argument.len - name.len});
+        text_trim((struct text){argument.data + name.len, argument.len - name.len});
     if (!text_starts(rest, TEXT("=")))
         return false;
-    parser->rest = text_trim((struct text){rest.at + 1, rest.len - 1});
+    parser->rest = text_trim((struct text){rest.data + 1, rest.len - 1});
     return true;
 }
 
@@ -23,19 +23,19 @@ int read_variable(struct parser *parser, struct text argument, const struct syst
                   const char *command, const char *example, struct error *error)
 {
     struct text name = peek_name(argument);
-    name.len += name.len > 0 && name.len < argument.len && argument.at[name.len] == '\'';
+    name.len += name.len > 0 && name.len < argument.len && argument.data[name.len] == '\'';
     const int i = name.len > 0 ? model_state(system->model, name) : -1,
               shown = (int)(argument.len < 64 ? argument.len : 64);
     if (text_starts(argument, TEXT("--"))) {
-        error_at(error, argument, "%s has no option '%.*s'", command, shown - 2, argument.at + 2);
+        error_at(error, argument, "%s has no option '%.*s'", command, shown - 2, argument.data + 2);
     } else if (i < 0) {
-        const struct text named = name.len > 0 ? name : (struct text){argument.at, (size_t)shown};
-        error_at(error, named, "'%.*s' is no variable of the scene", (int)named.len, named.at);
+        const struct text named = name.len > 0 ? name : (struct text){argument.data, (size_t)shown};
+        error_at(error, named, "'%.*s' is no variable of the scene", (int)named.len, named.data);
         error_hint(error, "%s takes variables, as in %s=%s", command,
                    system->model->variable[0].name, example);
     } else if (!take_equals(parser, argument, name)) {
-        error_at(error, argument, "%.*s needs a value, as in %.*s=%s", (int)name.len, name.at,
-                 (int)name.len, name.at, example);
+        error_at(error, argument, "%.*s needs a value, as in %.*s=%s", (int)name.len, name.data,
+                 (int)name.len, name.data, example);
     } else {
         return i;
     }
@@ -44,10 +44,10 @@ int read_variable(struct parser *parser, struct text argument, const struct syst
 
 /* ---- results ---- */
 
-void put_seconds(struct buffer *out, const struct session *session, double seconds)
+void put_seconds(struct buffer *output, const struct session *session, double seconds)
 {
     if (session->setup.settings.timing != TIMING_OFF)
-        buffer_format(out, ", %s", SHOWN_QUANTITY(seconds, QUANTITY_TIME, 3));
+        buffer_format(output, ", %s", SHOWN_QUANTITY(seconds, QUANTITY_TIME, 3));
 }
 
 void reply_state(struct reply *reply, const struct system *system, const char *key,
@@ -68,18 +68,20 @@ void reply_exponent(struct reply *reply, double value, double uncertainty)
     reply_close(reply);
 }
 
-void put_variable(struct buffer *out, const struct system *system, int i, double value, int digits)
+void put_variable(struct buffer *output, const struct system *system, int i, double value,
+                  int digits)
 {
     const struct variable variable = system_variable(system, i);
-    buffer_format(out, "%s = %s", variable.name, SHOWN_QUANTITY(value, variable.quantity, digits));
+    buffer_format(output, "%s = %s", variable.name,
+                  SHOWN_QUANTITY(value, variable.quantity, digits));
 }
 
-const char *shown_range(struct value_text *text, double from, double to, enum quantity quantity,
+const char *shown_range(struct value_text *text, double begin, double end, enum quantity quantity,
                         int digits)
 {
-    snprintf(text->at, sizeof text->at, "%s .. %s", SHOWN_QUANTITY(from, quantity, digits),
-             SHOWN_QUANTITY(to, quantity, digits));
-    return text->at;
+    snprintf(text->data, sizeof text->data, "%s .. %s", SHOWN_QUANTITY(begin, quantity, digits),
+             SHOWN_QUANTITY(end, quantity, digits));
+    return text->data;
 }
 
 void reply_values(struct reply *reply, const char *key, const struct solution *s)

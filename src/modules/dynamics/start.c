@@ -39,11 +39,11 @@ static bool state_at_cursor(const struct session *session, const struct system *
             state[plane.variable[k]] = cursors->point[k];
         return true;
     }
-    if (!run || run->scene.model != system->model || !cursors->at[0].set) {
+    if (!run || run->scene.model != system->model || !cursors->cursor[0].set) {
         error_set(error, ERROR_COMMAND, "no cursor stands on a run of this scene");
         return error_hint(error, "cursor A TIME sets one");
     }
-    size_t row = trace_row_at(run->trace, cursors->at[0].t);
+    size_t row = trace_row_at(run->trace, cursors->cursor[0].t);
     row = row < trace_count(run->trace) ? row : trace_count(run->trace) - 1;
     memcpy(state, trace_state(run->trace, row), (size_t)system->n * sizeof *state);
     return true;

@@ -21,42 +21,43 @@ static uint64_t id_of(const struct dynamics *d, int i)
     return i < 0 ? d->equilibria.id : i < d->orbits ? d->orbit[i].id : d->branch[i - d->orbits]->id;
 }
 
-void dynamics_put_head(const void *part, struct buffer *to)
+void dynamics_put_head(const void *part, struct buffer *buffer)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;
     if (!d)
         return;
-    const size_t begun = field_begin(to, "dynamics");
-    field_text(to, "equations", text_of(d->equations));
-    field_put(to, "params", &d->params, sizeof d->params);
-    field_put(to, "n", &d->n, sizeof d->n);
-    field_put(to, "next_id", &d->next_id, sizeof d->next_id);
-    field_put(to, "next_orbit", &d->next_orbit, sizeof d->next_orbit);
-    field_put(to, "next_branch", &d->next_branch, sizeof d->next_branch);
-    field_put(to, "next_point", d->next_point, sizeof d->next_point);
-    const size_t ids = field_begin(to, "ids");
+    const size_t begun = field_begin(buffer, "dynamics");
+    field_text(buffer, "equations", text_of(d->equations));
+    field_put(buffer, "params", &d->params, sizeof d->params);
+    field_put(buffer, "n", &d->n, sizeof d->n);
+    field_put(buffer, "next_id", &d->next_id, sizeof d->next_id);
+    field_put(buffer, "next_orbit", &d->next_orbit, sizeof d->next_orbit);
+    field_put(buffer, "next_branch", &d->next_branch, sizeof d->next_branch);
+    field_put(buffer, "next_point", d->next_point, sizeof d->next_point);
+    const size_t ids = field_begin(buffer, "ids");
     for (int i = 0; i < count_of(d); i++) {
         const uint64_t id = id_of(d, i);
-        buffer_put(to, (struct text){(const char *)&id, sizeof id});
+        buffer_put(buffer, (struct text){(const char *)&id, sizeof id});
     }
-    field_end(to, ids);
-    field_end(to, begun);
+    field_end(buffer, ids);
+    field_end(buffer, begun);
 }
 
-static void put_array(struct buffer *to, const char *name, const void *of, int count, size_t item)
+static void put_array(struct buffer *buffer, const char *name, const void *array, int count,
+                      size_t item)
 {
-    field_put(to, name, of, (size_t)count * item);
+    field_put(buffer, name, array, (size_t)count * item);
 }
 
-static void put_branch(const struct kept_branch *b, struct buffer *to)
+static void put_branch(const struct kept_branch *b, struct buffer *buffer)
 {
-    field_put(to, "number", &b->number, sizeof b->number);
-    field_put(to, "varies", &b->params, sizeof b->params);
-    field_put(to, "param", b->param, sizeof b->param);
-    field_put(to, "from", b->from, sizeof b->from);
-    field_put(to, "to", b->to, sizeof b->to);
-    field_text(to, "of", text_of(b->of));
-    field_put(to, "branch",
+    field_put(buffer, "number", &b->number, sizeof b->number);
+    field_put(buffer, "varies", &b->params, sizeof b->params);
+    field_put(buffer, "param", b->param, sizeof b->param);
+    field_put(buffer, "from", b->low, sizeof b->low);
+    field_put(buffer, "to", b->high, sizeof b->high);
+    field_text(buffer, "of", text_of(b->origin));
+    field_put(buffer, "branch",
               &(struct branch){.kind = b->branch.kind,
                                .count = b->branch.count,
                                .evals = b->branch.evals,
@@ -65,12 +66,12 @@ static void put_branch(const struct kept_branch *b, struct buffer *to)
                                .cancelled = b->branch.cancelled},
               offsetof(struct branch, ends));
     for (int k = 0; k < 2; k++)
-        field_text(to, k ? "end1" : "end0", text_of(b->branch.ends[k]));
-    put_array(to, "points", b->branch.point, b->branch.count, sizeof *b->branch.point);
-    put_array(to, "specials", b->special, b->specials, sizeof *b->special);
+        field_text(buffer, k ? "end1" : "end0", text_of(b->branch.ends[k]));
+    put_array(buffer, "points", b->branch.point, b->branch.count, sizeof *b->branch.point);
+    put_array(buffer, "specials", b->special, b->specials, sizeof *b->special);
 }
 
-static void put_one(const struct dynamics *d, int i, struct buffer *to)
+static void put_one(const struct dynamics *d, int i, struct buffer *buffer)
 {
     const uint64_t id = id_of(d, i);
     const struct kept_equilibria *rests = &d->equilibria;
@@ -81,21 +82,21 @@ static void put_one(const struct dynamics *d, int i, struct buffer *to)
         kind = i < d->orbits ? "orbit" : "branch";
         value = i < d->orbits ? d->orbit[i].value : d->branch[i - d->orbits]->value;
     }
-    field_put(to, "id", &id, sizeof id);
-    field_text(to, "kind", text_of(kind));
-    put_array(to, "value", value, d->params, sizeof *value);
+    field_put(buffer, "id", &id, sizeof id);
+    field_text(buffer, "kind", text_of(kind));
+    put_array(buffer, "value", value, d->params, sizeof *value);
     if (i < 0) {
-        put_array(to, "of", rests->of, rests->count, sizeof *rests->of);
-        put_array(to, "form", rests->form, rests->count, sizeof *rests->form);
-        field_put(to, "forced", &rests->forced, sizeof rests->forced);
-        field_put(to, "complete", &rests->complete, sizeof rests->complete);
+        put_array(buffer, "of", rests->solution, rests->count, sizeof *rests->solution);
+        put_array(buffer, "form", rests->form, rests->count, sizeof *rests->form);
+        field_put(buffer, "forced", &rests->forced, sizeof rests->forced);
+        field_put(buffer, "complete", &rests->complete, sizeof rests->complete);
     } else if (i < d->orbits) {
-        field_put(to, "number", &d->orbit[i].number, sizeof d->orbit[i].number);
-        put_array(to, "solution", &d->orbit[i].solution, 1, sizeof d->orbit[i].solution);
-        put_array(to, "sample", d->orbit[i].sample, d->orbit[i].samples * (d->n + 1),
+        field_put(buffer, "number", &d->orbit[i].number, sizeof d->orbit[i].number);
+        put_array(buffer, "solution", &d->orbit[i].solution, 1, sizeof d->orbit[i].solution);
+        put_array(buffer, "sample", d->orbit[i].sample, d->orbit[i].samples * (d->n + 1),
                   sizeof *d->orbit[i].sample);
     } else {
-        put_branch(d->branch[i - d->orbits], to);
+        put_branch(d->branch[i - d->orbits], buffer);
     }
 }
 
@@ -134,16 +135,16 @@ void dynamics_forget(const void *part, struct stored *stored)
 /* ---- reading ---- */
 
 /* A copy, whose length has to be so many items; *count -1: any. NULL: it is not there. */
-static void *get_array(struct text in, const char *name, int *count, size_t item)
+static void *get_array(struct text text, const char *name, int *count, size_t item)
 {
-    struct text of;
-    if (!field_find(in, name, &of) || of.len % item != 0 || of.len / item > INT32_MAX ||
-        (*count >= 0 && of.len != (size_t)*count * item))
+    struct text bytes;
+    if (!field_find(text, name, &bytes) || bytes.len % item != 0 || bytes.len / item > INT32_MAX ||
+        (*count >= 0 && bytes.len != (size_t)*count * item))
         return NULL;
-    void *copy = malloc(of.len + item);
-    if (copy && of.len > 0)
-        memcpy(copy, of.at, of.len);
-    *count = (int)(of.len / item);
+    void *copy = malloc(bytes.len + item);
+    if (copy && bytes.len > 0)
+        memcpy(copy, bytes.data, bytes.len);
+    *count = (int)(bytes.len / item);
     return copy;
 }
 
@@ -160,37 +161,37 @@ static bool sound_number(int number)
     return number >= 0 && number <= INT32_MAX / 2;
 }
 
-static bool get_equilibria(struct dynamics *d, struct text in, uint64_t id, double *value)
+static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
     struct kept_equilibria *rests = &d->equilibria;
     int count = -1;
-    struct solution *of = get_array(in, "of", &count, sizeof *of);
-    struct equilibrium_form *form = of ? get_array(in, "form", &count, sizeof *form) : NULL;
+    struct solution *solution = get_array(text, "of", &count, sizeof *solution);
+    struct equilibrium_form *form = solution ? get_array(text, "form", &count, sizeof *form) : NULL;
     bool ok = form != NULL && rests->id == 0;
     for (int i = 0; i < count && ok; i++)
-        ok = sound(d, &of[i]) && form[i].type < equilibrium_catalog.count;
+        ok = sound(d, &solution[i]) && form[i].type < equilibrium_catalog.count;
     if (!ok) {
-        free(of);
+        free(solution);
         free(form);
         return false;
     }
-    *rests =
-        (struct kept_equilibria){.id = id, .value = value, .count = count, .of = of, .form = form};
+    *rests = (struct kept_equilibria){
+        .id = id, .value = value, .count = count, .solution = solution, .form = form};
     const struct field flags[] = {FIELD_OF(struct kept_equilibria, forced),
                                   FIELD_OF(struct kept_equilibria, complete)};
     for (size_t i = 0; i < COUNT_OF(flags); i++)
-        fields_get(in, &flags[i], 1, rests);
+        fields_get(text, &flags[i], 1, rests);
     return true;
 }
 
-static bool get_orbit(struct dynamics *d, struct text in, uint64_t id, double *value)
+static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
     struct kept_orbit orbit = {.id = id, .value = value};
     int numbers = -1;
-    orbit.sample = get_array(in, "sample", &numbers, sizeof *orbit.sample);
+    orbit.sample = get_array(text, "sample", &numbers, sizeof *orbit.sample);
     if (!orbit.sample || numbers % (d->n + 1) != 0 || d->orbits == LIMIT_ORBITS ||
-        !field_get(in, "number", &orbit.number, sizeof orbit.number) ||
-        !field_get(in, "solution", &orbit.solution, sizeof orbit.solution) ||
+        !field_get(text, "number", &orbit.number, sizeof orbit.number) ||
+        !field_get(text, "solution", &orbit.solution, sizeof orbit.solution) ||
         !sound_number(orbit.number) || !sound(d, &orbit.solution)) {
         free(orbit.sample);
         return false;
@@ -212,38 +213,38 @@ static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
     for (int i = 0; i < b->branch.count && ok; i++)
         ok = sound(d, &b->branch.point[i].solution) && b->branch.point[i].special < SPECIAL_COUNT;
     for (int k = 0; k < b->specials && ok; k++)
-        ok = b->special[k].at >= 0 && b->special[k].at < b->branch.count &&
+        ok = b->special[k].index >= 0 && b->special[k].index < b->branch.count &&
              sound_number(b->special[k].number) && b->special[k].special > SPECIAL_NONE &&
              b->special[k].special < SPECIAL_COUNT;
     return ok;
 }
 
-static bool get_branch(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id,
-                       double *value)
+static bool get_branch(const struct reader *reader, struct dynamics *d, struct text text,
+                       uint64_t id, double *value)
 {
     struct kept_branch *b = calloc(1, sizeof *b);
-    struct text of, end[2];
+    struct text origin, end[2];
     if (!b)
         return false;
     b->specials = -1;
-    bool ok = field_get(in, "number", &b->number, sizeof b->number) &&
-              field_get(in, "varies", &b->params, sizeof b->params) &&
-              field_get(in, "param", b->param, sizeof b->param) &&
-              field_get(in, "from", b->from, sizeof b->from) &&
-              field_get(in, "to", b->to, sizeof b->to) && field_find(in, "of", &of) &&
-              of.len < sizeof b->of &&
-              field_get(in, "branch", &b->branch, offsetof(struct branch, ends)) &&
-              field_find(in, "end0", &end[0]) && field_find(in, "end1", &end[1]) &&
+    bool ok = field_get(text, "number", &b->number, sizeof b->number) &&
+              field_get(text, "varies", &b->params, sizeof b->params) &&
+              field_get(text, "param", b->param, sizeof b->param) &&
+              field_get(text, "from", b->low, sizeof b->low) &&
+              field_get(text, "to", b->high, sizeof b->high) && field_find(text, "of", &origin) &&
+              origin.len < sizeof b->origin &&
+              field_get(text, "branch", &b->branch, offsetof(struct branch, ends)) &&
+              field_find(text, "end0", &end[0]) && field_find(text, "end1", &end[1]) &&
               end[0].len < sizeof b->branch.ends[0] && end[1].len < sizeof b->branch.ends[1] &&
               b->branch.count >= 0 && d->branches < LIMIT_BRANCHES;
     for (int j = 0; j < 2 && ok; j++) {
-        const int at = b->param[j];
-        b->param[j] = at >= 0 && at < reader->places.count ? reader->places.row[at] : -1;
+        const int row = b->param[j];
+        b->param[j] = row >= 0 && row < reader->places.count ? reader->places.row[row] : -1;
     }
     b->branch.point = NULL;
     if (ok) {
-        b->branch.point = get_array(in, "points", &b->branch.count, sizeof *b->branch.point);
-        b->special = get_array(in, "specials", &b->specials, sizeof *b->special);
+        b->branch.point = get_array(text, "points", &b->branch.count, sizeof *b->branch.point);
+        b->special = get_array(text, "specials", &b->specials, sizeof *b->special);
     }
     if (!ok || !b->branch.point || !b->special || !sound_branch(d, b)) {
         free(b->branch.point);
@@ -251,9 +252,9 @@ static bool get_branch(const struct reader *reader, struct dynamics *d, struct t
         free(b);
         return false;
     }
-    memcpy(b->of, of.at, of.len);
+    memcpy(b->origin, origin.data, origin.len);
     for (int k = 0; k < 2; k++)
-        memcpy(b->branch.ends[k], end[k].at, end[k].len);
+        memcpy(b->branch.ends[k], end[k].data, end[k].len);
     b->id = id;
     b->value = value;
     d->branch[d->branches++] = b;
@@ -261,31 +262,31 @@ static bool get_branch(const struct reader *reader, struct dynamics *d, struct t
 }
 
 /* The values of the scene's parameters in the file; those that it has none of are the scene's. */
-static double *get_values(const struct reader *reader, const struct dynamics *d, struct text in)
+static double *get_values(const struct reader *reader, const struct dynamics *d, struct text text)
 {
     double *value = malloc(((size_t)d->params + 1) * sizeof *value);
     if (value)
         memcpy(value, reader->session->setup.scene.value, (size_t)d->params * sizeof *value);
-    if (value && field_get_placed(in, "value", &reader->places, value, sizeof *value))
+    if (value && field_get_placed(text, "value", &reader->places, value, sizeof *value))
         return value;
     free(value);
     return NULL;
 }
 
-static bool get_one(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id)
+static bool get_one(const struct reader *reader, struct dynamics *d, struct text text, uint64_t id)
 {
     struct text kind;
-    double *value = get_values(reader, d, in);
-    const bool ok = value && field_find(in, "kind", &kind) &&
-                    (text_is(kind, "equilibria") ? get_equilibria(d, in, id, value)
-                     : text_is(kind, "orbit")    ? get_orbit(d, in, id, value)
-                                                 : get_branch(reader, d, in, id, value));
+    double *value = get_values(reader, d, text);
+    const bool ok = value && field_find(text, "kind", &kind) &&
+                    (text_is(kind, "equilibria") ? get_equilibria(d, text, id, value)
+                     : text_is(kind, "orbit")    ? get_orbit(d, text, id, value)
+                                                 : get_branch(reader, d, text, id, value));
     if (!ok)
         free(value);
     return ok;
 }
 
-static struct dynamics *get_head(struct text in, struct text *ids)
+static struct dynamics *get_head(struct text text, struct text *ids)
 {
     static const struct field numbers[] = {
         FIELD_IN(struct dynamics, next_orbit, 0, INT32_MAX / 2),
@@ -294,17 +295,17 @@ static struct dynamics *get_head(struct text in, struct text *ids)
     };
     struct dynamics *d = calloc(1, sizeof *d);
     struct text equations;
-    if (d && field_find(in, "equations", &equations) &&
-        field_get(in, "params", &d->params, sizeof d->params) &&
-        field_get(in, "n", &d->n, sizeof d->n) &&
-        field_get(in, "next_id", &d->next_id, sizeof d->next_id) &&
-        field_get(in, "next_orbit", &d->next_orbit, sizeof d->next_orbit) &&
-        field_get(in, "next_branch", &d->next_branch, sizeof d->next_branch) &&
-        field_get(in, "next_point", d->next_point, sizeof d->next_point) &&
-        field_find(in, "ids", ids) && d->params >= 0 && d->params <= LIMIT_PARAMETERS &&
+    if (d && field_find(text, "equations", &equations) &&
+        field_get(text, "params", &d->params, sizeof d->params) &&
+        field_get(text, "n", &d->n, sizeof d->n) &&
+        field_get(text, "next_id", &d->next_id, sizeof d->next_id) &&
+        field_get(text, "next_orbit", &d->next_orbit, sizeof d->next_orbit) &&
+        field_get(text, "next_branch", &d->next_branch, sizeof d->next_branch) &&
+        field_get(text, "next_point", d->next_point, sizeof d->next_point) &&
+        field_find(text, "ids", ids) && d->params >= 0 && d->params <= LIMIT_PARAMETERS &&
         d->n >= 0 && d->n <= DYNAMICS_VARIABLES && d->next_id <= UINT64_MAX / 2 &&
         fields_sound(numbers, COUNT_OF(numbers), d) &&
-        (d->equations = strndup(equations.at, equations.len)))
+        (d->equations = strndup(equations.data, equations.len)))
         return d;
     free(d);
     return NULL;
@@ -313,22 +314,22 @@ static struct dynamics *get_head(struct text in, struct text *ids)
 /* Those that are whole; labels of others are not given again. */
 void dynamics_read(struct reader *reader)
 {
-    struct text in, ids;
-    if (!field_find(reader->state, "dynamics", &in))
+    struct text text, ids;
+    if (!field_find(reader->state, "dynamics", &text))
         return;
-    struct dynamics *d = get_head(in, &ids);
+    struct dynamics *d = get_head(text, &ids);
     struct field_places *places = &reader->places;
     size_t lost = 0;
     if (d && d->params != places->count) { /* of another scene than the present one */
         places->rows = places->count = d->params;
         for (int i = 0; i < d->params; i++)
-            places->at[i] = places->row[i] = i;
+            places->index[i] = places->row[i] = i;
     }
     if (d)
         d->params = places->rows;
-    for (uint64_t id; d && ids.len >= sizeof id; ids.at += sizeof id, ids.len -= sizeof id) {
+    for (uint64_t id; d && ids.len >= sizeof id; ids.data += sizeof id, ids.len -= sizeof id) {
         bool ok = false;
-        memcpy(&id, ids.at, sizeof id);
+        memcpy(&id, ids.data, sizeof id);
         for (size_t i = 0; i < reader->records && !ok; i++) {
             uint64_t own;
             const struct read_record *record = &reader->record[i];

@@ -102,7 +102,7 @@ static enum quantity row_quantity(const void *row)
     return ((const struct ensemble_row *)row)->quantity;
 }
 
-#define AT(member) .at = offsetof(struct ensemble_row, member)
+#define AT(member) .offset = offsetof(struct ensemble_row, member)
 #define STATISTIC(member) .quantity_of = row_quantity, AT(member), .digits = 4
 
 static const struct result_column of_row[] = {
@@ -125,11 +125,11 @@ static void put_rows(const struct answer *answer, struct arena *arena, struct bu
     struct ensemble_row shown[ENSEMBLE_SHOWN + 1];
     const size_t last = answer->ensemble.rows - 1;
     size_t count = 0;
-    for (size_t i = 0, before = SIZE_MAX; i <= ENSEMBLE_SHOWN; i++) {
+    for (size_t i = 0, previous = SIZE_MAX; i <= ENSEMBLE_SHOWN; i++) {
         const size_t place = i * last / ENSEMBLE_SHOWN;
-        if (place != before)
+        if (place != previous)
             shown[count++] = answer->row[place];
-        before = place;
+        previous = place;
     }
     columns_text(&row_columns, shown, count, true, &table);
     text_table_put(&table, text);
@@ -181,7 +181,7 @@ static void reply_ensemble(const struct answer *answer, struct reply *reply)
     for (const struct result_column *c = of_row; c->kind == COLUMN_REAL; c++) {
         reply_array(reply, c == of_row ? "times" : c->name);
         for (size_t i = 0; i < answer->ensemble.rows; i++)
-            reply_real(reply, NULL, *(const double *)((const char *)&answer->row[i] + c->at));
+            reply_real(reply, NULL, *(const double *)((const char *)&answer->row[i] + c->offset));
         reply_close(reply);
     }
     reply_end(reply);

@@ -11,7 +11,7 @@ enum { ORDER_LEVELS = 5, ORDER_PATHS = 1000, ORDER_METHODS = 3 };
 
 /* A row of the table: a method with one step. */
 struct order_row {
-    struct method_orders of;
+    struct method_orders orders;
     struct order_level level;
 };
 
@@ -27,34 +27,34 @@ static void put_order(struct text_table *table, struct measured order)
 
 static void strong_cell(struct text_table *table, const void *row)
 {
-    put_order(table, ((const struct order_row *)row)->of.strong);
+    put_order(table, ((const struct order_row *)row)->orders.strong);
 }
 
 static void weak_cell(struct text_table *table, const void *row)
 {
-    put_order(table, ((const struct order_row *)row)->of.weak);
+    put_order(table, ((const struct order_row *)row)->orders.weak);
 }
 
 static double weak_at_last(const void *row)
 {
-    const struct method_orders *of = &((const struct order_row *)row)->of;
-    return of->level[of->levels - 1].weak.value;
+    const struct method_orders *orders = &((const struct order_row *)row)->orders;
+    return orders->level[orders->levels - 1].weak.value;
 }
 
-#define AT(member) .at = offsetof(struct order_row, member)
+#define AT(member) .offset = offsetof(struct order_row, member)
 
 /* clang-format off */
 static const struct result_column of_order[] = {
-    {.name = "method", .kind = COLUMN_ROW, AT(of.method), .index = 1, .heading = "method"},
+    {.name = "method", .kind = COLUMN_ROW, AT(orders.method), .index = 1, .heading = "method"},
     {.name = "dt", .quantity = QUANTITY_TIME, AT(level.dt)},
     {.name = "strong", AT(level.strong.value), .index = 4, .heading = "strong at first", .look = cell_error},
     {.name = "strong_error", AT(level.strong.uncertainty)},
     {.name = "weak", AT(level.weak.value), .index = 5, .heading = "weak at first", .look = cell_error},
     {.name = "weak_error", AT(level.weak.uncertainty)},
-    {.name = "strong_order", AT(of.strong.value), .index = 2, .heading = "strong order", .cell = strong_cell},
-    {.name = "strong_order_error", AT(of.strong.uncertainty)},
-    {.name = "weak_order", AT(of.weak.value), .index = 3, .heading = "weak order", .cell = weak_cell},
-    {.name = "weak_order_error", AT(of.weak.uncertainty)},
+    {.name = "strong_order", AT(orders.strong.value), .index = 2, .heading = "strong order", .cell = strong_cell},
+    {.name = "strong_order_error", AT(orders.strong.uncertainty)},
+    {.name = "weak_order", AT(orders.weak.value), .index = 3, .heading = "weak order", .cell = weak_cell},
+    {.name = "weak_order_error", AT(orders.weak.uncertainty)},
     {.real = weak_at_last, .flags = COLUMN_NO_RECORD | COLUMN_NO_FILE,
      .index = 6, .heading = "weak at last", .look = cell_error},
 };

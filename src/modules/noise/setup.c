@@ -63,7 +63,7 @@ const struct noise_setup *noise_setup_read(struct session *session, const struct
     setup->scene = &session->setup.scene;
     setup->method = noise_method_natural(&setup->forcing);
     for (int i = 0; i < args->command->arguments; i++)
-        if (text_is(text_of(args->command->argument[i].name), "method") && has(args, i))
+        if (text_is(text_of(args->command->argument[i].name), "method") && has_argument_at(args, i))
             setup->method = noise_method_at((size_t)args->value[i].item[0].index);
     setup->span =
         has_argument(args, "DURATION") ? setup_value(args, "DURATION") : settings->duration;
@@ -156,16 +156,17 @@ static void add_of_variable(struct keys *keys, const char *name,
         add_quantity(keys, kept, value, quantity);
 }
 
-void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind, const char *of,
-                      struct arena *arena, const struct table *table, struct reply *reply)
+void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind,
+                      const char *subject, struct arena *arena, const struct table *table,
+                      struct reply *reply)
 {
     const struct noise_forcing *forcing = &setup->forcing;
     struct export export = {.arena = arena, .table = *table};
     struct keys keys;
     struct error ignored;
     if (reply->store && keys_begin(&keys, &export, &ignored)) {
-        if (of)
-            keys_add_text(&keys, "of", of);
+        if (subject)
+            keys_add_text(&keys, "of", subject);
         add_quantity(&keys, "duration", setup->span, QUANTITY_TIME);
         if (dt > 0) {
             keys_add_text(&keys, "method", setup->method->row.name);
@@ -234,9 +235,9 @@ bool noise_column(struct session *session, const struct arguments *args,
                   struct variable *shown, struct error *error)
 {
     const struct system *system = &setup->forcing.system;
-    const struct argument_value *of = argument_value(args, "of");
+    const struct argument_value *subject = argument_value(args, "of");
     struct chosen_column chosen = {0};
-    if (of->count && !chosen_find(system->model, of->item[0].text, &chosen, error))
+    if (subject->count && !chosen_find(system->model, subject->item[0].text, &chosen, error))
         return false;
     *shown = chosen_variable(system, &chosen);
     *column = (struct path_column){.observable = chosen.observable, .variable = chosen.variable};
@@ -245,7 +246,7 @@ bool noise_column(struct session *session, const struct arguments *args,
     static const unsigned of_the_way = NEED_EXACT | NEED_WORK | NEED_RATIO;
     if ((chosen.observable->needs & of_the_way) ||
         !observable_defined(chosen.observable, system, false))
-        return error_at(error, of->where, "%s cannot be read off a state with noise",
+        return error_at(error, subject->where, "%s cannot be read off a state with noise",
                         chosen.observable->row.name);
     const struct run_settings run_settings = session_run_settings(session);
     /* A run at its start, for what observables ask of one. */

@@ -31,8 +31,9 @@ void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *
  * arena that it lives in is taken over. Without memory it is lost. dt: 0 where there are several;
  * of: what was observed, or NULL.
  */
-void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind, const char *of,
-                      struct arena *arena, const struct table *table, struct reply *reply);
+void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind,
+                      const char *subject, struct arena *arena, const struct table *table,
+                      struct reply *reply);
 /* Warns of drag that has no noise of its own. */
 void noise_setup_warn(const struct noise_setup *setup, struct reply *reply);
 /* Refuses what would take more than this many bytes, or long without --force. */

@@ -34,25 +34,28 @@ void page_grid(struct page *page, bool vertical)
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
     const double width = page->style.grid_line;
     for (int i = 0; i < ticks->count; i++) {
-        const double at = page_tick(page, vertical, tick_value(ticks, i, decades));
+        const double position = page_tick(page, vertical, tick_value(ticks, i, decades));
         if (vertical)
-            page_straight(page, page->left, at, page->right, at, style_grid, width);
+            page_straight(page, page->left, position, page->right, position, style_grid, width);
         else
-            page_straight(page, at, page->top, at, page->bottom, style_grid, width);
+            page_straight(page, position, page->top, position, page->bottom, style_grid, width);
     }
 }
 
-static void draw_tick(struct page *page, bool vertical, double at, double length)
+static void draw_tick(struct page *page, bool vertical, double position, double length)
 {
     const double width = page->style.frame_line;
     if (vertical)
-        page_straight(page, page->left - length, at, page->left, at, style_black, width);
+        page_straight(page, page->left - length, position, page->left, position, style_black,
+                      width);
     else
-        page_straight(page, at, page->bottom, at, page->bottom + length, style_black, width);
+        page_straight(page, position, page->bottom, position, page->bottom + length, style_black,
+                      width);
 }
 
 static const char *page_symbols(const struct page *page,
-                                void (*put)(struct buffer *out, struct text text), const char *text)
+                                void (*put)(struct buffer *output, struct text text),
+                                const char *text)
 {
     buffer_clear(page->text);
     put(page->text, text_of(text));
@@ -74,8 +77,8 @@ static void draw_minor_ticks(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
-    const double from = vertical ? page->top : page->left,
-                 to = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
+    const double low = vertical ? page->top : page->left,
+                 high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
     const int parts = decades ? (ticks->step > 1 ? (int)ticks->step : 9) : tick_parts(ticks);
     const double length = fabs(page_tick(page, vertical, tick_value(ticks, 1, decades)) -
                                page_tick(page, vertical, tick_value(ticks, 0, decades)));
@@ -87,17 +90,17 @@ static void draw_minor_ticks(struct page *page, bool vertical)
             const double value = !decades          ? power + part * ticks->step / parts
                                  : ticks->step > 1 ? pow(10, power + part)
                                                    : (part + 1) * pow(10, power);
-            const double at = page_tick(page, vertical, value);
-            if (at >= from && at <= to)
-                draw_tick(page, vertical, at, page->style.minor_tick);
+            const double position = page_tick(page, vertical, value);
+            if (position >= low && position <= high)
+                draw_tick(page, vertical, position, page->style.minor_tick);
         }
     }
 }
 
 /* The last label may not leave the page. */
-static double x_label_middle(const struct page *page, double at, double width)
+static double x_label_middle(const struct page *page, double position, double width)
 {
-    return fmin(at, page->to_x + 1.5 * page->style.edge - width / 2);
+    return fmin(position, page->to_x + 1.5 * page->style.edge - width / 2);
 }
 
 /* At the frame, with their labels. */
@@ -108,15 +111,16 @@ static void draw_ticks(struct page *page, bool vertical)
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
 
     for (int i = 0; i < ticks->count; i++) {
-        const double at = page_tick(page, vertical, tick_value(ticks, i, decades)),
-                     below = page->bottom + style->tick + style->tick_gap + style->font / 2;
+        const double position = page_tick(page, vertical, tick_value(ticks, i, decades)),
+                     label_y = page->bottom + style->tick + style->tick_gap + style->font / 2;
         const char *text = tick_label(page, vertical, i);
-        draw_tick(page, vertical, at, style->tick);
+        draw_tick(page, vertical, position, style->tick);
         if (vertical) {
-            page_text(page, page->left - style->tick - style->tick_gap, at, 1, style_black, text);
+            page_text(page, page->left - style->tick - style->tick_gap, position, 1, style_black,
+                      text);
         } else if (page->x_labels) {
-            page_text(page, x_label_middle(page, at, page_text_width(page, text)), below, 0.5,
-                      style_black, text);
+            page_text(page, x_label_middle(page, position, page_text_width(page, text)), label_y,
+                      0.5, style_black, text);
         }
     }
     draw_minor_ticks(page, vertical);
@@ -158,23 +162,23 @@ double page_fit(const struct page *page, struct buffer *text, const char *end, d
 }
 
 /* What stands behind the name: " [m·s⁻¹]"; with a power and an offset " − 2.2326 m [10⁻⁶ m]". */
-static void put_axis_unit(const struct ticks *ticks, struct text unit, struct buffer *out)
+static void put_axis_unit(const struct ticks *ticks, struct text unit, struct buffer *output)
 {
     char offset[TICK_TEXT_SIZE], power[16];
     if (ticks->offset != 0) {
         offset_text(ticks, offset);
-        buffer_put(out, TEXT(" "));
-        put_number_symbols(out, text_of(offset));
-        buffer_put(out, unit.len ? TEXT(" ") : TEXT(""));
-        put_unit_symbols(out, unit);
+        buffer_put(output, TEXT(" "));
+        put_number_symbols(output, text_of(offset));
+        buffer_put(output, unit.len ? TEXT(" ") : TEXT(""));
+        put_unit_symbols(output, unit);
     }
     if (unit.len || ticks->exponent) {
-        buffer_put(out, TEXT(" ["));
+        buffer_put(output, TEXT(" ["));
         snprintf(power, sizeof power, "1e%d", ticks->exponent);
-        put_number_symbols(out, ticks->exponent ? text_of(power) : TEXT(""));
-        buffer_put(out, unit.len && ticks->exponent ? TEXT(" ") : TEXT(""));
-        put_unit_symbols(out, unit);
-        buffer_char(out, ']');
+        put_number_symbols(output, ticks->exponent ? text_of(power) : TEXT(""));
+        buffer_put(output, unit.len && ticks->exponent ? TEXT(" ") : TEXT(""));
+        put_unit_symbols(output, unit);
+        buffer_char(output, ']');
     }
 }
 
@@ -184,20 +188,20 @@ static void draw_axis_title(struct page *page, bool vertical)
     const struct picture_style *style = &page->style;
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
     /* beside the title of y */
-    const double from = vertical ? page->from_y : page->from_x + 1.6 * style->font,
-                 to = vertical ? page->to_y : page->to_x + style->edge;
+    const double low = vertical ? page->from_y : page->from_x + 1.6 * style->font,
+                 high = vertical ? page->to_y : page->to_x + style->edge;
     struct buffer name = {0}, unit = {0};
     put_name_symbols(&name, text_of(axis->label));
     put_axis_unit(vertical ? &page->layout.y_ticks : &page->layout.x_ticks, text_of(axis->unit),
                   &unit);
-    const double size = page_fit(page, &name, buffer_view(&unit), style->font, to - from);
+    const double size = page_fit(page, &name, buffer_view(&unit), style->font, high - low);
     const double half = surface_text_width(page->surface, size, buffer_view(&name)) / 2;
     const double middle =
         vertical ? (page->top + page->bottom) / 2 : (page->left + page->right) / 2;
-    const double at = fmin(fmax(middle, from + half), to - half);
+    const double position = fmin(fmax(middle, low + half), high - half);
     const struct surface_text text = {
-        .x = vertical ? page->from_x + style->font : at,
-        .y = vertical ? at : page->bottom + page_labels_height(style) - 0.14 * style->font,
+        .x = vertical ? page->from_x + style->font : position,
+        .y = vertical ? position : page->bottom + page_labels_height(style) - 0.14 * style->font,
         .align = 0.5,
         .turned = vertical,
         .size = size,
@@ -236,10 +240,10 @@ static bool labels_apart(const struct page *page, bool vertical)
     for (int i = 0; i < ticks->count && (vertical || page->x_labels); i++) {
         const double place = page_tick(page, vertical, tick_value(ticks, i, decades)),
                      width = vertical ? 0 : page_text_width(page, tick_label(page, vertical, i)),
-                     at = vertical ? -place : x_label_middle(page, place, width) - width / 2;
-        if (at < end + apart)
+                     position = vertical ? -place : x_label_middle(page, place, width) - width / 2;
+        if (position < end + apart)
             return false;
-        end = at + width;
+        end = position + width;
     }
     return true;
 }
@@ -283,8 +287,8 @@ void page_lay_out(struct page *page)
         page->layout.columns = (int)fmax(density * width / style->digit, 1);
         page->layout.rows = (int)fmax(density * height / style->row, 1);
         /* So that equal axes are equal in points. */
-        figure.aspect = height / width * (page->layout.columns - 1.0 / grid.across) /
-                        (page->layout.rows - 1.0 / grid.down);
+        figure.aspect = height / width * (page->layout.columns - 1.0 / grid.dots_horizontal) /
+                        (page->layout.rows - 1.0 / grid.dots_vertical);
         layout_scales(&figure, &page->layout, x, y);
         const bool apart = labels_apart(page, false) && labels_apart(page, true);
         fits = widest_label(page) <= gutter && (apart || density < 0.02);

@@ -35,20 +35,20 @@ void path_free(struct path *path)
  */
 struct path_thinning {
     double tolerance;
-    void (*put)(void *out, double x, double y, bool begins);
-    void *out;
+    void (*put)(void *context, double x, double y, bool begins);
+    void *context;
     double x, y;            /* the last corner kept */
-    double at[2];           /* the last point */
+    double last[2];         /* the last point */
     double low[2], high[2]; /* the cone's sides, if there is one */
     double farthest;        /* from the corner */
-    bool down, moved, cone;
+    bool is_down, moved, cone;
 };
 
 static void thin_end(struct path_thinning *thinning)
 {
-    if (thinning->down && thinning->moved)
-        thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
-    thinning->down = thinning->moved = false;
+    if (thinning->is_down && thinning->moved)
+        thinning->put(thinning->context, thinning->last[0], thinning->last[1], false);
+    thinning->is_down = thinning->moved = false;
 }
 
 static double cross(const double a[2], const double b[2])
@@ -59,10 +59,10 @@ static double cross(const double a[2], const double b[2])
 static void thin_begin(struct path_thinning *thinning, double x, double y)
 {
     thin_end(thinning);
-    thinning->put(thinning->out, x, y, true);
-    thinning->x = thinning->at[0] = x;
-    thinning->y = thinning->at[1] = y;
-    thinning->down = true;
+    thinning->put(thinning->context, x, y, true);
+    thinning->x = thinning->last[0] = x;
+    thinning->y = thinning->last[1] = y;
+    thinning->is_down = true;
     thinning->moved = thinning->cone = false;
     thinning->farthest = 0;
 }
@@ -94,31 +94,32 @@ static bool narrow(struct path_thinning *thinning, double x, double y)
 static void thin_to(struct path_thinning *thinning, double x, double y)
 {
     if (!narrow(thinning, x, y)) {
-        thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
-        thinning->x = thinning->at[0];
-        thinning->y = thinning->at[1];
+        thinning->put(thinning->context, thinning->last[0], thinning->last[1], false);
+        thinning->x = thinning->last[0];
+        thinning->y = thinning->last[1];
         thinning->cone = false;
         thinning->farthest = 0;
         narrow(thinning, x, y);
     }
-    thinning->at[0] = x;
-    thinning->at[1] = y;
+    thinning->last[0] = x;
+    thinning->last[1] = y;
     thinning->moved = true;
 }
 
 /* ---- samples to lines ---- */
 
 /* Narrows the part [from, to] of a line to where low <= at + part * way <= high. */
-static void cut(double at, double way, double low, double high, double *from, double *to)
+static void line_part_clip(double point, double way, double low, double high, double *begin,
+                           double *end)
 {
-    double a = (low - at) / way, b = (high - at) / way;
+    double a = (low - point) / way, b = (high - point) / way;
     if (way == 0) {
-        if (at < low || at > high)
-            *to = -1;
+        if (point < low || point > high)
+            *end = -1;
         return;
     }
-    *from = fmax(*from, fmin(a, b));
-    *to = fmin(*to, fmax(a, b));
+    *begin = fmax(*begin, fmin(a, b));
+    *end = fmin(*end, fmax(a, b));
 }
 
 struct spot {
@@ -142,24 +143,24 @@ static void trace_line(struct tracer *tracer, double x, double y)
     const struct plot_area *area = tracer->area;
     const double left = area->left - PLOT_MARGIN, right = area->right + PLOT_MARGIN,
                  top = area->top - PLOT_MARGIN, bottom = area->bottom + PLOT_MARGIN;
-    double x0 = tracer->x, y0 = tracer->y, from = 0, to = 1;
+    double x0 = tracer->x, y0 = tracer->y, begin = 0, end = 1;
 
-    cut(x0, x - x0, left, right, &from, &to);
-    cut(y0, y - y0, top, bottom, &from, &to);
+    line_part_clip(x0, x - x0, left, right, &begin, &end);
+    line_part_clip(y0, y - y0, top, bottom, &begin, &end);
     tracer->x = x;
     tracer->y = y;
-    if (from > to) {
+    if (begin > end) {
         tracer->whole = false;
         return;
     }
-    double x1 = to < 1 ? x0 + to * (x - x0) : x, y1 = to < 1 ? y0 + to * (y - y0) : y;
-    x0 += from * (x - x0);
-    y0 += from * (y - y0);
+    double x1 = end < 1 ? x0 + end * (x - x0) : x, y1 = end < 1 ? y0 + end * (y - y0) : y;
+    x0 += begin * (x - x0);
+    y0 += begin * (y - y0);
     /* Of a line that is cut off far away rounding leaves more than the margin has. */
-    if (!tracer->whole || from > 0)
+    if (!tracer->whole || begin > 0)
         thin_begin(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
     thin_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
-    tracer->whole = !(to < 1);
+    tracer->whole = !(end < 1);
 }
 
 static void trace_to(struct tracer *tracer, const struct spot *spot)
@@ -179,7 +180,7 @@ static void leave_column(struct tracer *tracer)
 }
 
 /* The pen leaves the paper. A sample between two gaps is a dot. */
-static void lift(struct tracer *tracer)
+static void tracer_pen_lift(struct tracer *tracer)
 {
     leave_column(tracer);
     if (tracer->samples == 1)
@@ -190,16 +191,16 @@ static void lift(struct tracer *tracer)
 }
 
 static void trace_curve(const struct curve *curve, const struct plot_area *area, double tolerance,
-                        double columns, void (*put)(void *, double, double, bool), void *out)
+                        double columns, void (*put)(void *, double, double, bool), void *context)
 {
     struct tracer tracer = {.area = area,
                             .columns = columns,
-                            .thinning = {.tolerance = tolerance, .put = put, .out = out}};
+                            .thinning = {.tolerance = tolerance, .put = put, .context = context}};
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const struct spot spot = {plot_x(area, curve->x[i]), plot_y(area, curve->y[i]), i};
         const double column = floor(spot.x * tracer.columns);
         if (isnan(spot.x) || isnan(spot.y)) {
-            lift(&tracer);
+            tracer_pen_lift(&tracer);
             continue;
         }
         if (tracer.samples && column == tracer.column) {
@@ -217,19 +218,19 @@ static void trace_curve(const struct curve *curve, const struct plot_area *area,
         tracer.last = spot;
         tracer.samples++;
     }
-    lift(&tracer);
+    tracer_pen_lift(&tracer);
 }
 
 /* ---- where the curve has been: grains of a grid on the page ---- */
 
 struct grains {
-    uint8_t *bit;     /* with a blank border of one grain */
-    int across, down; /* with it */
-    int bytes;        /* of a row */
-    double density;   /* along a point */
-    int run;          /* so many fresh grains in a row are worth a line */
-    bool wide;        /* what passes marks the grains beside, too */
-    double left, top; /* [pt] of the area, with its margin */
+    uint8_t *bit;      /* with a blank border of one grain */
+    int width, height; /* with it */
+    int bytes;         /* of a row */
+    double density;    /* along a point */
+    int run;           /* so many fresh grains in a row are worth a line */
+    bool wide;         /* what passes marks the grains beside, too */
+    double left, top;  /* [pt] of the area, with its margin */
 };
 
 static bool grains_init(struct grains *grains, const struct plot_area *area, double density,
@@ -238,10 +239,10 @@ static bool grains_init(struct grains *grains, const struct plot_area *area, dou
     grains->density = density;
     grains->left = area->left - PLOT_MARGIN;
     grains->top = area->top - PLOT_MARGIN;
-    grains->across = (int)((area->right - area->left + 2 * PLOT_MARGIN) * density) + 3;
-    grains->down = (int)((area->bottom - area->top + 2 * PLOT_MARGIN) * density) + 3;
-    grains->bytes = grains->across / 8 + 1;
-    const size_t size = (size_t)grains->bytes * (size_t)grains->down;
+    grains->width = (int)((area->right - area->left + 2 * PLOT_MARGIN) * density) + 3;
+    grains->height = (int)((area->bottom - area->top + 2 * PLOT_MARGIN) * density) + 3;
+    grains->bytes = grains->width / 8 + 1;
+    const size_t size = (size_t)grains->bytes * (size_t)grains->height;
     grains->bit = arena_alloc(arena, size);
     if (grains->bit)
         memset(grains->bit, 0, size);
@@ -251,7 +252,7 @@ static bool grains_init(struct grains *grains, const struct plot_area *area, dou
 /* Returns the byte of a grain, or NULL: a line may pass beside the area by a part of a grain. */
 static uint8_t *byte_of(const struct grains *grains, int x, int y)
 {
-    return x >= 0 && x < grains->across && y >= 0 && y < grains->down
+    return x >= 0 && x < grains->width && y >= 0 && y < grains->height
                ? &grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8]
                : NULL;
 }
@@ -262,7 +263,7 @@ static bool is_marked(const struct grains *grains, int x, int y)
     return byte && *byte >> x % 8 & 1;
 }
 
-static void mark(struct grains *grains, int x, int y)
+static void grain_mark(struct grains *grains, int x, int y)
 {
     uint8_t *byte = byte_of(grains, x, y);
     if (byte)
@@ -287,10 +288,10 @@ static bool grains_pass(struct grains *grains, double x0, double y0, double x1, 
     const bool fresh = run >= grains->run || run == steps + 1;
     for (int i = 0; i <= steps && fresh; i++) {
         const int column = (int)(x + i * dx), row = (int)(y + i * dy);
-        mark(grains, column, row);
+        grain_mark(grains, column, row);
         if (grains->wide) {
-            mark(grains, column - steep, row - !steep);
-            mark(grains, column + steep, row + !steep);
+            grain_mark(grains, column - steep, row - !steep);
+            grain_mark(grains, column + steep, row + !steep);
         }
     }
     return fresh;
@@ -303,17 +304,17 @@ struct follower {
     struct path *path;
     struct grains *grains;
     size_t most;
-    double at[2];     /* the pen */
+    double pen[2];    /* the pen */
     double end[2];    /* of what was drawn */
     bool begun, full; /* something was drawn since the pen was put down; too much */
 };
 
-static void path_follow(void *out, double x, double y, bool begins)
+static void path_follow(void *context, double x, double y, bool begins)
 {
-    struct follower *f = out;
-    const double x0 = f->at[0], y0 = f->at[1];
-    f->at[0] = x;
-    f->at[1] = y;
+    struct follower *f = context;
+    const double x0 = f->pen[0], y0 = f->pen[1];
+    f->pen[0] = x;
+    f->pen[1] = y;
     if (begins) {
         f->begun = false;
         return;
@@ -385,17 +386,17 @@ static bool single_dots(const struct curve *curve, const struct plot_area *area,
                         size_t most, struct arena *arena, struct path *path)
 {
     struct grains grains = {.run = 1};
-    double at[2];
+    double dot[2];
     if (!grains_init(&grains, area, square > 1 ? 1 : 1 / square, arena))
         return false;
     buffer_clear(&path->corners);
     for (size_t i = 0; curve_goes_on(curve, i) && path_count(path) <= most; i++) {
-        if (!dot_at(curve, area, i, at))
+        if (!dot_at(curve, area, i, dot))
             continue;
-        const double x = area->left + floor((at[0] - area->left) / square) * square,
-                     y = area->top + floor((at[1] - area->top) / square) * square;
+        const double x = area->left + floor((dot[0] - area->left) / square) * square,
+                     y = area->top + floor((dot[1] - area->top) / square) * square;
         if (grains_pass(&grains, x, y, x, y))
-            path_put(path, at[0], at[1], true);
+            path_put(path, dot[0], dot[1], true);
     }
     path->width = 0;
     return !cancelled(curve->cancel);
@@ -422,11 +423,11 @@ bool path_meets(const struct path *path, double left, double top, double right, 
 {
     const struct corner *corner = path_corners(path);
     for (size_t i = 0; i < path_count(path); i++) {
-        const struct corner *to = &corner[i], *at = to->begins ? to : to - 1;
-        double from = 0, end = 1;
-        cut(at->x, to->x - at->x, left, right, &from, &end);
-        cut(at->y, to->y - at->y, top, bottom, &from, &end);
-        if (from <= end)
+        const struct corner *target = &corner[i], *source = target->begins ? target : target - 1;
+        double begin = 0, end = 1;
+        line_part_clip(source->x, target->x - source->x, left, right, &begin, &end);
+        line_part_clip(source->y, target->y - source->y, top, bottom, &begin, &end);
+        if (begin <= end)
             return true;
     }
     return false;

@@ -20,12 +20,13 @@ static void place_panels(struct picture_sheet *sheet, double top, double bottom)
     double left = style->edge, right = page->width - 2 * style->edge, width = right - left,
            height = bottom - top;
     const bool plane = sheet->figure->plane;
-    const bool across = plane && planes_across(sheet->figure, (int)(width / style->digit),
-                                               (int)(height / style->row));
+    const bool is_horizontal = plane && planes_across(sheet->figure, (int)(width / style->digit),
+                                                      (int)(height / style->row));
 
     const double labels = page_labels_height(style),
-                 plot = (height - style->between - (plane ? 2 : 1) * labels) / 2;
-    if (sheet->parts > 1 && (across ? width / 2 < 8 * style->font : plot < 2 * style->font)) {
+                 plot = (height - style->panel_gap - (plane ? 2 : 1) * labels) / 2;
+    if (sheet->parts > 1 &&
+        (is_horizontal ? width / 2 < 8 * style->font : plot < 2 * style->font)) {
         sheet->parts = 1; /* no room for two: the first sets the ranges */
         sheet->part[0] = *sheet->figure;
         sheet->part[0].second = NULL;
@@ -38,18 +39,18 @@ static void place_panels(struct picture_sheet *sheet, double top, double bottom)
         page[i].to_y = bottom;
         page[i].x_labels = true;
     }
-    if (sheet->parts > 1 && across) {
+    if (sheet->parts > 1 && is_horizontal) {
         page[0].to_x = left + width / 2 - style->edge;
         page[1].from_x = left + width / 2 + style->edge;
     } else if (sheet->parts > 1) { /* two plots of one height; labels of a common axis stand below
                                       the lower one only */
         page[0].x_labels = plane;
         page[0].to_y = top + plot + (plane ? labels : 0);
-        page[1].from_y = page[0].to_y + style->between;
+        page[1].from_y = page[0].to_y + style->panel_gap;
     }
     for (int i = 0; i < sheet->parts; i++)
         page_lay_out(&page[i]);
-    if (sheet->parts > 1 && !across) {
+    if (sheet->parts > 1 && !is_horizontal) {
         double gutter = fmax(page[0].gutter, page[1].gutter);
         for (int i = 0; i < sheet->parts; i++) {
             page[i].gutter = gutter;
@@ -74,10 +75,11 @@ static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
     const struct picture_style *style = &page->style;
     const char *caption = sheet->figure->caption ? sheet->figure->caption : "";
     const double room = page->width - 3 * style->edge,
-                 beside = room - (*caption ? page_text_width(page, caption) + style->entry_gap : 0);
+                 available =
+                     room - (*caption ? page_text_width(page, caption) + style->entry_gap : 0);
     const bool many = sheet->parts > 1 && page->height > 2 * FOOT_PART * style->leading;
     for (int way = 0; way < 2; way++) {
-        const double each = way == 0 || many ? room : fmax(beside, 1) / sheet->parts;
+        const double each = way == 0 || many ? room : fmax(available, 1) / sheet->parts;
         for (int i = 0; i < PANELS_MAX; i++)
             buffer_clear(&foot->line[i]);
         for (int i = 0; i < sheet->parts; i++) {
@@ -88,12 +90,12 @@ static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
             page->surface->failed |= line->failed || note.failed;
             buffer_free(&note);
         }
-        if (page_text_width(page, buffer_view(&foot->line[0])) <= beside)
+        if (page_text_width(page, buffer_view(&foot->line[0])) <= available)
             break;
     }
     foot->lines = foot->line[1].len ? 2 : foot->line[0].len || *caption ? 1 : 0;
     foot->caption = foot->lines &&
-                    page_text_width(page, buffer_view(&foot->line[foot->lines - 1])) <= beside &&
+                    page_text_width(page, buffer_view(&foot->line[foot->lines - 1])) <= available &&
                     *caption;
 }
 
@@ -127,8 +129,8 @@ static void draw_panel(struct page *page)
     for (int vertical = 0; vertical < 2 && figure->grid; vertical++)
         page_grid(page, vertical);
     if (figure->zero_line && zero > 0 && zero < 1) {
-        const double at = page_tick(page, true, 0);
-        page_straight(page, page->left, at, page->right, at, style_gray, style->zero_line);
+        const double zero_y = page_tick(page, true, 0);
+        page_straight(page, page->left, zero_y, page->right, zero_y, style_gray, style->zero_line);
     }
     page_curves(page);
     surface_box(page->surface, page->left, page->top, page->right, page->bottom);

@@ -29,11 +29,11 @@ enum { SOLID_SHAPES = 5, MARKS = 12 };
 /* Place of a curve, or of the one that it looks like, among those of its kind. */
 static size_t kind_of(const struct figure *figure, int curve)
 {
-    size_t before = 0;
+    size_t count = 0;
     curve = figure->curve[curve].look ? figure->curve[curve].look - 1 : curve;
     for (int i = 0; i < curve; i++)
-        before += figure->curve[i].points == figure->curve[curve].points;
-    return before;
+        count += figure->curve[i].points == figure->curve[curve].points;
+    return count;
 }
 
 static int line_count(const struct figure *figure)
@@ -152,14 +152,14 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
     double length = 0, next = every * first_step(page, curve);
     int n = 0;
     for (size_t i = 1; i < path_count(path); i++) {
-        const struct corner *from = &corner[i - 1];
-        const double dx = corner[i].x - from->x, dy = corner[i].y - from->y,
+        const struct corner *previous = &corner[i - 1];
+        const double dx = corner[i].x - previous->x, dy = corner[i].y - previous->y,
                      distance = hypot(dx, dy);
         if (corner[i].begins)
             continue;
         for (; n < max && next <= length + distance; next += every) {
             const double part = (next - length) / distance;
-            n += put_spot(page, from->x + part * dx, from->y + part * dy, &place[n]);
+            n += put_spot(page, previous->x + part * dx, previous->y + part * dy, &place[n]);
         }
         length += distance;
     }
@@ -235,7 +235,7 @@ static void paint_band(const struct page *page, int curve)
 /* One edge of the band, forwards (side 1, the upper one) or backwards. */
 static void add_edge(const struct page *page, const struct curve *curve, int side)
 {
-    double bin = NAN, at = 0, edge = NAN;
+    double bin = NAN, last_x = 0, edge = NAN;
     for (size_t k = 0; curve_goes_on(curve, k); k++) {
         const size_t i = side > 0 ? k : curve->n - 1 - k;
         const double x = page_x(page, curve->x[i]),
@@ -243,13 +243,13 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
         if (!isfinite(x + y))
             continue;
         if (floor(x / BAND_BIN_POINTS) != bin && isfinite(edge))
-            surface_line(page->surface, at, edge);
+            surface_line(page->surface, last_x, edge);
         edge = floor(x / BAND_BIN_POINTS) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
         bin = floor(x / BAND_BIN_POINTS);
-        at = x;
+        last_x = x;
     }
     if (isfinite(edge))
-        surface_line(page->surface, at, edge);
+        surface_line(page->surface, last_x, edge);
 }
 
 static void draw_band(struct page *page, int index)
@@ -385,9 +385,10 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
         surface_paint(page->surface, &brush);
     }
     for (int i = -1; i <= 1 && dense; i++) {
-        const double at = middle + 2.5 * style->dot * i, height = y + style->dot * (i ? 0.5 : -0.5);
-        surface_move(page->surface, at, height);
-        surface_line(page->surface, at, height);
+        const double dot_x = middle + 2.5 * style->dot * i,
+                     height = y + style->dot * (i ? 0.5 : -0.5);
+        surface_move(page->surface, dot_x, height);
+        surface_line(page->surface, dot_x, height);
     }
     if (!dense && (curve->points || line_count(page->figure) > 1))
         put_marks(page, index, &(struct mark_place){middle, y}, 1, 0);

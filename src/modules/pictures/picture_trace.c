@@ -27,7 +27,7 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const double low = curve->y[i] - curve->bar[i];
         x[3 * i] = x[3 * i + 1] = x[3 * i + 2] = curve->x[i];
-        y[3 * i] = log && low <= 0 ? page->layout.y.from : low;
+        y[3 * i] = log && low <= 0 ? page->layout.y.first_value : low;
         y[3 * i + 1] = curve->y[i] + curve->bar[i];
         y[3 * i + 2] = NAN;
     }

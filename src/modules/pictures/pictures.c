@@ -15,9 +15,9 @@ static const struct catalog picture_catalog = CATALOG("picture", picture_rows);
 static const struct catalog *const catalogs[] = {&picture_catalog, NULL};
 
 static bool write_picture(const struct figure *figure, size_t kind, double width, double height,
-                          struct buffer *out, struct error *error)
+                          struct buffer *output, struct error *error)
 {
-    return figure_picture(figure, (enum picture)kind, width, height, out, error);
+    return figure_picture(figure, (enum picture)kind, width, height, output, error);
 }
 
 const struct module pictures_module = {

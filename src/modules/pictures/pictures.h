@@ -19,10 +19,10 @@ enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_PIXELS };
  * apart by dashes and marks as well as by colour. The legend stands where it covers nothing. Of
  * long curves only what can be seen is kept, within 0.3 px: no SVG of a curve is larger than 200
  * kB. The same figure gives the same picture. Draws through cairo, which is loaded for it;
- * ERROR_COMMAND where it is not there. After false `out` is not to be used.
+ * ERROR_COMMAND where it is not there. After false `output` is not to be used.
  */
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
-                    struct buffer *out, struct error *error);
+                    struct buffer *output, struct error *error);
 /* Returns true if this build can draw it; otherwise sets *error. */
 bool picture_offered(enum picture kind, struct error *error);
 

@@ -16,7 +16,7 @@
     X(row, 12, "height of such a cell")                                                            \
     X(leading, 14, "from one line of text to the next")                                            \
     X(edge, 8, "blank around everything")                                                          \
-    X(between, 10, "blank between two panels")                                                     \
+    X(panel_gap, 10, "blank between two panels")                                                   \
     X(tick, 4, "outwards from the frame")                                                          \
     X(minor_tick, 2, "likewise, without a label")                                                  \
     X(tick_gap, 3, "from a tick to its label")                                                     \

@@ -9,40 +9,40 @@
 #define CHAR_MIDDLE_DOT 0xB7
 #define CHAR_MICRO 0xB5
 
-static bool is_digit(char c)
+static bool is_symbol_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-static bool is_letter(char c)
+static bool is_symbol_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-static void put_superscript(struct buffer *out, struct text digits)
+static void put_superscript(struct buffer *output, struct text digits)
 {
     static const uint32_t superscript[] = {0x2070, 0xB9,   0xB2,   0xB3,   0x2074,
                                            0x2075, 0x2076, 0x2077, 0x2078, 0x2079};
     for (size_t i = 0; i < digits.len; i++)
-        if (is_digit(digits.at[i]))
-            buffer_codepoint(out, superscript[digits.at[i] - '0']);
-        else if (digits.at[i] == '-')
-            buffer_codepoint(out, 0x207B);
+        if (is_symbol_digit(digits.data[i]))
+            buffer_codepoint(output, superscript[digits.data[i] - '0']);
+        else if (digits.data[i] == '-')
+            buffer_codepoint(output, 0x207B);
 }
 
 /* How many digits lead the text, after a sign if there may be one; 0 if there is none. */
 static size_t digits_of(struct text text, bool sign)
 {
-    const size_t start = sign && text.len && (text.at[0] == '-' || text.at[0] == '+');
+    const size_t start = sign && text.len && (text.data[0] == '-' || text.data[0] == '+');
     size_t len = start;
-    while (len < text.len && is_digit(text.at[len]))
+    while (len < text.len && is_symbol_digit(text.data[len]))
         len++;
     return len > start ? len : 0;
 }
 
 static struct text rest_of(struct text text, size_t i)
 {
-    return (struct text){text.at + i, text.len - i};
+    return (struct text){text.data + i, text.len - i};
 }
 
 /* ---- numbers ---- */
@@ -50,68 +50,68 @@ static struct text rest_of(struct text text, size_t i)
 /* Of an exponent "e-06": its length, or 0; the power without leading zeros. */
 static size_t exponent_of(struct text text, struct text *power, bool *negative)
 {
-    const size_t len = text.len > 1 && text.at[0] == 'e' ? digits_of(rest_of(text, 1), true) : 0;
-    if (!len || (1 + len < text.len && is_letter(text.at[1 + len])))
+    const size_t len = text.len > 1 && text.data[0] == 'e' ? digits_of(rest_of(text, 1), true) : 0;
+    if (!len || (1 + len < text.len && is_symbol_letter(text.data[1 + len])))
         return 0;
-    *negative = text.at[1] == '-';
-    *power = (struct text){text.at + 1, len};
-    while (power->len > 1 && (!is_digit(power->at[0]) || power->at[0] == '0'))
+    *negative = text.data[1] == '-';
+    *power = (struct text){text.data + 1, len};
+    while (power->len > 1 && (!is_symbol_digit(power->data[0]) || power->data[0] == '0'))
         *power = rest_of(*power, 1);
     return 1 + len;
 }
 
-static size_t symbol_number_put(struct buffer *out, struct text text)
+static size_t symbol_number_put(struct buffer *output, struct text text)
 {
     size_t len = digits_of(text, false);
     struct text power;
     bool negative = false;
-    if (len < text.len && text.at[len] == '.')
+    if (len < text.len && text.data[len] == '.')
         len += 1 + digits_of(rest_of(text, len + 1), false);
     const size_t exponent = exponent_of(rest_of(text, len), &power, &negative);
-    const bool unit = len == 1 && text.at[0] == '1';
+    const bool unit = len == 1 && text.data[0] == '1';
     if (!exponent || !unit)
-        buffer_put(out, (struct text){text.at, len});
+        buffer_put(output, (struct text){text.data, len});
     if (exponent && !unit)
-        buffer_codepoint(out, CHAR_TIMES);
+        buffer_codepoint(output, CHAR_TIMES);
     if (exponent)
-        buffer_put(out, TEXT("10"));
+        buffer_put(output, TEXT("10"));
     if (exponent && negative)
-        put_superscript(out, TEXT("-"));
+        put_superscript(output, TEXT("-"));
     if (exponent)
-        put_superscript(out, power);
+        put_superscript(output, power);
     return len + exponent;
 }
 
 /* A number or a sign of arithmetic at `i`; 0 if there is none. */
-static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
+static size_t put_arithmetic(struct buffer *output, struct text text, size_t i)
 {
     const struct text rest = rest_of(text, i);
-    const char before = i ? text.at[i - 1] : ' ';
-    const bool apart = strchr(" ([,;:/=", before) != NULL;
-    if (is_digit(rest.at[0]) && !is_letter(before))
-        return symbol_number_put(out, rest);
-    if (rest.at[0] == '-' && apart &&
-        (rest.len > 1 && (is_digit(rest.at[1]) || rest.at[1] == ' '))) {
-        buffer_codepoint(out, CHAR_MINUS);
+    const char previous = i ? text.data[i - 1] : ' ';
+    const bool apart = strchr(" ([,;:/=", previous) != NULL;
+    if (is_symbol_digit(rest.data[0]) && !is_symbol_letter(previous))
+        return symbol_number_put(output, rest);
+    if (rest.data[0] == '-' && apart &&
+        (rest.len > 1 && (is_symbol_digit(rest.data[1]) || rest.data[1] == ' '))) {
+        buffer_codepoint(output, CHAR_MINUS);
         return 1;
     }
-    if (rest.len > 1 && (rest.at[0] == '<' || rest.at[0] == '>') && rest.at[1] == '=') {
-        buffer_codepoint(out, rest.at[0] == '<' ? 0x2264 : 0x2265);
+    if (rest.len > 1 && (rest.data[0] == '<' || rest.data[0] == '>') && rest.data[1] == '=') {
+        buffer_codepoint(output, rest.data[0] == '<' ? 0x2264 : 0x2265);
         return 2;
     }
-    if (rest.len > 1 && rest.at[0] == '+' && rest.at[1] == '-') {
-        buffer_codepoint(out, 0xB1);
+    if (rest.len > 1 && rest.data[0] == '+' && rest.data[1] == '-') {
+        buffer_codepoint(output, 0xB1);
         return 2;
     }
     return 0;
 }
 
-void put_number_symbols(struct buffer *out, struct text text)
+void put_number_symbols(struct buffer *output, struct text text)
 {
     for (size_t i = 0; i < text.len;) {
-        const size_t used = put_arithmetic(out, text, i);
+        const size_t used = put_arithmetic(output, text, i);
         if (!used)
-            buffer_char(out, text.at[i]);
+            buffer_char(output, text.data[i]);
         i += used ? used : 1;
     }
 }
@@ -137,95 +137,96 @@ static uint32_t greek(struct text name)
 }
 
 /* A word of letters and the digits after it. Returns its length. */
-static size_t symbol_name_put(struct buffer *out, struct text rest)
+static size_t symbol_name_put(struct buffer *output, struct text rest)
 {
     size_t letters = 0;
-    while (letters < rest.len && is_letter(rest.at[letters]))
+    while (letters < rest.len && is_symbol_letter(rest.data[letters]))
         letters++;
     const size_t digits = digits_of(rest_of(rest, letters), false), len = letters + digits;
-    const bool ends = len == rest.len || (!is_letter(rest.at[len]) && rest.at[len] != '_');
-    const uint32_t letter = greek((struct text){rest.at, letters});
+    const bool ends =
+        len == rest.len || (!is_symbol_letter(rest.data[len]) && rest.data[len] != '_');
+    const uint32_t letter = greek((struct text){rest.data, letters});
     if (!ends || (!letter && letters > 1)) {
-        buffer_put(out, (struct text){rest.at, len});
+        buffer_put(output, (struct text){rest.data, len});
         return len;
     }
     if (letter)
-        buffer_codepoint(out, letter);
+        buffer_codepoint(output, letter);
     else
-        buffer_char(out, rest.at[0]);
+        buffer_char(output, rest.data[0]);
     for (size_t i = letters; i < len; i++)
-        buffer_codepoint(out, 0x2080 + (uint32_t)(rest.at[i] - '0'));
+        buffer_codepoint(output, 0x2080 + (uint32_t)(rest.data[i] - '0'));
     return len;
 }
 
-void put_name_symbols(struct buffer *out, struct text name)
+void put_name_symbols(struct buffer *output, struct text name)
 {
     for (size_t i = 0; i < name.len;) {
         const struct text rest = rest_of(name, i);
         const bool word =
-            is_letter(rest.at[0]) &&
-            (i == 0 || (name.at[i - 1] != '_' && (unsigned char)name.at[i - 1] < 128));
-        const size_t power = rest.at[0] == '^' ? digits_of(rest_of(rest, 1), true) : 0;
-        size_t used = word ? symbol_name_put(out, rest) : put_arithmetic(out, name, i);
+            is_symbol_letter(rest.data[0]) &&
+            (i == 0 || (name.data[i - 1] != '_' && (unsigned char)name.data[i - 1] < 128));
+        const size_t power = rest.data[0] == '^' ? digits_of(rest_of(rest, 1), true) : 0;
+        size_t used = word ? symbol_name_put(output, rest) : put_arithmetic(output, name, i);
         if (!used && power) {
-            put_superscript(out, (struct text){rest.at + 1, power});
+            put_superscript(output, (struct text){rest.data + 1, power});
             used = 1 + power;
         }
-        if (!used && rest.at[0] == '*') {
-            buffer_codepoint(out, CHAR_MIDDLE_DOT);
+        if (!used && rest.data[0] == '*') {
+            buffer_codepoint(output, CHAR_MIDDLE_DOT);
             used = 1;
         }
         if (!used)
-            buffer_char(out, rest.at[0]);
+            buffer_char(output, rest.data[0]);
         i += used ? used : 1;
     }
 }
 
 /* ---- units ---- */
 
-static void put_unit_name(struct buffer *out, struct text name)
+static void put_unit_name(struct buffer *output, struct text name)
 {
     if (text_is(name, "deg"))
-        buffer_codepoint(out, 0xB0);
+        buffer_codepoint(output, 0xB0);
     else if (text_is(name, "ohm"))
-        buffer_codepoint(out, 0x3A9);
-    else if (name.len > 1 && name.at[0] == 'u' && strchr("msgJVANW", name.at[1])) {
-        buffer_codepoint(out, CHAR_MICRO);
-        buffer_put(out, rest_of(name, 1));
+        buffer_codepoint(output, 0x3A9);
+    else if (name.len > 1 && name.data[0] == 'u' && strchr("msgJVANW", name.data[1])) {
+        buffer_codepoint(output, CHAR_MICRO);
+        buffer_put(output, rest_of(name, 1));
     } else {
-        buffer_put(out, name);
+        buffer_put(output, name);
     }
 }
 
-void put_unit_symbols(struct buffer *out, struct text unit)
+void put_unit_symbols(struct buffer *output, struct text unit)
 {
-    const size_t before = out->len;
-    bool below = false; /* the line of a fraction */
+    const size_t old_len = output->len;
+    bool in_denominator = false; /* the line of a fraction */
     for (size_t i = 0; i < unit.len;) {
         size_t len = 0;
-        while (i + len < unit.len && !strchr("*/ ^()", unit.at[i + len]))
+        while (i + len < unit.len && !strchr("*/ ^()", unit.data[i + len]))
             len++;
-        const struct text name = {unit.at + i, len};
-        const struct text after = rest_of(unit, i + len);
+        const struct text name = {unit.data + i, len};
+        const struct text remaining = rest_of(unit, i + len);
         const size_t power =
-            after.len && after.at[0] == '^' ? digits_of(rest_of(after, 1), true) : 0;
+            remaining.len && remaining.data[0] == '^' ? digits_of(rest_of(remaining, 1), true) : 0;
         if (len && !text_is(name, "1")) {
-            if (out->len > before)
-                buffer_codepoint(out, CHAR_MIDDLE_DOT);
-            put_unit_name(out, name);
-            const struct text digits = {after.at + 1, power};
-            const bool negative = power && digits.at[0] == '-';
-            if (below && !negative)
-                put_superscript(out, TEXT("-"));
+            if (output->len > old_len)
+                buffer_codepoint(output, CHAR_MIDDLE_DOT);
+            put_unit_name(output, name);
+            const struct text digits = {remaining.data + 1, power};
+            const bool negative = power && digits.data[0] == '-';
+            if (in_denominator && !negative)
+                put_superscript(output, TEXT("-"));
             if (power)
-                put_superscript(out, below && negative ? rest_of(digits, 1) : digits);
-            else if (below)
-                put_superscript(out, TEXT("1"));
+                put_superscript(output, in_denominator && negative ? rest_of(digits, 1) : digits);
+            else if (in_denominator)
+                put_superscript(output, TEXT("1"));
         }
         i += len + (power ? 1 + power : 0);
         if (i < unit.len) {
-            below |= unit.at[i] == '/';
-            i += power == 0 || strchr("*/ ()^", unit.at[i]) ? 1 : 0;
+            in_denominator |= unit.data[i] == '/';
+            i += power == 0 || strchr("*/ ()^", unit.data[i]) ? 1 : 0;
         }
     }
 }

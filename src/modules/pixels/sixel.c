@@ -57,8 +57,8 @@ static int nearest(const struct palette *palette, const struct bin *bin)
     for (int c = 0; c < palette->count; c++) {
         int distance = 0;
         for (int i = 0; i < 3; i++) {
-            const int off = percent(bin, i) - palette->color[c][i];
-            distance += off * off;
+            const int difference = percent(bin, i) - palette->color[c][i];
+            distance += difference * difference;
         }
         if (distance < least) {
             least = distance;
@@ -89,18 +89,18 @@ static bool choose_palette(struct palette *palette)
 }
 
 /* `count` times the same six pixels. */
-static void put_sixels(struct buffer *out, int count, int bits)
+static void put_sixels(struct buffer *output, int count, int bits)
 {
     if (count > 3)
-        buffer_format(out, "!%d%c", count, 63 + bits);
+        buffer_format(output, "!%d%c", count, 63 + bits);
     else
         for (int i = 0; i < count; i++)
-            buffer_char(out, (char)(63 + bits));
+            buffer_char(output, (char)(63 + bits));
 }
 
 /* Six rows: for each colour in them a line of characters; what is empty at its end is left out. */
 static void put_band(const struct palette *palette, const unsigned char *pixel, size_t stride,
-                     int width, int rows, struct buffer *out)
+                     int width, int rows, struct buffer *output)
 {
     uint64_t present = 0;
     for (int y = 0; y < rows; y++)
@@ -111,30 +111,30 @@ static void put_band(const struct palette *palette, const unsigned char *pixel, 
         if (!(present >> c & 1))
             continue;
         int run = 0, last = 0;
-        buffer_format(out, "#%d", c);
+        buffer_format(output, "#%d", c);
         for (int x = 0; x < width; x++) {
             int bits = 0;
             for (int y = 0; y < rows; y++)
                 if (palette->bin[bin_of(pixel_at(pixel + stride * (size_t)y, x))].color == c)
                     bits |= 1 << y;
             if (run > 0 && bits != last) {
-                put_sixels(out, run, last);
+                put_sixels(output, run, last);
                 run = 0;
             }
             last = bits;
             run++;
         }
         if (last)
-            put_sixels(out, run, last);
-        buffer_char(out, '$');
+            put_sixels(output, run, last);
+        buffer_char(output, '$');
     }
-    buffer_char(out, '-');
+    buffer_char(output, '-');
 }
 
 _Static_assert(SIXEL_COLORS <= 64, "a band's colours are the bits of a word");
 
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
-                 struct buffer *out)
+                 struct buffer *output)
 {
     struct palette *palette = calloc(1, sizeof *palette);
     for (int y = 0; palette && y < height; y++)
@@ -147,15 +147,15 @@ bool sixel_write(const unsigned char *pixel, size_t stride, int width, int heigh
         }
     const bool ok = palette && choose_palette(palette);
     if (ok) {
-        buffer_format(out, "\033P0;1q\"1;1;%d;%d", width, height);
+        buffer_format(output, "\033P0;1q\"1;1;%d;%d", width, height);
         for (int c = 0; c < palette->count; c++)
-            buffer_format(out, "#%d;2;%d;%d;%d", c, palette->color[c][0], palette->color[c][1],
+            buffer_format(output, "#%d;2;%d;%d;%d", c, palette->color[c][0], palette->color[c][1],
                           palette->color[c][2]);
         for (int y = 0; y < height; y += 6)
             put_band(palette, pixel + stride * (size_t)y, stride, width,
-                     height - y < 6 ? height - y : 6, out);
-        buffer_put(out, TEXT("\033\\"));
+                     height - y < 6 ? height - y : 6, output);
+        buffer_put(output, TEXT("\033\\"));
     }
     free(palette);
-    return ok && !out->failed;
+    return ok && !output->failed;
 }

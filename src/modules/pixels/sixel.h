@@ -14,6 +14,6 @@
  * Returns false if out of memory.
  */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
-                 struct buffer *out);
+                 struct buffer *output);
 
 #endif

@@ -49,9 +49,9 @@ static const char *xpp_method(const struct scene_program *p)
 
 static void put_assigned(struct scene_program *p, const char *word, int i, double value)
 {
-    buffer_format(p->out, "%s %s=", word, p->name[i]);
-    buffer_real(p->out, value);
-    buffer_char(p->out, '\n');
+    buffer_format(p->output, "%s %s=", word, p->name[i]);
+    buffer_real(p->output, value);
+    buffer_char(p->output, '\n');
 }
 
 static void put_xpp_equations(struct scene_program *p)
@@ -59,19 +59,19 @@ static void put_xpp_equations(struct scene_program *p)
     const struct written *w = &p->written;
     const int n = program_n(p), positions = n - w->rows;
     for (int i = w->observed; i < w->names; i++) {
-        buffer_format(p->out, "%s=", p->name[i]);
+        buffer_format(p->output, "%s=", p->name[i]);
         program_expr(p, w->observe[i - w->observed]);
-        buffer_char(p->out, '\n');
+        buffer_char(p->output, '\n');
     }
     for (int i = 0; i < n; i++) {
-        buffer_format(p->out, "%s'=", program_state(p, i));
+        buffer_format(p->output, "%s'=", program_state(p, i));
         if (i < positions)
-            buffer_put(p->out, text_of(program_state(p, i + positions)));
+            buffer_put(p->output, text_of(program_state(p, i + positions)));
         else if (w->all[i - positions])
             program_expr(p, w->all[i - positions]);
         else
-            buffer_char(p->out, '0');
-        buffer_char(p->out, '\n');
+            buffer_char(p->output, '0');
+        buffer_char(p->output, '\n');
     }
 }
 
@@ -79,31 +79,31 @@ bool program_xpp(struct scene_program *p)
 {
     const struct written *w = &p->written;
     const struct system *system = &w->system;
-    struct buffer *out = p->out;
+    struct buffer *output = p->output;
     if (!tell_apart(p))
         return false;
     put_xpp_equations(p);
     p->rates = program_take_text(p);
     program_title(p, "# ");
-    buffer_format(out, "\n%s", p->rates);
+    buffer_format(output, "\n%s", p->rates);
     for (int i = w->params; i < w->observed; i++)
         if (program_reads(p, i))
             put_assigned(p, "par", i, p->scene->value[i - w->params]);
     for (int i = 0; i < system->n; i++)
         put_assigned(p, "init", 1 + i, system->start[i]);
-    buffer_format(out, "@ meth=%s, dt=", xpp_method(p));
-    buffer_real(out, p->settings.dt);
-    buffer_put(out, TEXT(", total="));
-    buffer_real(out, p->duration);
-    buffer_put(out, TEXT(", t0="));
-    buffer_real(out, system->t0);
+    buffer_format(output, "@ meth=%s, dt=", xpp_method(p));
+    buffer_real(output, p->settings.dt);
+    buffer_put(output, TEXT(", total="));
+    buffer_real(output, p->duration);
+    buffer_put(output, TEXT(", t0="));
+    buffer_real(output, system->t0);
     if (p->plan.adaptive) {
-        buffer_put(out, TEXT(", toler="));
-        buffer_real(out, p->settings.tol);
-        buffer_put(out, TEXT(", atoler="));
-        buffer_real(out, p->settings.tol * system->scale[0]);
+        buffer_put(output, TEXT(", toler="));
+        buffer_real(output, p->settings.tol);
+        buffer_put(output, TEXT(", atoler="));
+        buffer_real(output, p->settings.tol * system->scale[0]);
     }
-    buffer_format(out, "\n@ maxstor=%lld, bounds=1e12, xp=t, yp=%s\ndone\n",
+    buffer_format(output, "\n@ maxstor=%lld, bounds=1e12, xp=t, yp=%s\ndone\n",
                   (long long)(p->plan.adaptive ? 100000 : p->plan.whole + 10), program_state(p, 0));
     return true;
 }
@@ -111,7 +111,7 @@ bool program_xpp(struct scene_program *p)
 /* ---- LaTeX ---- */
 
 /* "k3" as k_{3}, "omega" as the letter, "length" upright. */
-static void put_symbol(struct buffer *out, const char *name)
+static void put_symbol(struct buffer *output, const char *name)
 {
     static const char *const greek[] = {
         "alpha", "beta",  "gamma", "delta",  "epsilon", "zeta", "eta", "theta", "kappa", "lambda",
@@ -125,14 +125,14 @@ static void put_symbol(struct buffer *out, const char *name)
     bool letter = false;
     for (size_t i = 0; i < COUNT_OF(greek); i++)
         letter = letter || text_is(stem, greek[i]);
-    buffer_format(out, letter ? "\\%.*s" : len > 1 ? "\\mathrm{%.*s}" : "%.*s", (int)len, name);
+    buffer_format(output, letter ? "\\%.*s" : len > 1 ? "\\mathrm{%.*s}" : "%.*s", (int)len, name);
     name += len + (name[len] == '_');
     if (*name == '\0')
         return;
-    buffer_put(out, TEXT("_{"));
+    buffer_put(output, TEXT("_{"));
     for (; *name; name++)
-        buffer_put(out, *name == '_' ? TEXT("\\_") : (struct text){name, 1});
-    buffer_char(out, '}');
+        buffer_put(output, *name == '_' ? TEXT("\\_") : (struct text){name, 1});
+    buffer_char(output, '}');
 }
 
 static bool tex_names(struct scene_program *p)
@@ -159,32 +159,32 @@ static void put_measured(struct scene_program *p, const char *symbol, double val
     struct buffer text = {0};
     buffer_real(&text, value);
     buffer_format(&text, "%s%s", unit[0] ? " " : "", unit);
-    buffer_format(p->out, "%s = ", symbol);
-    buffer_siunitx(p->out, buffer_text(&text));
-    p->out->failed |= text.failed;
+    buffer_format(p->output, "%s = ", symbol);
+    buffer_siunitx(p->output, buffer_text(&text));
+    p->output->failed |= text.failed;
     buffer_free(&text);
 }
 
 static void put_tex_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
-    buffer_put(p->out, TEXT("\\begin{align*}\n"));
+    buffer_put(p->output, TEXT("\\begin{align*}\n"));
     for (int row = 0; row < w->rows; row++) {
-        buffer_format(p->out, "  \\%s{%s} &= ", program_moves(p) ? "ddot" : "dot",
+        buffer_format(p->output, "  \\%s{%s} &= ", program_moves(p) ? "ddot" : "dot",
                       program_state(p, row));
         if (w->all[row])
             program_expr(p, w->all[row]);
         else
-            buffer_char(p->out, '0');
-        buffer_put(p->out,
+            buffer_char(p->output, '0');
+        buffer_put(p->output,
                    row + 1 < w->names - w->observed + w->rows ? TEXT(" \\\\\n") : TEXT("\n"));
     }
     for (int i = w->observed; i < w->names; i++) {
-        buffer_format(p->out, "  %s &= ", p->name[i]);
+        buffer_format(p->output, "  %s &= ", p->name[i]);
         program_expr(p, w->observe[i - w->observed]);
-        buffer_put(p->out, i + 1 < w->names ? TEXT(" \\\\\n") : TEXT("\n"));
+        buffer_put(p->output, i + 1 < w->names ? TEXT(" \\\\\n") : TEXT("\n"));
     }
-    buffer_put(p->out, TEXT("\\end{align*}\n"));
+    buffer_put(p->output, TEXT("\\end{align*}\n"));
 }
 
 static void put_tex_values(struct scene_program *p)
@@ -192,27 +192,27 @@ static void put_tex_values(struct scene_program *p)
     const struct written *w = &p->written;
     const struct system *system = &w->system;
     struct buffer symbol = {0};
-    buffer_put(p->out, TEXT("\\begin{align*}\n"));
+    buffer_put(p->output, TEXT("\\begin{align*}\n"));
     for (int i = w->params; i < w->observed; i++) {
         if (!program_reads(p, i))
             continue;
         const struct param_row *row = param_at(p->scene, i - w->params);
-        p->out->failed |= symbol.failed;
+        p->output->failed |= symbol.failed;
         buffer_clear(&symbol);
         buffer_format(&symbol, "  %s &", p->name[i]);
         put_measured(p, buffer_view(&symbol), p->scene->value[i - w->params], row->row.unit);
-        buffer_put(p->out, TEXT(" \\\\\n"));
+        buffer_put(p->output, TEXT(" \\\\\n"));
     }
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system->model->variable[i];
-        p->out->failed |= symbol.failed;
+        p->output->failed |= symbol.failed;
         buffer_clear(&symbol);
         buffer_format(&symbol, "  %s(t_0) &", program_state(p, i));
         put_measured(p, buffer_view(&symbol), system->start[i], quantity_unit(variable.quantity));
-        buffer_put(p->out, i + 1 < system->n ? TEXT(" \\\\\n") : TEXT("\n"));
+        buffer_put(p->output, i + 1 < system->n ? TEXT(" \\\\\n") : TEXT("\n"));
     }
-    buffer_put(p->out, TEXT("\\end{align*}\n"));
-    p->out->failed |= symbol.failed;
+    buffer_put(p->output, TEXT("\\end{align*}\n"));
+    p->output->failed |= symbol.failed;
     buffer_free(&symbol);
 }
 
@@ -223,18 +223,18 @@ bool program_tex(struct scene_program *p)
     put_tex_equations(p);
     p->rates = program_take_text(p);
     program_title(p, "% ");
-    buffer_format(p->out,
+    buffer_format(p->output,
                   "\n\\documentclass{article}\n\\usepackage{amsmath,siunitx}\n"
                   "\\begin{document}\n%s",
                   p->rates);
     put_tex_values(p);
-    buffer_format(p->out, "Integrated by \\texttt{%s} with $", p->method->row.name);
+    buffer_format(p->output, "Integrated by \\texttt{%s} with $", p->method->row.name);
     if (p->plan.adaptive)
         put_measured(p, "\\mathrm{tol}", p->settings.tol, "");
     else
         put_measured(p, "\\Delta t", p->settings.dt, "s");
     put_measured(p, "$, from $t_0", p->written.system.t0, "s");
     put_measured(p, "$ to $t", p->written.system.t0 + p->duration, "s");
-    buffer_put(p->out, TEXT("$.\n\\end{document}\n"));
+    buffer_put(p->output, TEXT("$.\n\\end{document}\n"));
     return true;
 }

@@ -23,7 +23,7 @@ struct scene_program {
     bool turns;        /* steps end where the velocity turns */
     const char *rates; /* text of the derivatives, and of what is observed for them */
     const char *observed;
-    struct buffer *out;
+    struct buffer *output;
     struct arena *arena;
     struct error *error;
 };
@@ -47,7 +47,7 @@ static inline const char *program_state(const struct scene_program *p, int i)
 /* Appends an expression in the names of the program. */
 void program_expr(struct scene_program *p, const struct expr *expr);
 /* Appends what is computed, in lines that begin with that text. */
-void program_title(struct scene_program *p, const char *before);
+void program_title(struct scene_program *p, const char *prefix);
 
 /* ---- programs that compute (template.c, words.c) ---- */
 
@@ -57,7 +57,7 @@ bool program_takes(enum dialect dialect, const char *name);
 /* Appends a program in C, Python or for Octave. Returns false with `error` filled. */
 bool program_computes(struct scene_program *p);
 /* Returns true if the formulas have that word with that character behind it, '\0' for any. */
-bool program_uses(const struct scene_program *p, const char *name, char behind);
+bool program_uses(const struct scene_program *p, const char *name, char next_char);
 /* Returns the text that was written to p->out, which is empty then, in the arena. */
 const char *program_take_text(struct scene_program *p);
 /* Returns true if the formulas read name i of the scene. */

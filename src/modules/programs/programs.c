@@ -29,11 +29,11 @@ static void put_free_name(struct scene_program *p, const char *own, struct buffe
 }
 
 /* Appends "(t, y, v)". */
-static void put_arguments(const struct scene_program *p, struct buffer *out)
+static void put_arguments(const struct scene_program *p, struct buffer *output)
 {
     for (int i = 0; i <= program_n(p); i++)
-        buffer_format(out, "%s%s", i ? ", " : "(", p->name[i]);
-    buffer_char(out, ')');
+        buffer_format(output, "%s%s", i ? ", " : "(", p->name[i]);
+    buffer_char(output, ')');
 }
 
 /* What is observed is a function in Octave, and its name a call. */
@@ -63,8 +63,8 @@ static bool make_names(struct scene_program *p)
 
 void program_expr(struct scene_program *p, const struct expr *expr)
 {
-    if (!expr_text(expr, p->dialect, (const char *const *)p->name, p->written.zero, p->out))
-        p->out->failed = true;
+    if (!expr_text(expr, p->dialect, (const char *const *)p->name, p->written.zero, p->output))
+        p->output->failed = true;
 }
 
 /* The right side of an equation, to which drag whose flow is known does not belong. */
@@ -75,16 +75,16 @@ static void put_row(struct scene_program *p, int row)
     const struct expr *expr = !splits                 ? w->all[row]
                               : p->drag == DRAG_EXACT ? w->force[row]
                                                       : w->split[row];
-    buffer_put(p->out, w->dry ? TEXT("with_friction(") : TEXT(""));
+    buffer_put(p->output, w->dry ? TEXT("with_friction(") : TEXT(""));
     if (expr)
         program_expr(p, expr);
     else
-        buffer_char(p->out, '0');
+        buffer_char(p->output, '0');
     if (!w->dry)
         return;
-    buffer_put(p->out, TEXT(", "));
+    buffer_put(p->output, TEXT(", "));
     program_expr(p, w->dry);
-    buffer_format(p->out, ", %s)", program_state(p, program_n(p) / 2));
+    buffer_format(p->output, ", %s)", program_state(p, program_n(p) / 2));
 }
 
 static void put_rates(struct scene_program *p)
@@ -93,26 +93,29 @@ static void put_rates(struct scene_program *p)
     const bool c = p->dialect == DIALECT_C, octave = p->dialect == DIALECT_OCTAVE, lines = n > 2;
     const char *const python_between = lines ? ",\n        " : ", ";
     if (octave) {
-        buffer_put(p->out, TEXT("equations = @"));
-        put_arguments(p, p->out);
-        buffer_put(p->out, TEXT(" [ ...\n    "));
+        buffer_put(p->output, TEXT("equations = @"));
+        put_arguments(p, p->output);
+        buffer_put(p->output, TEXT(" [ ...\n    "));
     } else if (!c) {
-        buffer_put(p->out, lines ? TEXT("    return [\n        ") : TEXT("    return ["));
+        buffer_put(p->output, lines ? TEXT("    return [\n        ") : TEXT("    return ["));
     }
     for (int i = 0; i < n && !cancelled(p->written.cancel); i++) {
-        buffer_put(p->out, text_of(!i ? "" : c ? ";\n" : octave ? "; ...\n    " : python_between));
+        buffer_put(p->output, text_of(!i       ? ""
+                                      : c      ? ";\n"
+                                      : octave ? "; ...\n    "
+                                               : python_between));
         if (c)
-            buffer_format(p->out, "    rate[%d] = ", i);
+            buffer_format(p->output, "    rate[%d] = ", i);
         if (i < positions)
-            buffer_put(p->out, text_of(program_state(p, i + positions)));
+            buffer_put(p->output, text_of(program_state(p, i + positions)));
         else
             put_row(p, i - positions);
     }
-    buffer_put(p->out, text_of(c ? ";" : octave ? "];\n" : lines ? ",\n    ]" : "]"));
+    buffer_put(p->output, text_of(c ? ";" : octave ? "];\n" : lines ? ",\n    ]" : "]"));
     for (int i = 0; octave && i < n; i++)
-        buffer_format(p->out, "%s, state(%d)", i ? "" : "derivatives = @(t, state) equations(t",
+        buffer_format(p->output, "%s, state(%d)", i ? "" : "derivatives = @(t, state) equations(t",
                       i + 1);
-    buffer_put(p->out, octave ? TEXT(");") : TEXT(""));
+    buffer_put(p->output, octave ? TEXT(");") : TEXT(""));
 }
 
 /* A line for a quantity that is observed, above those of the others that read it. */
@@ -120,19 +123,20 @@ static void put_observed(struct scene_program *p, int i)
 {
     const char *const name = p->name[i];
     if (p->dialect == DIALECT_OCTAVE)
-        buffer_format(p->out, "%.*s = @%s ", (int)strcspn(name, "("), name, strchr(name, '('));
+        buffer_format(p->output, "%.*s = @%s ", (int)strcspn(name, "("), name, strchr(name, '('));
     else
-        buffer_format(p->out, "    %s%s = ", p->dialect == DIALECT_C ? "const double " : "", name);
+        buffer_format(p->output, "    %s%s = ", p->dialect == DIALECT_C ? "const double " : "",
+                      name);
     program_expr(p, p->written.observe[i - p->written.observed]);
-    buffer_put(p->out, p->dialect == DIALECT_PYTHON ? TEXT("") : TEXT(";"));
-    buffer_format(p->out, "%s%s", p->observed[0] ? "\n" : "", p->observed);
+    buffer_put(p->output, p->dialect == DIALECT_PYTHON ? TEXT("") : TEXT(";"));
+    buffer_format(p->output, "%s%s", p->observed[0] ? "\n" : "", p->observed);
 }
 
 const char *program_take_text(struct scene_program *p)
 {
-    const char *text = p->out->failed ? NULL : arena_text(p->arena, buffer_text(p->out));
-    buffer_clear(p->out);
-    p->out->failed = !text;
+    const char *text = p->output->failed ? NULL : arena_text(p->arena, buffer_text(p->output));
+    buffer_clear(p->output);
+    p->output->failed = !text;
     return text ? text : "";
 }
 
@@ -141,45 +145,46 @@ static bool make_formulas(struct scene_program *p)
     const struct written *w = &p->written;
     put_rates(p);
     p->rates = program_take_text(p);
-    for (int i = w->names; i-- > w->observed && !p->out->failed && !cancelled(w->cancel);)
+    for (int i = w->names; i-- > w->observed && !p->output->failed && !cancelled(w->cancel);)
         if (program_reads(p, i)) {
             put_observed(p, i);
             p->observed = program_take_text(p);
         }
-    return !p->out->failed;
+    return !p->output->failed;
 }
 
-static void put_name_and_unit(struct buffer *out, const char *label, double value, const char *unit)
+static void put_name_and_unit(struct buffer *output, const char *label, double value,
+                              const char *unit)
 {
-    buffer_put(out, text_of(label));
-    buffer_real(out, value);
-    buffer_format(out, "%s%s", unit[0] ? " " : "", unit);
+    buffer_put(output, text_of(label));
+    buffer_real(output, value);
+    buffer_format(output, "%s%s", unit[0] ? " " : "", unit);
 }
 
-void program_title(struct scene_program *p, const char *before)
+void program_title(struct scene_program *p, const char *prefix)
 {
     const struct written *w = &p->written;
     const struct row *row = &p->scene->preset->row;
     const double t0 = w->system.t0;
-    buffer_format(p->out, "%s%s: %s\n", before, row->name, row->brief);
+    buffer_format(p->output, "%s%s: %s\n", prefix, row->name, row->brief);
     for (int i = 0; i < w->rows; i++) {
-        buffer_format(p->out, "%s   %s%s = ", before, w->name[1 + i],
+        buffer_format(p->output, "%s   %s%s = ", prefix, w->name[1 + i],
                       program_moves(p) ? "''" : "'");
         if (!w->all[i])
-            buffer_char(p->out, '0');
-        else if (!expr_text(w->all[i], DIALECT_XPP, w->name, w->zero, p->out))
-            p->out->failed = true;
-        buffer_put(p->out, w->dry ? TEXT(", and dry friction\n") : TEXT("\n"));
+            buffer_char(p->output, '0');
+        else if (!expr_text(w->all[i], DIALECT_XPP, w->name, w->zero, p->output))
+            p->output->failed = true;
+        buffer_put(p->output, w->dry ? TEXT(", and dry friction\n") : TEXT("\n"));
     }
-    buffer_format(p->out, "%sby %s: %s\n%s", before, p->method->row.name, p->method->row.brief,
-                  before);
+    buffer_format(p->output, "%sby %s: %s\n%s", prefix, p->method->row.name, p->method->row.brief,
+                  prefix);
     if (p->plan.adaptive)
-        put_name_and_unit(p->out, "tol = ", p->settings.tol, "");
+        put_name_and_unit(p->output, "tol = ", p->settings.tol, "");
     else
-        put_name_and_unit(p->out, "dt = ", p->settings.dt, "s");
-    put_name_and_unit(p->out, ", from t = ", t0, "s");
-    put_name_and_unit(p->out, " to ", t0 + p->duration, "s");
-    buffer_format(p->out, "; written by hooke %s", HOOKE_VERSION);
+        put_name_and_unit(p->output, "dt = ", p->settings.dt, "s");
+    put_name_and_unit(p->output, ", from t = ", t0, "s");
+    put_name_and_unit(p->output, " to ", t0 + p->duration, "s");
+    buffer_format(p->output, "; written by hooke %s", HOOKE_VERSION);
 }
 
 /* ---- what is refused ---- */
@@ -280,13 +285,13 @@ static bool make_plan(struct scene_program *p)
 }
 
 static bool write(const struct session *session, size_t kind, struct arena *arena,
-                  struct buffer *out, struct error *error)
+                  struct buffer *output, struct error *error)
 {
     struct buffer text = {0};
     struct scene_program p = {.session = session,
                               .scene = &session->setup.scene,
                               .dialect = (enum dialect)kind,
-                              .out = &text,
+                              .output = &text,
                               .arena = arena,
                               .error = error};
     const bool computes = p.dialect < DIALECT_XPP;
@@ -300,12 +305,12 @@ static bool write(const struct session *session, size_t kind, struct arena *aren
                : p.dialect == DIALECT_XPP ? program_xpp(&p)
                                           : make_formulas(&p) && program_computes(&p);
     written_free(&p.written);
-    buffer_put(out, buffer_text(&text));
-    out->failed |= text.failed;
+    buffer_put(output, buffer_text(&text));
+    output->failed |= text.failed;
     buffer_free(&text);
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "stopped: nothing was written");
-    return (fine || out->failed) && (!out->failed || error_memory(error));
+    return (fine || output->failed) && (!output->failed || error_memory(error));
 }
 
 const struct module programs_module = {

@@ -25,11 +25,11 @@ static const char *template_of(enum dialect dialect)
 
 /* ---- names ---- */
 
-static bool has_word(const char *text, const char *word, size_t len, char behind)
+static bool has_word(const char *text, const char *word, size_t len, char next_char)
 {
-    for (const char *at = text; (at = strstr(at, word)); at++)
-        if ((at == text || !is_name_char(at[-1])) &&
-            (behind ? at[len] == behind : !is_name_char(at[len])))
+    for (const char *cursor = text; (cursor = strstr(cursor, word)); cursor++)
+        if ((cursor == text || !is_name_char(cursor[-1])) &&
+            (next_char ? cursor[len] == next_char : !is_name_char(cursor[len])))
             return true;
     return false;
 }
@@ -61,10 +61,10 @@ bool program_takes(enum dialect dialect, const char *name)
 
 /* ---- expansion ---- */
 
-bool program_uses(const struct scene_program *p, const char *name, char behind)
+bool program_uses(const struct scene_program *p, const char *name, char next_char)
 {
-    return has_word(p->rates, name, strlen(name), behind) ||
-           has_word(p->observed, name, strlen(name), behind);
+    return has_word(p->rates, name, strlen(name), next_char) ||
+           has_word(p->observed, name, strlen(name), next_char);
 }
 
 bool program_reads(const struct scene_program *p, int i)
@@ -83,17 +83,17 @@ static struct text next_line(const char **rest)
 /* Returns true if a word's text is not empty, or if the formulas call the function of that name. */
 static bool word_holds(struct scene_program *p, struct text word)
 {
-    struct buffer text = {0}, *out = p->out;
+    struct buffer text = {0}, *output = p->output;
     char name[LIMIT_SYMBOL + 1] = {0};
-    if (word.at[word.len - 1] == '(') {
-        memcpy(name, word.at, word.len - 1 < LIMIT_SYMBOL ? word.len - 1 : LIMIT_SYMBOL);
+    if (word.data[word.len - 1] == '(') {
+        memcpy(name, word.data, word.len - 1 < LIMIT_SYMBOL ? word.len - 1 : LIMIT_SYMBOL);
         return program_uses(p, name, '(');
     }
-    p->out = &text;
+    p->output = &text;
     program_word(p, word);
-    p->out = out;
+    p->output = output;
     const bool any = text.len > 0;
-    out->failed |= text.failed;
+    output->failed |= text.failed;
     buffer_free(&text);
     return any;
 }
@@ -104,9 +104,9 @@ static bool all_hold(struct scene_program *p, struct text words)
     struct text word;
     bool all = true;
     while (all && text_split(&words, ' ', &word)) {
-        const bool no = word.len > 0 && word.at[0] == '!';
+        const bool no = word.len > 0 && word.data[0] == '!';
         if (word.len > 0)
-            all = word_holds(p, (struct text){word.at + no, word.len - no}) != no;
+            all = word_holds(p, (struct text){word.data + no, word.len - no}) != no;
     }
     return all;
 }
@@ -115,34 +115,34 @@ static bool all_hold(struct scene_program *p, struct text words)
  * one behind as many of these as the language's style has. */
 static void put_line(struct scene_program *p, struct text line)
 {
-    struct buffer *const out = p->out;
-    const size_t start = out->len;
+    struct buffer *const output = p->output;
+    const size_t start = output->len;
     const char *const blanks = p->dialect == DIALECT_PYTHON ? "\n\n\n" : "\n\n";
     const size_t most = strlen(blanks);
-    if (line.len == 0 && start >= most && memcmp(out->data + start - most, blanks, most) == 0)
+    if (line.len == 0 && start >= most && memcmp(output->data + start - most, blanks, most) == 0)
         return;
     for (size_t i = 0; i < line.len; i++) {
-        const char *const end = strstr(line.at + i, ">>");
-        if (line.at[i] != '<' || line.at[i + 1] != '<' || !end) {
-            buffer_char(out, line.at[i]);
+        const char *const end = strstr(line.data + i, ">>");
+        if (line.data[i] != '<' || line.data[i + 1] != '<' || !end) {
+            buffer_char(output, line.data[i]);
             continue;
         }
-        program_word(p, (struct text){line.at + i + 2, (size_t)(end - line.at) - i - 2});
-        i = (size_t)(end - line.at) + 1;
+        program_word(p, (struct text){line.data + i + 2, (size_t)(end - line.data) - i - 2});
+        i = (size_t)(end - line.data) + 1;
     }
-    if (line.len == 0 || out->len > start)
-        buffer_char(out, '\n');
+    if (line.len == 0 || output->len > start)
+        buffer_char(output, '\n');
 }
 
 /* Nothing of Python's module may have been needed. */
-static void drop_unused_import(struct buffer *out)
+static void drop_unused_import(struct buffer *output)
 {
-    char *const line = out->data ? strstr(out->data, "import math\n") : NULL;
+    char *const line = output->data ? strstr(output->data, "import math\n") : NULL;
     const size_t len = strlen("import math\n");
     if (!line || strstr(line, "math."))
         return;
-    memmove(line, line + len, out->len - (size_t)(line - out->data) - len + 1);
-    out->len -= len;
+    memmove(line, line + len, output->len - (size_t)(line - output->data) - len + 1);
+    output->len -= len;
 }
 
 bool program_computes(struct scene_program *p)
@@ -150,14 +150,14 @@ bool program_computes(struct scene_program *p)
     const char *rest = strstr(template_of(p->dialect), "<<begin>>\n");
     bool active = true;
     next_line(&rest);
-    while (!p->out->failed && !cancelled(p->session->front.cancel)) {
+    while (!p->output->failed && !cancelled(p->session->front.cancel)) {
         const struct text line = next_line(&rest);
         if (text_is(line, "<<words>>")) {
-            drop_unused_import(p->out);
+            drop_unused_import(p->output);
             return true;
         }
         if (text_starts(line, TEXT("<<if")))
-            active = all_hold(p, (struct text){line.at + 4, line.len - 6});
+            active = all_hold(p, (struct text){line.data + 4, line.len - 6});
         else if (active)
             put_line(p, line);
     }

@@ -16,8 +16,8 @@ static const char *variable_unit(const struct scene_program *p, int i)
 static void put_list(struct scene_program *p, const double *value, int count)
 {
     for (int i = 0; i < count; i++) {
-        buffer_put(p->out, i ? TEXT(", ") : TEXT(""));
-        buffer_real(p->out, value[i]);
+        buffer_put(p->output, i ? TEXT(", ") : TEXT(""));
+        buffer_real(p->output, value[i]);
     }
 }
 
@@ -33,15 +33,15 @@ static void put_comment(struct scene_program *p, const char *unit, const char *b
     const bool c = p->dialect == DIALECT_C;
     if (!unit[0] && !brief[0])
         return;
-    buffer_put(p->out, c                              ? TEXT(" /* ")
-                       : p->dialect == DIALECT_PYTHON ? TEXT("  # ")
-                                                      : TEXT("  % "));
+    buffer_put(p->output, c                              ? TEXT(" /* ")
+                          : p->dialect == DIALECT_PYTHON ? TEXT("  # ")
+                                                         : TEXT("  % "));
     if (unit[0])
-        buffer_format(p->out, "[%s]%s", unit, brief[0] ? " " : "");
-    buffer_format(p->out, "%s%s", brief, c ? " */" : "");
+        buffer_format(p->output, "[%s]%s", unit, brief[0] ? " " : "");
+    buffer_format(p->output, "%s%s", brief, c ? " */" : "");
 }
 
-static const char *stop(const struct scene_program *p)
+static const char *statement_terminator(const struct scene_program *p)
 {
     return p->dialect == DIALECT_PYTHON ? "" : ";";
 }
@@ -54,10 +54,10 @@ static void put_constants(struct scene_program *p)
         const bool typed = strcmp(row->row.brief, "typed by the user") == 0;
         if (!program_reads(p, i))
             continue;
-        buffer_format(p->out, "%s%s%s = ", count++ ? "\n" : "",
+        buffer_format(p->output, "%s%s%s = ", count++ ? "\n" : "",
                       p->dialect == DIALECT_C ? "static const double " : "", p->name[i]);
-        buffer_real(p->out, p->scene->value[i - w->params]);
-        buffer_put(p->out, text_of(stop(p)));
+        buffer_real(p->output, p->scene->value[i - w->params]);
+        buffer_put(p->output, text_of(statement_terminator(p)));
         put_comment(p, row->row.unit, typed ? "" : row->row.brief);
     }
 }
@@ -65,33 +65,35 @@ static void put_constants(struct scene_program *p)
 static void put_variables(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++)
-        buffer_format(p->out, "%s%s", i ? ", " : "", p->written.name[1 + i]);
+        buffer_format(p->output, "%s%s", i ? ", " : "", p->written.name[1 + i]);
 }
 
 static void program_heading_put(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
-        buffer_format(p->out, "%s%s", i ? "," : "", p->written.name[i]);
+        buffer_format(p->output, "%s%s", i ? "," : "", p->written.name[i]);
 }
 
 static void put_format(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
-        buffer_put(p->out, i ? TEXT(",%.17g") : TEXT("%.17g"));
+        buffer_put(p->output, i ? TEXT(",%.17g") : TEXT("%.17g"));
 }
 
 static void put_label(struct scene_program *p)
 {
     const char *unit = variable_unit(p, 0);
-    buffer_format(p->out, "%s%s%s%s", p->written.name[1], unit[0] ? " [" : "", unit,
+    buffer_format(p->output, "%s%s%s%s", p->written.name[1], unit[0] ? " [" : "", unit,
                   unit[0] ? "]" : "");
 }
 
 static void program_start_put(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++) {
-        buffer_put(p->out, !i ? TEXT("") : p->dialect == DIALECT_OCTAVE ? TEXT("; ") : TEXT(", "));
-        buffer_real(p->out, p->written.system.start[i]);
+        buffer_put(p->output, !i                             ? TEXT("")
+                              : p->dialect == DIALECT_OCTAVE ? TEXT("; ")
+                                                             : TEXT(", "));
+        buffer_real(p->output, p->written.system.start[i]);
     }
 }
 
@@ -99,19 +101,20 @@ static void put_unpack(struct scene_program *p)
 {
     const bool c = p->dialect == DIALECT_C;
     for (int i = 0; !c && i < program_n(p); i++)
-        buffer_format(p->out, "%s%s", i ? ", " : "    ", program_state(p, i));
+        buffer_format(p->output, "%s%s", i ? ", " : "    ", program_state(p, i));
     if (!c)
-        buffer_put(p->out, program_n(p) == 1 ? TEXT(", = state") : TEXT(" = state"));
+        buffer_put(p->output, program_n(p) == 1 ? TEXT(", = state") : TEXT(" = state"));
     for (int i = 0, count = 0; c && i < program_n(p); i++) {
         if (!program_reads(p, 1 + i))
             continue;
-        buffer_format(p->out, "%s    const double %s = state[%d];", count++ ? "\n" : "",
+        buffer_format(p->output, "%s    const double %s = state[%d];", count++ ? "\n" : "",
                       program_state(p, i), i);
         put_comment(p, variable_unit(p, i), "");
     }
     if (c && !program_reads(p, 0))
-        buffer_format(p->out, "%s    (void)t; /* nothing depends on the time */",
-                      p->out->data[p->out->len - 1] == ';' || p->out->data[p->out->len - 1] == '/'
+        buffer_format(p->output, "%s    (void)t; /* nothing depends on the time */",
+                      p->output->data[p->output->len - 1] == ';' ||
+                              p->output->data[p->output->len - 1] == '/'
                           ? "\n"
                           : "");
 }
@@ -130,9 +133,9 @@ static void put_imports(struct scene_program *p)
     int count = 0;
     for (size_t i = 0; i < COUNT_OF(functions); i++)
         if (program_uses(p, functions[i], '('))
-            buffer_format(p->out, "%s%s", count++ ? ", " : "", functions[i]);
+            buffer_format(p->output, "%s%s", count++ ? ", " : "", functions[i]);
     if (program_uses(p, "pi", '\0'))
-        buffer_format(p->out, "%spi", count ? ", " : "");
+        buffer_format(p->output, "%spi", count ? ", " : "");
 }
 
 /* ---- the run ---- */
@@ -185,20 +188,20 @@ static bool fraction_of(double x, long *top, long *bottom)
 static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
     static const size_t line_max = 64;
-    size_t start = p->out->len;
+    size_t start = p->output->len;
     for (int i = 0; i < count; i++) {
         char z[REAL_TEXT_SIZE];
         long top, bottom;
-        const bool wraps = p->out->len - start > line_max;
-        buffer_put(p->out, !i                             ? TEXT("")
-                           : !wraps                       ? TEXT(", ")
-                           : p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ")
-                                                          : TEXT(",\n    "));
-        start = wraps ? p->out->len : start;
+        const bool wraps = p->output->len - start > line_max;
+        buffer_put(p->output, !i                             ? TEXT("")
+                              : !wraps                       ? TEXT(", ")
+                              : p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ")
+                                                             : TEXT(",\n    "));
+        start = wraps ? p->output->len : start;
         if (real_format(weight[i], z) <= 4 || !fraction_of(weight[i], &top, &bottom))
-            buffer_put(p->out, text_of(z));
+            buffer_put(p->output, text_of(z));
         else
-            buffer_format(p->out, "%ld%s/%ld", top, p->dialect == DIALECT_C ? ".0" : "", bottom);
+            buffer_format(p->output, "%ld%s/%ld", top, p->dialect == DIALECT_C ? ".0" : "", bottom);
     }
 }
 
@@ -217,16 +220,16 @@ static void put_matrix(struct scene_program *p)
     if (!has_table(p, &table))
         return;
     for (int s = 0; s < table.stages; s++) {
-        buffer_format(p->out, "%s    %s", s ? "\n" : "", c ? "{" : octave ? "" : "[");
+        buffer_format(p->output, "%s    %s", s ? "\n" : "", c ? "{" : octave ? "" : "[");
         put_weights_of(p, table.a + s * (s - 1) / 2, s);
         if (octave) {
-            buffer_put(p->out, s ? TEXT(", ") : TEXT(""));
+            buffer_put(p->output, s ? TEXT(", ") : TEXT(""));
             put_weights_of(p, zero, table.stages - s);
         }
-        buffer_put(p->out, c && s == 0 ? TEXT("0},")
-                           : c         ? TEXT("},")
-                           : octave    ? TEXT("")
-                                       : TEXT("],"));
+        buffer_put(p->output, c && s == 0 ? TEXT("0},")
+                              : c         ? TEXT("},")
+                              : octave    ? TEXT("")
+                                          : TEXT("],"));
     }
 }
 
@@ -315,17 +318,17 @@ static bool program_value_put(struct scene_program *p, struct text word)
                    {"quadratic", o->quadratic}};
     for (size_t i = 0; i < COUNT_OF(conditions); i++)
         if (text_is(word, conditions[i].name)) {
-            buffer_put(p->out, conditions[i].holds ? word : TEXT(""));
+            buffer_put(p->output, conditions[i].holds ? word : TEXT(""));
             return true;
         }
     for (size_t i = 0; i < COUNT_OF(numbers); i++)
         if (text_is(word, numbers[i].name)) {
             if (text_is(word, "interval") ? rows : !text_is(word, "every") || every)
-                buffer_real(p->out, numbers[i].value);
+                buffer_real(p->output, numbers[i].value);
             return true;
         }
     if (text_is(word, "steps"))
-        buffer_format(p->out, "%lld", (long long)p->plan.whole + partial);
+        buffer_format(p->output, "%lld", (long long)p->plan.whole + partial);
     return text_is(word, "steps");
 }
 
@@ -345,7 +348,7 @@ static bool program_text_put(struct scene_program *p, struct text word)
         {"without_drag", takes_drag_apart(p) ? " without drag, which drag_flow() knows" : ""}};
     for (size_t i = 0; i < COUNT_OF(texts); i++)
         if (text_is(word, texts[i].name)) {
-            buffer_put(p->out, text_of(texts[i].text));
+            buffer_put(p->output, text_of(texts[i].text));
             return true;
         }
     return false;

@@ -55,7 +55,7 @@ static void become(const struct adoption *a)
     a->session->setup.scene = a->scene;
     fits->adopted = (struct adopted_fit){.scene = a->scene, .statement = a->session->history.count};
     inputs_keep(&a->inputs, &fits->adopted.exact);
-    memcpy(fits->adopted.of, fits->fit_of, sizeof fits->adopted.of);
+    memcpy(fits->adopted.subject, fits->fit_of, sizeof fits->adopted.subject);
 }
 
 static void leave_out(struct adoption *a, const char *what)
@@ -112,8 +112,10 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     const struct fit *fit = &fits_of(a->session)->fit;
     const double rms = rms_of_run(a), allowed = RMS_RATIO_MAX * fit->rms +
                                                 RUN_ERROR_AMPLITUDE_FRACTION * fit->amplitude.value;
-    const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
-    const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
+    const struct recording *recording =
+        a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
+    const enum quantity quantity =
+        recording ? recording->column[recording->value].quantity : QUANTITY_LENGTH;
     if (isfinite(rms)) {
         buffer_format(text, "\nrms of the run %s, of the fit %s", SHOWN_QUANTITY(rms, quantity, 3),
                       SHOWN_QUANTITY(fit->rms, quantity, 3));
@@ -141,13 +143,13 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     else
         reply_null(reply, "agrees");
     reply_end(reply);
-    if (of && recorded_bare(of)) {
+    if (recording && recorded_bare(recording)) {
         struct buffer lacks = {0};
-        put_bare(of, &lacks);
+        put_bare(recording, &lacks);
         reply_warning(reply,
                       "%s %s: its numbers were taken as metres or radians ('load FILE unit=cm' "
                       "says otherwise)",
-                      of->name, buffer_view(&lacks));
+                      recording->name, buffer_view(&lacks));
         buffer_free(&lacks);
     }
     if (rms > allowed)
@@ -177,9 +179,9 @@ static bool is_turning(enum quantity quantity)
 /* Returns the index of the recording that was fitted, or -1 if it was none or has been removed. */
 static int fitted_recording(const struct session *session)
 {
-    const struct text of = text_of(fits_of(session)->fit_of);
-    return text_starts(of, TEXT("data "))
-               ? session_find_recording(session, (struct text){of.at + 5, of.len - 5})
+    const struct text source = text_of(fits_of(session)->fit_of);
+    return text_starts(source, TEXT("data "))
+               ? session_find_recording(session, (struct text){source.data + 5, source.len - 5})
                : -1;
 }
 

@@ -41,7 +41,7 @@ static bool set_zero(struct session *session, struct recording *recording,
         return error_at(error, item->text,
                         "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
                         quantity_article(quantity), quantity_name(quantity), (int)item->text.len,
-                        item->text.at, quantity_name(item->quantity));
+                        item->text.data, quantity_name(item->quantity));
     recording->zero = item->value.value;
     session_changed(session);
     return true;
@@ -59,8 +59,8 @@ static bool set_window(struct recording *recording, const struct argument_value 
 }
 
 /* The sensor's own velocities instead of differences of the positions. */
-static bool join(const struct session *session, struct recording *recording,
-                 const struct argument_value *args, struct error *error)
+static bool recording_join(const struct session *session, struct recording *recording,
+                           const struct argument_value *args, struct error *error)
 {
     const struct recording *velocity = session->recording[args->item->index]->recording;
     const enum quantity own = recording->column[recording->value].quantity,
@@ -93,7 +93,7 @@ static bool change(struct session *session, struct recording *recording,
     if (has_argument(args, "zero") && !set_zero(session, recording, args, error))
         return false;
     if (has_argument(args, "join") &&
-        !join(session, recording, argument_value(args, "join"), error))
+        !recording_join(session, recording, argument_value(args, "join"), error))
         return false;
     if (has_argument(args, "mass"))
         recording->mass = argument_value(args, "mass")->item->value;

@@ -45,7 +45,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
     fits->fit_zero = subject->recording ? subject->recording->zero : 0;
     struct stored_fit stored = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
     inputs_keep(inputs, &stored.exact);
-    memcpy(stored.of, subject->name, sizeof stored.of);
+    memcpy(stored.subject, subject->name, sizeof stored.subject);
     session_store_fit(session, &stored);
     memcpy(fits->fit_of, subject->name, sizeof fits->fit_of);
     for (size_t i = 0; i < COUNT_OF(results); i++)
@@ -65,14 +65,14 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
 {
     static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
     const char *name = model->row.name;
-    for (size_t i = 0; i < COUNT_OF(others) && model->by != FIT_SCENE; i++)
+    for (size_t i = 0; i < COUNT_OF(others) && model->kind != FIT_SCENE; i++)
         if (has_argument(call->args, others[i])) {
             error->where = argument_value(call->args, others[i])->where;
             error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs",
                       name);
             return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
         }
-    if (model->by != FIT_MODES && has_argument(call->args, "COUNT")) {
+    if (model->kind != FIT_MODES && has_argument(call->args, "COUNT")) {
         error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' takes no number",
                  name);
         return error_hint(error, "for several frequencies: fit modes 2");
@@ -140,12 +140,12 @@ HANDLER(fit)
         return fit_while_collecting(session, args, reply, error);
     const struct argument_value *model = argument_value(args, "MODEL"),
                                 *run = argument_value(args, "run"),
-                                *to = argument_value(args, "to");
+                                *target = argument_value(args, "to");
     struct subject subject;
     /* Recordings are what is fitted, unless there is none or a run is named. */
     struct item current = {.index = session->current_recording};
-    const struct argument_value data = to->count || current.index < 0
-                                           ? *to
+    const struct argument_value data = target->count || current.index < 0
+                                           ? *target
                                            : (struct argument_value){.count = 1, .item = &current};
     const bool formula = model->count && !model->item->row;
     if (!fits_make(session, error) ||
@@ -160,9 +160,10 @@ HANDLER(fit)
     if (!refuse_others(&call, chosen, error))
         return false;
     struct measured mass;
-    if (chosen->by == FIT_MODES)
+    if (chosen->kind == FIT_MODES)
         return fit_the_modes(&call, known_mass(&session->setup.scene, &mass) ? &mass : NULL, error);
-    return chosen->by == FIT_SCENE ? fit_the_scene(&call, error) : fit_motion(&call, chosen, error);
+    return chosen->kind == FIT_SCENE ? fit_the_scene(&call, error)
+                                     : fit_motion(&call, chosen, error);
 }
 
 HANDLER(adopt)

@@ -148,7 +148,7 @@ static bool take_free(const struct fit_request *call, int *index, int *count, st
             twice = twice || index[j] == item->index;
         if (twice)
             return error_at(error, item->text, "'%.*s' is given twice", (int)item->text.len,
-                            item->text.at);
+                            item->text.data);
         if (*count < PARAM_MAX)
             index[(*count)++] = item->index;
     }
@@ -182,22 +182,22 @@ static const char *describe_fixed(const struct scene *scene, const int *fixed, i
     return copy;
 }
 
-static bool shift(struct series *series, double by, struct arena *arena, struct error *error)
+static bool shift(struct series *series, double offset, struct arena *arena, struct error *error)
 {
     double *y = arena_array(arena, series->n, sizeof *y);
     if (!y)
         return error_memory(error);
     for (size_t i = 0; i < series->n; i++)
-        y[i] = series->y[i] - by;
+        y[i] = series->y[i] - offset;
     series->y = y;
     return true;
 }
 
 /* Of the free parameters, by ascending place; n stays 0 where one is not determined. */
-static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *out)
+static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *result)
 {
     int order[CURVE_PARAMETERS];
-    *out = (struct fit_covariance){.n = frees};
+    *result = (struct fit_covariance){.n = frees};
     for (int j = 0; j < frees; j++) {
         order[j] = 0;
         for (int l = 0; l < frees; l++)
@@ -207,8 +207,8 @@ static void cover(const struct scene_fit *fit, int frees, struct fit_covariance 
         for (int l = 0; l < frees; l++) {
             const bool bound = fit->curve.bound[j] || fit->curve.bound[l];
             const double value = bound ? 0 : fit->curve.covariance[j][l];
-            out->at[order[j]][order[l]] = value;
-            out->n = isfinite(value) ? out->n : 0;
+            result->entry[order[j]][order[l]] = value;
+            result->n = isfinite(value) ? result->n : 0;
         }
 }
 
@@ -298,7 +298,7 @@ static bool find_known(const void *context, struct text name, int *slot)
         return false;
     const double value = known->all->load(known->all->context, *slot);
     buffer_format(known->fixed, "%s%.*s = %s", known->fixed->len ? ", " : "", (int)name.len,
-                  name.at, SHOWN_VALUE(value, name_quantity(known->all, name), 6));
+                  name.data, SHOWN_VALUE(value, name_quantity(known->all, name), 6));
     return true;
 }
 
@@ -326,17 +326,17 @@ static bool read_formula(const struct fit_request *call, struct text text, struc
     size_t used = 0;
     if (!formula_compile(text, &scope, NULL, 0, call->args->arena, formula, &used, error))
         return false;
-    const struct text rest = text_trim((struct text){text.at + used, text.len - used});
+    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
     if (rest.len > 0)
         return error_at(error, rest, "the formula ends before '%.*s'",
-                        (int)(rest.len < 40 ? rest.len : 40), rest.at);
+                        (int)(rest.len < 40 ? rest.len : 40), rest.data);
     for (int i = 0; i < starts->count; i++)
         if (!formula_start(formula, starts->item[i].text, starts->item[i].value.value, error))
             return false;
     for (int i = 0; i < names->count; i++)
         if (!has_parameter(formula, names->item[i].text))
             return error_at(error, names->item[i].text, "the formula has no '%.*s'",
-                            (int)names->item[i].text.len, names->item[i].text.at);
+                            (int)names->item[i].text.len, names->item[i].text.data);
     return true;
 }
 

@@ -12,7 +12,7 @@
 /* What is told of a mode: for people, in records, and as results that expressions can use. */
 static const struct mode_value {
     const char *lead, *key, *result;
-    size_t at;
+    size_t offset;
     enum quantity quantity; /* QUANTITY_OTHER takes that of the series */
 } of_mode[] = {
     {": f = ", "frequency", "fit_f", offsetof(struct normal_mode, frequency), QUANTITY_FREQUENCY},
@@ -24,7 +24,7 @@ static const struct mode_value {
 
 static struct measured value_of(const struct normal_mode *mode, const struct mode_value *value)
 {
-    return *(const struct measured *)(const void *)((const char *)mode + value->at);
+    return *(const struct measured *)(const void *)((const char *)mode + value->offset);
 }
 
 static enum quantity quantity_of(const struct mode_value *value, enum quantity series)
@@ -32,8 +32,8 @@ static enum quantity quantity_of(const struct mode_value *value, enum quantity s
     return value->quantity == QUANTITY_OTHER ? series : value->quantity;
 }
 
-static void put(struct buffer *text, const char *name, struct measured value,
-                enum quantity quantity)
+static void modes_measured_put(struct buffer *text, const char *name, struct measured value,
+                               enum quantity quantity)
 {
     buffer_put(text, text_of(name));
     buffer_measured(text, value, quantity, 6);
@@ -47,11 +47,12 @@ static struct measured inverse(struct measured f)
 static void put_coupling(const struct fit_summary *summary, struct buffer *text)
 {
     const struct modes_fit *modes = summary->modes;
-    put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
-    put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
-    put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling, QUANTITY_NUMBER);
+    modes_measured_put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
+    modes_measured_put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
+    modes_measured_put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling,
+                       QUANTITY_NUMBER);
     if (isfinite(summary->k.value))
-        put(text, "   kc = ", summary->k, QUANTITY_STIFFNESS);
+        modes_measured_put(text, "   kc = ", summary->k, QUANTITY_STIFFNESS);
     buffer_put(
         text,
         TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
@@ -65,15 +66,15 @@ void put_modes(const struct fit_summary *summary, struct buffer *text)
         const struct normal_mode *mode = &modes->mode[k];
         buffer_format(text, "\n  mode %d", k + 1);
         for (const struct mode_value *v = of_mode; v < of_mode + COUNT_OF(of_mode); v++) {
-            put(text, v->lead, value_of(mode, v), quantity_of(v, quantity));
+            modes_measured_put(text, v->lead, value_of(mode, v), quantity_of(v, quantity));
             if (v == of_mode)
-                put(text, "   T = ", inverse(mode->frequency), QUANTITY_TIME);
+                modes_measured_put(text, "   T = ", inverse(mode->frequency), QUANTITY_TIME);
         }
     }
     if (modes->modes == 2)
         put_coupling(summary, text);
     buffer_format(text, "\n  rms %s", SHOWN_QUANTITY(modes->fit.rms, quantity, 3));
-    put(text, "   offset ", modes->fit.offset, quantity);
+    modes_measured_put(text, "   offset ", modes->fit.offset, quantity);
     buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
 }
 

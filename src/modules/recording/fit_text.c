@@ -163,16 +163,16 @@ static void rank_laws(const struct fit *fit, int *rank)
     const struct drag_fit *drag = &fit->drag;
     for (int i = 0; i < drag->candidates; i++) {
         const struct drag_candidate *c = &drag->candidate[i];
-        int at = i;
-        for (; at > 0; at--) {
-            const struct drag_candidate *before = &drag->candidate[rank[at - 1]];
-            const bool first =
-                c->law == fit->preferred || (before->law != fit->preferred && c->bic < before->bic);
+        int position = i;
+        for (; position > 0; position--) {
+            const struct drag_candidate *previous = &drag->candidate[rank[position - 1]];
+            const bool first = c->law == fit->preferred ||
+                               (previous->law != fit->preferred && c->bic < previous->bic);
             if (!first)
                 break;
-            rank[at] = rank[at - 1];
+            rank[position] = rank[position - 1];
         }
-        rank[at] = i;
+        rank[position] = i;
     }
 }
 
@@ -281,13 +281,13 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
                   curve->autocorrelation, curve->said);
     if (curve->bootstrapped > 0)
         buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
-    const char *before = "\n  correlated: ";
+    const char *separator = "\n  correlated: ";
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fit_correlated(curve, i, j)) {
-                buffer_format(text, "%s%s and %s %.3f", before, summary->name[j], summary->name[i],
-                              curve->correlation[i][j]);
-                before = ", ";
+                buffer_format(text, "%s%s and %s %.3f", separator, summary->name[j],
+                              summary->name[i], curve->correlation[i][j]);
+                separator = ", ";
             }
     if (summary->fixed)
         buffer_format(text, "\n  held: %s", summary->fixed);

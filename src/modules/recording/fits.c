@@ -51,7 +51,7 @@ bool fits_use(const void *part, const struct model *model)
 {
     const struct fits *fits = part;
     return scene_uses(&fits->fit_scene, model) || scene_uses(&fits->adopted.scene, model) ||
-           scene_uses(&fits->band.of.scene, model);
+           scene_uses(&fits->band.adopted.scene, model);
 }
 
 void session_store_fit(struct session *session, const struct stored_fit *fit)
@@ -62,7 +62,7 @@ void session_store_fit(struct session *session, const struct stored_fit *fit)
     if (!fits)
         return;
     for (int i = 0; i < fits->stored_fits; i++)
-        if (strcmp(fits->stored_fit[i].of, fit->of) == 0 &&
+        if (strcmp(fits->stored_fit[i].subject, fit->subject) == 0 &&
             strcmp(fits->stored_fit[i].fit.model, fit->fit.model) == 0 &&
             memcmp(fits->stored_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
             stored = &fits->stored_fit[i];

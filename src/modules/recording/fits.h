@@ -15,7 +15,7 @@ struct stored_fit {
     struct exact_names exact;
     /* number in the log of the statement that made it, from 1, set by session_store_fit() */
     size_t statement;
-    char of[LIMIT_NAME + 16];
+    char subject[LIMIT_NAME + 16];
 };
 
 /* The scene that `adopt` made last, and covariances of what is uncertain in it. */
@@ -23,8 +23,8 @@ struct adopted_fit {
     struct scene scene; /* model NULL: nothing was adopted */
     struct scene_covariance known;
     struct exact_names exact;
-    char of[LIMIT_NAME + 16]; /* what was fitted, such as "data swing3" */
-    size_t statement;         /* number in the log of the statement that adopted it, from 1 */
+    char subject[LIMIT_NAME + 16]; /* what was fitted, such as "data swing3" */
+    size_t statement;              /* number in the log of the statement that adopted it, from 1 */
 };
 
 /* The band of an adopted fit about a run, for the panes. */
@@ -32,11 +32,11 @@ struct fit_band {
     int run; /* number of the run, or 0 if no band was computed */
     size_t rows;
     double end; /* [s] rows and end of the run when it was */
-    struct adopted_fit of;
+    struct adopted_fit adopted;
     size_t n; /* 0 if it has none */
     int variables;
-    double from, step; /* [s] */
-    double *half;      /* [variables][n] half the width */
+    double t_begin, step; /* [s] */
+    double *half;         /* [variables][n] half the width */
 };
 
 struct fits {
@@ -82,7 +82,7 @@ void session_store_fit(struct session *session, const struct stored_fit *fit);
 
 /* ---- in the session's file (fits_store.c) ---- */
 
-void fits_put(const void *fits, struct buffer *to);
+void fits_put(const void *fits, struct buffer *output);
 bool fits_content(void *fits, struct text piece[2], uint64_t **sum);
 void fits_read(struct reader *reader);
 

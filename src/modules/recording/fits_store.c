@@ -19,7 +19,7 @@ static const struct field members[] = {
     IN_FITS(fit_modes, 0, MODES_MAX),
     OF_FITS(adopted.known),
     OF_FITS(adopted.exact),
-    OF_FITS(adopted.of),
+    OF_FITS(adopted.subject),
     OF_FITS(adopted.statement),
 };
 
@@ -51,7 +51,7 @@ static const struct field stored_fit_members[] = {
     OF_FIT(k),
     OF_FIT(exact),
     OF_FIT(statement),
-    OF_FIT(of),
+    OF_FIT(subject),
 };
 
 /* ---- whether what was read can stand in a session ---- */
@@ -91,7 +91,7 @@ static bool sound_fit(const struct fit *fit)
 
 static const struct field adopted_sound[] = {
     ALL_END(struct adopted_fit),
-    FIELD_OF(struct adopted_fit, of),
+    FIELD_CALLED("of", struct adopted_fit, subject, 0, 0),
     FIELD_IN(struct adopted_fit, known.count, 0, CURVE_PARAMETERS),
     FIELD_IN(struct adopted_fit, known.index, 0, LIMIT_PARAMETERS - 1),
 };
@@ -105,7 +105,7 @@ static bool sound_adopted(const struct adopted_fit *adopted)
 }
 
 static const struct field stored_fit_sound[] = {
-    FIELD_OF(struct stored_fit, of),
+    FIELD_CALLED("of", struct stored_fit, subject, 0, 0),
     ALL_END(struct stored_fit),
 };
 
@@ -138,26 +138,26 @@ bool fits_content(void *part, struct text piece[2], uint64_t **sum)
     return fits->fit_samples > 0;
 }
 
-void fits_put(const void *part, struct buffer *to)
+void fits_put(const void *part, struct buffer *output)
 {
     const struct fits *fits = part;
-    fields_put(to, members, COUNT_OF(members), fits);
-    store_tools()->put_array(&stored_fits, fits, to);
+    fields_put(output, members, COUNT_OF(members), fits);
+    store_tools()->put_array(&stored_fits, fits, output);
     if (fits->has_fit)
-        field_text(to, "fit_model", text_of(fits->fit.model));
+        field_text(output, "fit_model", text_of(fits->fit.model));
     struct stored_fit last = {.quantity = QUANTITY_NUMBER};
     memcpy(&last.fit, &fits->fit, sizeof last.fit);
-    const size_t begun = field_begin(to, "last_fit");
-    fields_put(to, stored_fit_members, COUNT_OF(stored_fit_members), &last);
-    field_end(to, begun);
+    const size_t begun = field_begin(output, "last_fit");
+    fields_put(output, stored_fit_members, COUNT_OF(stored_fit_members), &last);
+    field_end(output, begun);
     for (int i = 0; i < fits->stored_fits; i++)
-        field_text(to, "stored_model", text_of(fits->stored_fit[i].fit.model));
+        field_text(output, "stored_model", text_of(fits->stored_fit[i].fit.model));
     if (fits->fit_samples > 0)
-        field_put(to, "fit_curve", &fits->fit_curve_sum, sizeof fits->fit_curve_sum);
+        field_put(output, "fit_curve", &fits->fit_curve_sum, sizeof fits->fit_curve_sum);
     if (fits->has_fit && fits->fit_scene.model)
-        store_tools()->put_scene(&fits->fit_scene, "fit_scene", to);
+        store_tools()->put_scene(&fits->fit_scene, "fit_scene", output);
     if (fits->adopted.scene.model)
-        store_tools()->put_scene(&fits->adopted.scene, "adopted_scene", to);
+        store_tools()->put_scene(&fits->adopted.scene, "adopted_scene", output);
 }
 
 /* ---- reading ---- */
@@ -181,7 +181,7 @@ static void read_curve(const struct reader *reader, struct fits *fits)
         !store_tools()->bytes(reader, sum, &times))
         return;
     times.len /= 2;
-    values = (struct text){times.at + times.len, times.len};
+    values = (struct text){times.data + times.len, times.len};
     if (times.len % sizeof(double) != 0)
         return;
     double *t = malloc(times.len + 1), *y = malloc(values.len + 1);
@@ -190,8 +190,8 @@ static void read_curve(const struct reader *reader, struct fits *fits)
         free(y);
         return;
     }
-    memcpy(t, times.at, times.len);
-    memcpy(y, values.at, values.len);
+    memcpy(t, times.data, times.len);
+    memcpy(y, values.data, values.len);
     fits->fit_curve[0] = t;
     fits->fit_curve[1] = y;
     fits->fit_samples = times.len / sizeof *t;
@@ -211,10 +211,10 @@ static void move_adopted(const struct field_places *places, struct adopted_fit *
 
 static bool read_last_fit(const struct reader *reader, struct fit *fit)
 {
-    struct text in;
+    struct text text;
     struct stored_fit last = {.quantity = QUANTITY_NUMBER};
-    if (!field_find(reader->state, "last_fit", &in) ||
-        !fields_get_known(in, stored_fit_members, COUNT_OF(stored_fit_members), &last))
+    if (!field_find(reader->state, "last_fit", &text) ||
+        !fields_get_known(text, stored_fit_members, COUNT_OF(stored_fit_members), &last))
         return false;
     memcpy(fit, &last.fit, sizeof *fit);
     return true;
@@ -223,14 +223,14 @@ static bool read_last_fit(const struct reader *reader, struct fit *fit)
 void fits_read(struct reader *reader)
 {
     struct session *session = reader->session;
-    struct text in = reader->state, name, value;
-    if (!field_find(in, "last_fit", &value))
+    struct text text = reader->state, name, value;
+    if (!field_find(text, "last_fit", &value))
         return;
     struct fits *fits = session_part(session, &recording_module);
     if (!fits)
         return;
     store_tools()->array(reader, &stored_fits, fits);
-    if (!fields_get_known(in, members, COUNT_OF(members), fits))
+    if (!fields_get_known(text, members, COUNT_OF(members), fits))
         store_tools()->note(reader, "some values of fits are left out: they are damaged");
     struct error why = {0};
     int stored = 0;
@@ -242,10 +242,10 @@ void fits_read(struct reader *reader)
     }
     fits->fit.model = NULL;
     if (fits->has_fit)
-        fits->fit.model = model_name(field_find(in, "fit_model", &value) ? value : TEXT(""));
+        fits->fit.model = model_name(field_find(text, "fit_model", &value) ? value : TEXT(""));
     for (int i = 0; i < fits->stored_fits; i++)
         fits->stored_fit[i].fit.model = "fit";
-    while (field_next(&in, &name, &value))
+    while (field_next(&text, &name, &value))
         if (text_is(name, "stored_model") && stored < fits->stored_fits)
             fits->stored_fit[stored++].fit.model = model_name(value);
     read_curve(reader, fits);
@@ -270,6 +270,6 @@ void fits_read(struct reader *reader)
     memcpy(&session->setup, &setup, sizeof setup);
     if (!sound_adopted(&fits->adopted)) {
         store_tools()->note(reader, "what was adopted is left out: damaged");
-        fits->adopted = (struct adopted_fit){.of = ""};
+        fits->adopted = (struct adopted_fit){.subject = ""};
     }
 }

@@ -191,14 +191,14 @@ static void put_warnings(struct reply *reply, const char *key, const void *row)
     reply_close(reply);
 }
 
-#define AT(member) .at = offsetof(struct fit_record, member)
+#define AT(member) .offset = offsetof(struct fit_record, member)
 #define MEASURED(member, of) .kind = COLUMN_MEASURED, AT(member), .quantity = of
 
 static const struct result_column of_fit[] = {
     {.name = "model",
      .kind = COLUMN_NAME,
-     .in = COLUMN_IN(struct fit_record, summary),
-     .at = offsetof(struct fit_summary, model)},
+     .pointer_offset = COLUMN_IN(struct fit_record, summary),
+     .offset = offsetof(struct fit_summary, model)},
     {.name = "of", .kind = COLUMN_NAME, .text = subject_of},
     {.name = "period", MEASURED(fit.period, QUANTITY_TIME)},
     {.name = "omega", MEASURED(fit.omega, QUANTITY_ANGULAR_FREQUENCY)},

@@ -33,8 +33,8 @@ void reply_description(const struct recording *recording, struct reply *reply)
 
 static const char *word_of(const struct catalog *catalog, const char *letters, char letter)
 {
-    const char *at = strchr(letters, letter);
-    return at && letter ? catalog_row(catalog, (size_t)(at - letters))->name : NULL;
+    const char *cursor = strchr(letters, letter);
+    return cursor && letter ? catalog_row(catalog, (size_t)(cursor - letters))->name : NULL;
 }
 
 void reply_recording(const struct recording *recording, struct reply *reply)
@@ -79,7 +79,7 @@ void reply_recording(const struct recording *recording, struct reply *reply)
 }
 
 /* The options as they have to stand to load the file again in the same way. */
-static void put_options(const struct arguments *args, struct buffer *out)
+static void put_options(const struct arguments *args, struct buffer *output)
 {
     static const char *const keys[] = {"t",    "y",       "run", "unit", "tunit",
                                        "rate", "decimal", "sep", "as"};
@@ -87,11 +87,11 @@ static void put_options(const struct arguments *args, struct buffer *out)
         const struct argument_value *key = argument_value(args, keys[i]);
         if (key->count == 0)
             continue;
-        buffer_format(out, " %s=", keys[i]);
+        buffer_format(output, " %s=", keys[i]);
         if (strcmp(keys[i], "rate") == 0)
-            buffer_real(out, key->item->value.value);
+            buffer_real(output, key->item->value.value);
         else
-            buffer_word(out, key->item->text);
+            buffer_word(output, key->item->text);
     }
 }
 
@@ -151,12 +151,12 @@ static bool any_option(const struct arguments *args)
 }
 
 /* No more than the beginning of what is no table. */
-static bool look_for_table(void *context, struct text content, size_t from, uintmax_t size,
+static bool look_for_table(void *context, struct text content, size_t offset, uintmax_t size,
                            struct error *error)
 {
     (void)size;
     bool *is_table = context;
-    if (from == 0)
+    if (offset == 0)
         *is_table = table_recognise(content);
     return *is_table || error_set(error, ERROR_IO, "no table");
 }
@@ -232,7 +232,7 @@ static bool read_sum(struct text text, uint64_t *sum, struct error *error)
 {
     *sum = 0;
     for (size_t i = 0; i < text.len; i++) {
-        const char *digit = memchr("0123456789abcdef", text.at[i], 16);
+        const char *digit = memchr("0123456789abcdef", text.data[i], 16);
         if (!digit || text.len != 16)
             return error_at(error, text, "sum= takes the 16 digits that save wrote");
         *sum = *sum << 4 | (uint64_t)(digit - "0123456789abcdef");
@@ -299,7 +299,7 @@ static bool load_scene(struct session *session, const struct arguments *args, st
             return reader->load(session, args, file, text_of_argument(args, "set"), reply, error);
         other = reader;
     }
-    snprintf(what, sizeof what, "load .%.*s", (int)ending.len, ending.at);
+    snprintf(what, sizeof what, "load .%.*s", (int)ending.len, ending.data);
     if (!module_is_in(what, file, error))
         return false;
     if (!other)
@@ -365,7 +365,7 @@ HANDLER(load)
     if (!recording) {
         if (!path)
             return error_memory(error);
-        if (!error->where.at)
+        if (!error->where.data)
             error->where = file->item->text;
         return false;
     }

@@ -23,7 +23,7 @@ void measure_begin(struct measuring *m, const char *quantity, struct measured va
 {
     struct measurement row = {.value = value, .unit = unit, .periods = periods};
     snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
-    snprintf(row.of, sizeof row.of, "%s", m->subject.name);
+    snprintf(row.source, sizeof row.source, "%s", m->subject.name);
     reply_begin(m->reply, "measure");
     reply_columns(m->reply, &measurement_columns, &row);
 }
@@ -43,10 +43,10 @@ static struct measured fall_to_e(const double *t, const struct measured *log_a, 
             continue;
         const double rate = (log_a[i - 1].value - log_a[i].value) / (t[i] - t[i - 1]);
         const double part = (wanted - log_a[i].value) / (log_a[i - 1].value - log_a[i].value);
-        const double near =
+        const double sigma =
             hypot(part * log_a[i - 1].uncertainty, (1 - part) * log_a[i].uncertainty);
         return (struct measured){t[i] - (wanted - log_a[i].value) / rate - t[0],
-                                 hypot(near, log_a[0].uncertainty) / rate};
+                                 hypot(sigma, log_a[0].uncertainty) / rate};
     }
     return (struct measured){NAN, NAN};
 }
@@ -92,7 +92,7 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
 }
 
 /* Times to read at: those given, or the middles of so many equal parts, or the start. */
-static bool reading_times(struct measuring *m, double **at, int *count)
+static bool reading_times(struct measuring *m, double **reading_time, int *count)
 {
     const struct argument_value *times = argument_value(m->args, "at"),
                                 *windows = argument_value(m->args, "windows");
@@ -100,27 +100,29 @@ static bool reading_times(struct measuring *m, double **at, int *count)
     *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
     if (*count > LIMIT_TOKENS)
         return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
-    *at = arena_array(m->args->arena, (size_t)*count, sizeof **at);
-    if (!*at)
+    *reading_time = arena_array(m->args->arena, (size_t)*count, sizeof **reading_time);
+    if (!*reading_time)
         return error_memory(m->error);
-    const double from = s->t[0], width = s->t[s->n - 1] - from;
+    const double t_begin = s->t[0], width = s->t[s->n - 1] - t_begin;
     for (int i = 0; i < *count; i++)
-        (*at)[i] = times->count ? times->item[i].value.value
-                                : from + (windows->count ? (i + 0.5) / *count : 0) * width;
+        (*reading_time)[i] = times->count
+                                 ? times->item[i].value.value
+                                 : t_begin + (windows->count ? (i + 0.5) / *count : 0) * width;
     return true;
 }
 
 bool measure_amplitude(struct measuring *m)
 {
     const enum quantity unit = m->subject.series.quantity;
-    double *at = NULL;
+    double *reading_time = NULL;
     int count;
-    if (!reading_times(m, &at, &count))
+    if (!reading_times(m, &reading_time, &count))
         return false;
     struct reading *readings = arena_array(m->args->arena, (size_t)count, sizeof *readings);
     if (!readings)
         return error_memory(m->error);
-    if (!series_amplitudes(&m->subject.series, m->args->arena, at, count, 0, readings, m->error))
+    if (!series_amplitudes(&m->subject.series, m->args->arena, reading_time, count, 0, readings,
+                           m->error))
         return false;
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
@@ -128,7 +130,7 @@ bool measure_amplitude(struct measuring *m)
             buffer_free(&text);
             return false;
         }
-        measure_latest(m)->at = readings[i].t;
+        measure_latest(m)->t = readings[i].t;
         put_measured(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
         buffer_format(&text, " at t = %.6g s", readings[i].t);
         measure_begin(m, m->quantity, readings[i].amplitude, unit, NAN);
@@ -180,7 +182,7 @@ static void say_reading(struct measuring *m, const struct period_reading *r, boo
     const double theory = scene_period_at(scene, r->amplitude.value);
     put_measured(text, first ? "T" : "\nT", r->period, QUANTITY_TIME);
     put_measured(text, " at A", r->amplitude, unit);
-    buffer_format(text, "   (%.6g..%.6g s)", r->from, r->to);
+    buffer_format(text, "   (%.6g..%.6g s)", r->t_begin, r->t_end);
     if (isfinite(theory))
         buffer_format(text, "   theory %.6g s (%+.3f %%)", theory,
                       100 * (r->period.value / theory - 1));

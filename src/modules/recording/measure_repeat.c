@@ -56,8 +56,8 @@ static bool repeat_value(struct measuring *m, const struct recording *recording,
     return isfinite(mass) || error_set(m->error, ERROR_COMMAND, "k needs a mass: data mass 200 g");
 }
 
-static bool add(struct measuring *m, struct repeated *r, const struct recording *recording,
-                const struct series *series, const char *name)
+static bool repeated_add(struct measuring *m, struct repeated *r, const struct recording *recording,
+                         const struct series *series, const char *name)
 {
     struct arena scratch = {0}; /* of each: all of them at once would take long to be given back */
     const bool ok = repeat_value(m, recording, r->what, series, &scratch, &r->value[r->count]);
@@ -100,17 +100,18 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
     if (advice.text[0])
         reply_warning(m->reply, "%s: %s", recording->name, advice.text);
     if (windows == 1)
-        return add(m, r, recording, &series, recording->name);
-    const double from = series.t[0], width = (series.t[series.n - 1] - from) / windows;
+        return repeated_add(m, r, recording, &series, recording->name);
+    const double t_begin = series.t[0], width = (series.t[series.n - 1] - t_begin) / windows;
     for (int i = 0; i < windows; i++) {
         char name[LIMIT_NAME + 40];
-        const struct series part = series_window(series, from + i * width, from + (i + 1) * width);
-        snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, from + i * width,
-                 from + (i + 1) * width);
+        const struct series part =
+            series_window(series, t_begin + i * width, t_begin + (i + 1) * width);
+        snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, t_begin + i * width,
+                 t_begin + (i + 1) * width);
         if (part.n < MIN_SAMPLES)
             return error_set(m->error, ERROR_COMMAND, "%s: fewer than %d samples", name,
                              MIN_SAMPLES);
-        if (!add(m, r, recording, &part, name))
+        if (!repeated_add(m, r, recording, &part, name))
             return false;
     }
     return true;
@@ -122,10 +123,10 @@ static int chosen(const struct measuring *m, bool windows, int *index)
     const struct session *session = m->session;
     const struct argument_value *named = argument_value(m->args, "RECORDING"),
                                 *data = argument_value(m->args, "data");
-    const struct argument_value *from = named->count ? named : data;
+    const struct argument_value *source = named->count ? named : data;
     int count = 0;
-    for (int i = 0; i < from->count; i++)
-        index[count++] = from->item[i].index;
+    for (int i = 0; i < source->count; i++)
+        index[count++] = source->item[i].index;
     if (count > 0 || session->recordings == 0)
         return count;
     if (windows) {

@@ -24,9 +24,9 @@ void check_differs(struct check *check, const char *file, const char *what, stru
     struct reply *reply = check->reply;
     struct buffer safe = {0};
     size_t length = detail.len < QUOTE_MAX_BYTES ? detail.len : QUOTE_MAX_BYTES;
-    while (length < detail.len && length > 0 && ((unsigned char)detail.at[length] & 0xC0) == 0x80)
+    while (length < detail.len && length > 0 && ((unsigned char)detail.data[length] & 0xC0) == 0x80)
         length--; /* inside a character of UTF-8 */
-    safe_text(&safe, (struct text){detail.at, length}, false);
+    safe_text(&safe, (struct text){detail.data, length}, false);
     if (length < detail.len)
         buffer_put(&safe, TEXT(" ..."));
     check->differences++;
@@ -52,13 +52,14 @@ static const struct recording *moved(const struct session *session, int index)
 static bool is_of_moved(const struct session *session, struct text line)
 {
     for (int i = 0; i < session->recordings; i++) {
-        struct buffer about = {0};
+        struct buffer description = {0};
         if (moved(session, i))
-            recording_describe(moved(session, i), &about);
-        const char *end = strchr(buffer_view(&about), ',');
+            recording_describe(moved(session, i), &description);
+        const char *end = strchr(buffer_view(&description), ',');
         const bool found =
-            end && about.data && memmem(line.at, line.len, about.data, (size_t)(end - about.data));
-        buffer_free(&about);
+            end && description.data &&
+            memmem(line.data, line.len, description.data, (size_t)(end - description.data));
+        buffer_free(&description);
         if (found)
             return true;
     }
@@ -84,8 +85,8 @@ static void compare_lines(struct check *check, const char *file, struct text han
         line = text_trim(line);
         bool digit = false;
         for (size_t i = 0; i < line.len; i++)
-            digit |= line.at[i] >= '0' && line.at[i] <= '9';
-        if (digit && line.at[0] != '#' && !text_starts(line, TEXT("<h")) &&
+            digit |= line.data[i] >= '0' && line.data[i] <= '9';
+        if (digit && line.data[0] != '#' && !text_starts(line, TEXT("<h")) &&
             !has_line(handed, line) && !is_of_moved(check->report.session, line))
             check_differs(check, file, "this line is not there", line);
     }
@@ -176,7 +177,7 @@ static bool keep_error(void *context, struct text text)
 {
     struct check *check = context;
     struct text line;
-    const char *found = text.len ? memmem(text.at, text.len, "error: ", 7) : NULL;
+    const char *found = text.len ? memmem(text.data, text.len, "error: ", 7) : NULL;
     if (found && check->failure.len == 0 && text_split(&text, '\n', &line))
         buffer_put(&check->failure, line);
     return true;
@@ -225,7 +226,7 @@ static bool tell_taken(struct check *check, int index)
     if (same && !moved(session, index))
         return false;
     buffer_format(&copy, moved(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
-                  index + 1, (int)file.len, file.at);
+                  index + 1, (int)file.len, file.data);
     reply_line(check->reply, "%s: its file is not here; %s was taken%s", recording->name,
                buffer_view(&copy), found ? " (the one of that name is another)" : "");
     buffer_free(&copy);

@@ -19,7 +19,7 @@ static const double data_tolerance_of_one = 1e-13;
 /* ---- values ---- */
 
 struct values { /* columns of values.csv; NULL if it has none of that name or kind */
-    const char *const *name, *const *of, *const *source;
+    const char *const *name, *const *subject, *const *source;
     const double *value, *uncertainty, *t;
     size_t rows;
 };
@@ -35,7 +35,7 @@ static bool find_values(const struct table *table, struct values *values)
             const double **number;
         } wanted[] = {
             {"name", &values->name, NULL},
-            {"of", &values->of, NULL},
+            {"of", &values->subject, NULL},
             {"source", &values->source, NULL},
             {"value", NULL, &values->value},
             {"uncertainty", NULL, &values->uncertainty},
@@ -50,7 +50,8 @@ static bool find_values(const struct table *table, struct values *values)
                 *wanted[k].number = column->value;
         }
     }
-    return values->name && values->of && values->source && values->value && values->uncertainty;
+    return values->name && values->subject && values->source && values->value &&
+           values->uncertainty;
 }
 
 static double checked_time(const struct values *values, size_t row)
@@ -60,7 +61,7 @@ static double checked_time(const struct values *values, size_t row)
 
 static bool same_key(const struct values *a, size_t i, const struct values *b, size_t j)
 {
-    return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->of[i], b->of[j]) == 0 &&
+    return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->subject[i], b->subject[j]) == 0 &&
            strcmp(a->source[i], b->source[j]) == 0 && !(checked_time(a, i) < checked_time(b, j)) &&
            !(checked_time(a, i) > checked_time(b, j));
 }
@@ -68,11 +69,11 @@ static bool same_key(const struct values *a, size_t i, const struct values *b, s
 /* What is named alike is counted: the row of `b` that is as many-th there as row i is in `a`. */
 static size_t find_row(const struct values *a, size_t i, const struct values *b)
 {
-    size_t before = 0;
+    size_t duplicates = 0;
     for (size_t k = 0; k < i; k++)
-        before += same_key(a, k, a, i);
+        duplicates += same_key(a, k, a, i);
     for (size_t j = 0; j < b->rows; j++)
-        if (same_key(a, i, b, j) && before-- == 0)
+        if (same_key(a, i, b, j) && duplicates-- == 0)
             return j;
     return b->rows;
 }
@@ -96,7 +97,7 @@ static void compare_value(struct check *check, const struct values *handed, size
         return;
     struct buffer detail = {0};
     buffer_format(&detail, "%s of %s (%s): it says %.9g +- %.2g, the session gives %.9g +- %.2g",
-                  handed->name[i], handed->of[i], handed->source[i], stated.value,
+                  handed->name[i], handed->subject[i], handed->source[i], stated.value,
                   stated.uncertainty, computed.value, computed.uncertainty);
     check_differs(check, "values.csv", "a value", buffer_text(&detail));
     buffer_free(&detail);
@@ -106,7 +107,7 @@ static void tell_unmatched(struct check *check, const struct values *values, siz
                            const char *what)
 {
     struct buffer detail = {0};
-    buffer_format(&detail, "%s of %s (%s) = %.9g", values->name[i], values->of[i],
+    buffer_format(&detail, "%s of %s (%s) = %.9g", values->name[i], values->subject[i],
                   values->source[i], values->value[i]);
     check->values++;
     check_differs(check, "values.csv", what, buffer_text(&detail));

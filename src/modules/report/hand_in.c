@@ -13,18 +13,19 @@
 #include <string.h>
 
 /* *head: how many lines come before the first statement. */
-static void put_script(const struct session *session, int *head, struct buffer *out)
+static void put_script(const struct session *session, int *head, struct buffer *output)
 {
-    buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION
-                         ". Run where the names of its "
-                         "recordings hold,\n# it gives the same numbers again:\n"));
+    buffer_put(output, TEXT("# The session of this report, by hooke " HOOKE_VERSION
+                            ". Run where the names of its "
+                            "recordings hold,\n# it gives the same numbers again:\n"));
     const bool fails = history_fails(session);
-    buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n", fails ? "--keep-going " : "");
-    buffer_put(out,
+    buffer_format(output, "#   hooke %s-f session.hk -c 'report NEW'\n",
+                  fails ? "--keep-going " : "");
+    buffer_put(output,
                fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
-    for (size_t i = 0; i < out->len; i++)
-        *head += out->data[i] == '\n';
-    history_put(session, 0, HISTORY_SCRIPT, out);
+    for (size_t i = 0; i < output->len; i++)
+        *head += output->data[i] == '\n';
+    history_put(session, 0, HISTORY_SCRIPT, output);
 }
 
 static void put_end(struct report *report, const struct buffer *script)
@@ -157,7 +158,7 @@ HANDLER(report)
     document_free(&report->document);
     if (ok)
         hand_in_reply(report, item, path, reply);
-    else if (!error->where.at)
+    else if (!error->where.data)
         error->where = item->text;
     return ok;
 }

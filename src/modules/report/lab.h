@@ -18,10 +18,10 @@ struct report_value {
     const char *name; /* "period", "gamma, first half" */
     struct measured value;
     enum quantity quantity;
-    const char *of;     /* "run 1", "data disk": the second word is a user's */
-    const char *source; /* "measured", "fit damped" */
-    double at;          /* [s] of an amplitude; NAN */
-    size_t statement;   /* of the log that gave it, counted from 1; 0: the scene's own */
+    const char *subject; /* "run 1", "data disk": the second word is a user's */
+    const char *source;  /* "measured", "fit damped" */
+    double t;            /* [s] of an amplitude; NAN */
+    size_t statement;    /* of the log that gave it, counted from 1; 0: the scene's own */
     const char
         *brief; /* what a parameter of another scene than the lab's is; NULL: its name says */
 };
@@ -82,12 +82,12 @@ bool collect_values(struct report *report, struct error *error);
 bool sort_material(struct report *report, struct error *error);
 /* Values of a run or a recording, all or the measured and fitted ones; nothing where there are
  * none. */
-void put_values(struct report *report, const char *of, bool parameters);
+void put_values(struct report *report, const char *subject, bool parameters);
 /* All values, with the line of session.hk that each comes from. */
 void put_all_values(struct report *report);
 /* One that was found, of that ("data disk"); of NULL: of anything. */
 const struct report_value *find_value(const struct report *report, const char *name,
-                                      const char *of);
+                                      const char *subject);
 /* "damping gamma", "y0 (y at t0)" */
 void say_label(struct document *document, const struct report_value *value);
 /* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */

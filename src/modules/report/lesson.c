@@ -23,7 +23,7 @@ static void say_step(const struct session *session, struct reply *reply)
         buffer_format(&text, "%d/%d: ", lesson->step + 1, lesson->steps);
         buffer_put(&text, step.says);
         reply_paragraph(reply, buffer_text(&text), width);
-        reply_line(reply, "  type: %.*s", (int)step.command.len, step.command.at);
+        reply_line(reply, "  type: %.*s", (int)step.command.len, step.command.data);
         if (!step.done)
             reply_line(reply, "  then: check VALUE   (or hint, skip)");
     }
@@ -104,13 +104,13 @@ HANDLER(check)
 {
     const struct argument_value *value = argument_value(args, "VALUE");
     struct lesson_step step;
-    struct named_value found = {.below = 0};
+    struct named_value found = {.error_floor = 0};
     if (!need_lesson(session, error) ||
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
     if (step.done ? !lesson_done(session, step.wanted) : !lesson_found(session, &step, &found)) {
         error_set(error, ERROR_COMMAND, "not yet: that was not done since the step began");
-        return error_hint(error, "type: %.*s", (int)step.command.len, step.command.at);
+        return error_hint(error, "type: %.*s", (int)step.command.len, step.command.data);
     }
     if (!step.done && !value->count)
         return error_set(error, ERROR_COMMAND, "check takes the value that you read");
@@ -139,7 +139,7 @@ HANDLER(hint)
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
     const struct text hint = step.hint.len ? step.hint : step.command;
-    reply_line(reply, "%s%.*s", step.hint.len ? "" : "type: ", (int)hint.len, hint.at);
+    reply_line(reply, "%s%.*s", step.hint.len ? "" : "type: ", (int)hint.len, hint.data);
     return true;
 }
 

@@ -38,7 +38,7 @@ void lesson_free(void *part);
 /* Returns the session's lesson, or NULL if none waits. */
 struct lesson *session_lesson(const struct session *session);
 /* The lesson in a session's file. */
-void lesson_put(const void *part, struct buffer *to);
+void lesson_put(const void *part, struct buffer *output);
 void lesson_read(struct reader *reader);
 /* After a typed line: continues with the next step, and says it, if that line did what the present
  * one waits for. */

@@ -41,72 +41,72 @@ enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS }; /* g, g,
 /* What the recordings of a seed were made with. */
 static void truths(long seed, double value[TRUTHS])
 {
-    static const double from[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},
-                        to[TRUTHS] = {220, 0, 17, 5.6, 0.03, 24};
+    static const double lower[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},
+                        upper[TRUTHS] = {220, 0, 17, 5.6, 0.03, 24};
     uint64_t state = (uint64_t)seed;
     for (int i = 0; i < TRUTHS; i++)
-        value[i] = from[i] + (to[i] - from[i]) * random_fraction(&state);
+        value[i] = lower[i] + (upper[i] - lower[i]) * random_fraction(&state);
     value[BARE_MASS] = floor(10 * value[BARE_MASS]) / 10;
     value[DISK_MASS] = value[BARE_MASS] + 16.6;
 }
 
-static void put_recording(long seed, bool disk, struct buffer *out)
+static void put_recording(long seed, bool disk, struct buffer *output)
 {
     double v[TRUTHS];
     truths(seed, v);
     const double mass = v[disk ? DISK_MASS : BARE_MASS] / 1000, gamma = disk ? v[DRAG] : 0.008;
     const double omega = sqrt(v[SPRING] / mass - gamma * gamma / 4);
     uint64_t state = (uint64_t)seed + (disk ? 1000003 : 1000033);
-    buffer_put(out, TEXT("Time (s)\tDistance (cm)\n"));
+    buffer_put(output, TEXT("Time (s)\tDistance (cm)\n"));
     for (int i = 0; i <= (disk ? 12000 : 1000); i++) {
         const double t = 0.01 * i, a = random_fraction(&state), b = random_fraction(&state);
         const double noise = 0.02 * sqrt(-2 * log(1 - a)) * cos(2 * PI * b); /* [cm] */
-        buffer_format(out, "%.2f\t%.3f\n", t,
+        buffer_format(output, "%.2f\t%.3f\n", t,
                       v[OFFSET] + v[AMPLITUDE] * exp(-gamma * t / 2) * cos(omega * t) + noise);
     }
 }
 
-static void put_expanded(struct text text, long seed, struct buffer *out)
+static void put_expanded(struct text text, long seed, struct buffer *output)
 {
     double v[TRUTHS];
     truths(seed, v);
     while (text.len > 0) {
         size_t len = 1;
         if (text_starts(text, TEXT("$seed"))) {
-            buffer_format(out, "%ld", seed);
+            buffer_format(output, "%ld", seed);
             len = 5;
         } else if (text_starts(text, TEXT("$bare_mass")) || text_starts(text, TEXT("$disk_mass"))) {
-            buffer_format(out, "%.1f", v[text.at[1] == 'b' ? BARE_MASS : DISK_MASS]);
+            buffer_format(output, "%.1f", v[text.data[1] == 'b' ? BARE_MASS : DISK_MASS]);
             len = 10;
         } else if (text_starts(text, TEXT("$bare_file")) || text_starts(text, TEXT("$disk_file"))) {
-            buffer_format(out, "%.4s-%ld.txt", text.at + 1, seed);
+            buffer_format(output, "%.4s-%ld.txt", text.data + 1, seed);
             len = 10;
         } else {
-            buffer_char(out, text.at[0]);
+            buffer_char(output, text.data[0]);
         }
-        text = (struct text){text.at + len, text.len - len};
+        text = (struct text){text.data + len, text.len - len};
     }
 }
 
 bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step)
 {
     struct text rest = buffer_text(&lesson->text), line;
-    int at = -1;
+    int index = -1;
     bool bare = false, disk = false;
     *step = (struct lesson_step){.done = false};
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         const struct text body =
-            line.len > 2 ? text_trim((struct text){line.at + 2, line.len - 2}) : TEXT("");
+            line.len > 2 ? text_trim((struct text){line.data + 2, line.len - 2}) : TEXT("");
         if (text_starts(line, TEXT("#@"))) {
             bare |= text_is(body, "bare");
             disk |= text_is(body, "disk");
         } else if (text_starts(line, TEXT("#:"))) {
-            at++;
-            if (at == number)
+            index++;
+            if (index == number)
                 *step = (struct lesson_step){.says = body, .bare = bare, .disk = disk};
             bare = disk = false;
         }
-        if (at != number)
+        if (index != number)
             continue;
         if (text_starts(line, TEXT("#>")))
             step->command = body;
@@ -116,10 +116,10 @@ bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *st
             struct text kind = peek_word(body, "");
             step->done = text_is(kind, "done");
             step->measured = text_is(kind, "measured");
-            step->wanted = text_trim((struct text){body.at + kind.len, body.len - kind.len});
+            step->wanted = text_trim((struct text){body.data + kind.len, body.len - kind.len});
         }
     }
-    return at >= number;
+    return index >= number;
 }
 
 struct lesson *session_lesson(const struct session *session)
@@ -135,8 +135,8 @@ bool lesson_done(const struct session *session, struct text command)
     history_put(session, session_lesson(session)->begun, HISTORY_RECORD, &script);
     struct text rest = buffer_text(&script), line;
     while (rest.len > 0 && text_split(&rest, '\n', &line))
-        done |=
-            text_starts(line, command) && (line.len == command.len || line.at[command.len] == ' ');
+        done |= text_starts(line, command) &&
+                (line.len == command.len || line.data[command.len] == ' ');
     buffer_free(&script);
     return done;
 }
@@ -236,26 +236,26 @@ static const struct field fields[] = {
     FIELD_OF(struct lesson, seed),
 };
 
-void lesson_put(const void *part, struct buffer *to)
+void lesson_put(const void *part, struct buffer *output)
 {
     const struct lesson *lesson = part;
     if (!lesson->waits)
         return;
-    const size_t begun = field_begin(to, "report");
-    fields_put(to, fields, COUNT_OF(fields), lesson);
-    field_text(to, "text", buffer_text(&lesson->text));
-    field_end(to, begun);
+    const size_t begun = field_begin(output, "report");
+    fields_put(output, fields, COUNT_OF(fields), lesson);
+    field_text(output, "text", buffer_text(&lesson->text));
+    field_end(output, begun);
 }
 
 void lesson_read(struct reader *reader)
 {
-    struct text in, text;
+    struct text stored, text;
     struct lesson lesson = {.waits = true};
-    if (!field_find(reader->state, "report", &in))
+    if (!field_find(reader->state, "report", &stored))
         return;
     struct lesson *kept = session_part(reader->session, &report_module);
-    const bool ok = kept && field_find(in, "text", &text) &&
-                    fields_get(in, fields, COUNT_OF(fields), &lesson) && lesson.step >= 0 &&
+    const bool ok = kept && field_find(stored, "text", &text) &&
+                    fields_get(stored, fields, COUNT_OF(fields), &lesson) && lesson.step >= 0 &&
                     lesson.step <= lesson.steps;
     if (ok)
         buffer_put(&lesson.text, text);

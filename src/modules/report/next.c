@@ -28,12 +28,13 @@ struct lab {
 
 /* Something that is called so, or begins so, was measured after that statement. quantity: NULL,
  * whatever it is. */
-static bool is_measured(const struct session *session, const char *of, const char *quantity,
-                        size_t after)
+static bool is_measured(const struct session *session, const char *subject, const char *quantity,
+                        size_t previous_statement)
 {
     for (int i = session->measurements; i-- > 0;) {
         const struct measurement *m = &session->measurement[i];
-        if (m->statement > after && text_starts(text_of(m->of), text_of(of)) &&
+        if (m->statement > previous_statement &&
+            text_starts(text_of(m->source), text_of(subject)) &&
             (!quantity || strcmp(m->quantity, quantity) == 0))
             return true;
     }
@@ -45,7 +46,7 @@ static size_t last_fit(const struct lab *lab)
 {
     const struct fits *fits = fits_of(lab->session);
     int i = fits->stored_fits;
-    while (i > 0 && strcmp(fits->stored_fit[i - 1].of, lab->name) != 0)
+    while (i > 0 && strcmp(fits->stored_fit[i - 1].subject, lab->name) != 0)
         i--;
     const size_t statement = i > 0 ? fits->stored_fit[i - 1].statement : 0;
     return statement > lab->loaded ? statement : 0;
@@ -62,18 +63,18 @@ static size_t last_change(const struct session *session)
 }
 
 /* A run was made after that statement; method: by it, or NULL. */
-static bool has_run(const struct session *session, const char *method, size_t after)
+static bool has_run(const struct session *session, const char *method, size_t previous_statement)
 {
     for (int i = session->runs.count; i-- > 0;) {
         const struct run_slot *slot = session->runs.slot[i];
-        if (slot->statement > after &&
+        if (slot->statement > previous_statement &&
             (!method || strcmp(slot->run->method->row.name, method) == 0))
             return true;
     }
     return false;
 }
 
-static double span(const struct recording *recording)
+static double recording_span(const struct recording *recording)
 {
     return recording->window[1] - recording->window[0];
 }
@@ -86,10 +87,10 @@ static void put_measuring(const struct lab *lab, struct buffer *line)
         return;
     }
     /* six readings, as the sheet asks, the first and the last away from the ends */
-    const double from = lab->recording->window[0], gap = span(lab->recording) / 6;
+    const double t_begin = lab->recording->window[0], gap = recording_span(lab->recording) / 6;
     buffer_put(line, TEXT("measure amplitude at="));
     for (int i = 0; i < 6; i++)
-        buffer_format(line, "%s%.0f", i ? "," : "", floor(from + (i + 0.25) * gap));
+        buffer_format(line, "%s%.0f", i ? "," : "", floor(t_begin + (i + 0.25) * gap));
     buffer_put(line, TEXT("; measure decay"));
 }
 
@@ -114,7 +115,7 @@ static void put_adopt(const struct lab *lab, struct buffer *line)
 static void put_run(const struct lab *lab, struct buffer *line)
 {
     const double most = lab->decays ? DAMPED_S : UNDAMPED_S;
-    const double whole = floor(span(lab->recording) + 0.5);
+    const double whole = floor(recording_span(lab->recording) + 0.5);
     buffer_format(line, "method %s dt=%g ms; run %g s", lab->decays ? "rk4" : "euler",
                   1000 * STEP_S, whole >= 1 && whole < most ? whole : most);
 }
@@ -163,7 +164,7 @@ static void put_due(const struct lab *lab, struct buffer *line)
         put_measuring(lab, line);
     else if (fit == 0)
         put_fit(lab, line);
-    else if (adopted->statement < fit || strcmp(adopted->of, lab->name) != 0)
+    else if (adopted->statement < fit || strcmp(adopted->subject, lab->name) != 0)
         put_adopt(lab, line);
     else if (!has_run(session, NULL, change))
         put_run(lab, line);
@@ -187,7 +188,7 @@ bool report_next(const struct session *session, struct buffer *line, bool *insis
     if (lab.recording) {
         snprintf(lab.name, sizeof lab.name, "data %s", lab.recording->name);
         lab.loaded = session->recording[session->current_recording]->statement;
-        lab.decays = span(lab.recording) > LONG_S;
+        lab.decays = recording_span(lab.recording) > LONG_S;
         put_due(&lab, line);
     }
     return line->len > 0;

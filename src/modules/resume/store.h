@@ -52,7 +52,7 @@ struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
     const struct cancel *cancel; /* NULL if nobody stops it */
-    int64_t until; /* [clock_ns] when further rows are left to another time; 0: never */
+    int64_t deadline; /* [clock_ns] when further rows are left to another time; 0: never */
 };
 
 void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */

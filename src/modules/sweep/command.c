@@ -20,7 +20,7 @@
 static bool check_above_0(const struct sweep_axis *axis, struct text name, struct error *error)
 {
     const bool setting = axis->target == SWEEP_DT || axis->target == SWEEP_TOL;
-    if (!setting || (axis->from > 0 && axis->to > 0))
+    if (!setting || (axis->begin > 0 && axis->end > 0))
         return true;
     error_at(error, name, "%s must be > 0, from one end to the other", axis->name);
     return error_hint(error, axis->target == SWEEP_DT ? "for example dt=1ms:100ms:x2"
@@ -41,8 +41,8 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
     memcpy(grid.name, axis->name, sizeof grid.name);
     if (!parse_grid(parser, &grid, error))
         return false;
-    axis->from = grid.from;
-    axis->to = grid.to;
+    axis->begin = grid.first;
+    axis->end = grid.last;
     axis->count = grid.count;
     axis->log = grid.log;
     return check_above_0(axis, name, error);
@@ -62,15 +62,15 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
 {
     const struct text all = text_trim(parser->rest);
     struct text rest = all, part;
-    double number, of;
+    double number, total;
     if (!text_split(&rest, '/', &part) || real_parse(part, &number) != REAL_OK ||
-        real_parse(rest, &of) != REAL_OK || !(number >= 1 && number <= of && of <= 1e9) ||
-        number != floor(number) || of != floor(of)) {
+        real_parse(rest, &total) != REAL_OK || !(number >= 1 && number <= total && total <= 1e9) ||
+        number != floor(number) || total != floor(total)) {
         error_at(error, all, "--shard needs a part and how many there are, as in --shard 2/8");
         return false;
     }
     request->shard = (int64_t)number;
-    request->shards = (int64_t)of;
+    request->shards = (int64_t)total;
     return true;
 }
 
@@ -88,9 +88,9 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
                         struct sweep_options *options, struct error *error)
 {
     const struct text all = parser->rest;
-    const struct text name = peek_name((struct text){all.at + 2, all.len - 2});
+    const struct text name = peek_name((struct text){all.data + 2, all.len - 2});
     int64_t threads = 0;
-    parser->rest = (struct text){name.at + name.len, all.len - 2 - name.len};
+    parser->rest = (struct text){name.data + name.len, all.len - 2 - name.len};
     text_skip_blanks(&parser->rest);
     if (text_is(name, "force")) {
         options->force = true;
@@ -108,7 +108,7 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
         return read_shard(parser, request, error);
     if (!text_is(name, "threads")) {
         error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64),
-                 name.at);
+                 name.data);
         return error_hint(
             error, "it has --threads N, --shard I/N, --resume FILE, --dry-run, --full and --force");
     }
@@ -148,7 +148,7 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
         }
         const struct text argument = next_key_argument(&rest), name = peek_name(argument);
         struct parser parser = {
-            session, args->scope, args->arena, {argument.at + name.len, argument.len - name.len}};
+            session, args->scope, args->arena, {argument.data + name.len, argument.len - name.len}};
         text_skip_blanks(&parser.rest);
         if (text_starts(argument, TEXT("--"))) {
             parser.rest = argument;
@@ -160,7 +160,7 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
             error_at(error, argument, "sweep takes NAME=FROM:TO");
             return error_hint(error, "for example: sweep omega=6:12:0.1 measure=amplitude");
         }
-        parser.rest = (struct text){parser.rest.at + 1, parser.rest.len - 1};
+        parser.rest = (struct text){parser.rest.data + 1, parser.rest.len - 1};
         if (text_is(name, "measure")) {
             if (!read_measures(&parser, request, error))
                 return false;
@@ -284,17 +284,17 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
 }
 
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
-                     const struct sweep *before, struct reply *reply, struct error *error)
+                     const struct sweep *previous, struct reply *reply, struct error *error)
 {
     struct sweep_request request = sweep_request_begin(session);
     struct sweep_options options = {.force = false};
     double steps, seconds;
     if (!read_sweep(session, args, statement, &request, &options, error))
         return false;
-    request.before = before && before->value ? before : NULL;
+    request.previous = previous && previous->value ? previous : NULL;
     reply_unchosen(session, reply);
     study_sweep_predict(&request, &steps, &seconds);
-    if (!before && !options.dry && options.file.len == 0 &&
+    if (!previous && !options.dry && options.file.len == 0 &&
         !allow_long(session, seconds, steps, options.force, error))
         return false;
     reply_assumed(session, request.settings.tol > 0, true, reply);
@@ -305,10 +305,10 @@ bool sweep_statement(struct session *session, const struct arguments *args, stru
         struct sweep stretch;
         study_sweep_stretch(&request, &stretch);
         session->studies.points =
-            (double)(stretch.count - (request.before ? request.before->finished : 0));
+            (double)(stretch.count - (request.previous ? request.previous->finished : 0));
         return sweep_in_memory(session, args, &request, statement, reply, error);
     }
-    options.force |= before != NULL;
+    options.force |= previous != NULL;
     const bool ok = sweep_into_file(session, args, &request, &options, reply, error);
     if (!ok && error->code == ERROR_CANCELLED)
         sweep_keep_stopped(session, statement, &(struct sweep){.count = 0});

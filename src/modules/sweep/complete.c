@@ -5,22 +5,22 @@
 
 #include <string.h>
 
-bool sweep_complete(struct completion *c, const struct command *command, struct text before)
+bool sweep_complete(struct completion *c, const struct command *command, struct text prefix)
 {
     struct text name;
     if (strcmp(command->row.name, "sweep") != 0)
         return false;
-    if (text_is(last_word(before), "at")) {
+    if (text_is(last_word(prefix), "at")) {
         complete_offer(c, "period", "each of the drive");
         complete_events(c);
         complete_columns(c, NULL);
         return true;
     }
-    if (!complete_is_item(before, &name) || !text_is(name, "measure"))
+    if (!complete_is_item(prefix, &name) || !text_is(name, "measure"))
         return false;
-    const char *paren = memchr(c->word.at, '(', c->word.len); /* max(z */
+    const char *paren = memchr(c->word.data, '(', c->word.len); /* max(z */
     if (paren)
-        c->word = (struct text){paren + 1, (size_t)(c->word.at + c->word.len - paren - 1)};
+        c->word = (struct text){paren + 1, (size_t)(c->word.data + c->word.len - paren - 1)};
     else {
         complete_catalog(c, &sweep_measure_catalog);
         complete_offer(c, "rms", "root of the mean square: rms(v)");

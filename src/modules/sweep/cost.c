@@ -35,8 +35,8 @@ static bool take_sample(struct session *session, const struct sweep_request *req
         struct buffer rows = {0};
         struct error why = {0};
         const double middle = (double)shard->count * (2 * i + 1) / (2 * places);
-        const int64_t at = shard->first + (int64_t)fmax(0, middle - (double)part.count / 2);
-        part.first = at - at % batch < shard->first ? at : at - at % batch;
+        const int64_t start = shard->first + (int64_t)fmax(0, middle - (double)part.count / 2);
+        part.first = start - start % batch < shard->first ? start : start - start % batch;
         study_sweep(&part, &sweep, &why);
         ok = sweep.finished == part.count &&
              (sweep_rows(&part, &sweep, &rows) || error_memory(&why));

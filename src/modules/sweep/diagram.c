@@ -14,8 +14,8 @@ enum {
 
 struct density {
     int columns, rows;
-    double from, step; /* of a row */
-    double *value;     /* [columns][rows] log2(1 + points) */
+    double y_begin, step; /* of a row */
+    double *value;        /* [columns][rows] log2(1 + points) */
 };
 
 static void count_points(const struct swept *swept, const struct density *d)
@@ -24,7 +24,7 @@ static void count_points(const struct swept *swept, const struct density *d)
         for (int64_t k = swept_events(swept, i) - 1; k >= 0; k--) {
             const double y = swept_value(swept, i, k, 0);
             const int column = (int)(i * d->columns / swept->sweep->count),
-                      row = (int)((y - d->from) / d->step);
+                      row = (int)((y - d->y_begin) / d->step);
             if (isfinite(y) && row >= 0)
                 d->value[column * d->rows + (row < d->rows ? row : d->rows - 1)]++;
         }
@@ -43,19 +43,19 @@ static void put_density(const struct session *session, const struct swept *swept
                         .rows = height > DIAGRAM_ROWS_MIN ? height : DIAGRAM_ROWS_MIN};
     d.columns = d.columns < DIAGRAM_COLUMNS ? d.columns : DIAGRAM_COLUMNS;
     d.columns = sweep->count < d.columns ? (int)sweep->count : d.columns;
-    swept_range(swept, 0, &d.from, &high);
-    const double span = high - d.from;
-    d.step = (span > 0 ? span : fmax(fabs(d.from), 1) * 1e-6) / d.rows;
+    swept_range(swept, 0, &d.y_begin, &high);
+    const double span = high - d.y_begin;
+    d.step = (span > 0 ? span : fmax(fabs(d.y_begin), 1) * 1e-6) / d.rows;
     double *y = arena_array(arena, (size_t)d.rows, sizeof *y);
     d.value = arena_array(arena, (size_t)(d.columns * d.rows), sizeof *d.value);
     const struct heat_axis x = swept_axis(sweep, 0, sweep->first, sweep->count, d.columns, arena);
-    if (!x.value || !y || !d.value || !isfinite(d.from))
+    if (!x.value || !y || !d.value || !isfinite(d.y_begin))
         return;
     for (int r = 0; r < d.rows; r++)
-        y[r] = d.from + (r + 0.5) * d.step;
+        y[r] = d.y_begin + (r + 0.5) * d.step;
     count_points(swept, &d);
     const enum quantity quantity = swept_quantity(swept, 0);
-    const struct unit *unit = swept_unit(fmax(fabs(d.from), fabs(high)), quantity);
+    const struct unit *unit = swept_unit(fmax(fabs(d.y_begin), fabs(high)), quantity);
     const struct heat heat = {.title = "log2(1 + points)",
                               .unit = "",
                               .factor = 1,
@@ -73,8 +73,8 @@ static void put_density(const struct session *session, const struct swept *swept
 static double repeats_of(const struct swept *swept, int64_t i, int m)
 {
     (void)m;
-    const double after = swept_repeats(swept, i);
-    return swept_events(swept, i) == 0 ? NAN : isnan(after) ? -1 : after;
+    const double repeats = swept_repeats(swept, i);
+    return swept_events(swept, i) == 0 ? NAN : isnan(repeats) ? -1 : repeats;
 }
 
 static void put_repeats(const struct session *session, const struct swept *swept, int height,
@@ -96,10 +96,10 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
     const struct sweep_axis *axis = &sweep->axis[0];
     int lines = 0;
     for (int64_t i = 0, end; i < sweep->count; i = end) {
-        const double after = swept_repeats(swept, i);
+        const double repeats = swept_repeats(swept, i);
         end = i + 1;
-        while (end < sweep->count && (swept_repeats(swept, end) == after ||
-                                      (isnan(after) && isnan(swept_repeats(swept, end)))))
+        while (end < sweep->count && (swept_repeats(swept, end) == repeats ||
+                                      (isnan(repeats) && isnan(swept_repeats(swept, end)))))
             end++;
         if (++lines > max) {
             buffer_put(text, TEXT("  ... (all of them: export FILE table)\n"));
@@ -112,10 +112,10 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
                           SHOWN_QUANTITY(swept_position(sweep, 0, end - 1), axis->quantity, 6));
         if (swept_events(swept, i) == 0)
             buffer_put(text, TEXT(": no event\n"));
-        else if (isnan(after))
+        else if (isnan(repeats))
             buffer_put(text, TEXT(": does not repeat, or not yet\n"));
         else
-            buffer_format(text, ": %.0f point%s\n", after, after == 1 ? "" : "s");
+            buffer_format(text, ": %.0f point%s\n", repeats, repeats == 1 ? "" : "s");
     }
 }
 

@@ -24,7 +24,7 @@ bool sweep_figure(struct drawing *d, struct figure *figure)
     const bool section = text_is(text_of(column[2].name), "event");
     *request = *d->request;
     request->table = &found->table;
-    request->against = text_of(column[1].name);
+    request->horizontal_column = text_of(column[1].name);
     *name = text_of(column[section ? 4 : 2].name);
     if (request->columns == 0) {
         request->column = name;

@@ -23,17 +23,17 @@ struct line_reader {
     FILE *stream;
     char *data;
     size_t capacity;
-    int64_t at, number; /* [byte] behind the line, and which one it is, from 1 */
+    int64_t offset, number; /* [byte] behind the line, and which one it is, from 1 */
 };
 
 /* The file is left open for others. */
-static bool lines_begin(struct line_reader *reader, int fd, int64_t at)
+static bool lines_begin(struct line_reader *reader, int fd, int64_t offset)
 {
     const int copy = dup(fd);
-    *reader = (struct line_reader){.at = at, .stream = copy < 0 ? NULL : fdopen(copy, "r")};
+    *reader = (struct line_reader){.offset = offset, .stream = copy < 0 ? NULL : fdopen(copy, "r")};
     if (!reader->stream && copy >= 0)
         close(copy);
-    return reader->stream && fseeko(reader->stream, (off_t)at, SEEK_SET) == 0;
+    return reader->stream && fseeko(reader->stream, (off_t)offset, SEEK_SET) == 0;
 }
 
 /* Reads the next line with its newline, which the last one may lack. Returns false at the end of
@@ -42,7 +42,7 @@ static bool next_line(struct line_reader *reader, struct text *line)
 {
     const ssize_t len = getline(&reader->data, &reader->capacity, reader->stream);
     *line = (struct text){reader->data, len > 0 ? (size_t)len : 0};
-    reader->at += (int64_t)line->len;
+    reader->offset += (int64_t)line->len;
     reader->number++;
     return len > 0;
 }
@@ -115,7 +115,7 @@ static bool take_head(struct sweep_scan *scan, struct text line)
     buffer_put(&scan->head, line);
     if (scan->head.failed)
         return error_memory(scan->error);
-    if (line.at[0] == '#')
+    if (line.data[0] == '#')
         return true;
     if (file->heads++ == 0) {
         file->head = scan->head;
@@ -147,38 +147,40 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     struct sweep_block *last = file->blocks > scan->begun ? &file->block[file->blocks - 1] : NULL;
     char *end;
     errno = 0;
-    const int64_t point = strtoll(line.at, &end, 10), at = scan->lines.at - (int64_t)line.len;
-    if (!(line.at[0] >= '0' && line.at[0] <= '9') || *end != ',' || errno != 0)
+    const int64_t point = strtoll(line.data, &end, 10),
+                  offset = scan->lines.offset - (int64_t)line.len;
+    if (!(line.data[0] >= '0' && line.data[0] <= '9') || *end != ',' || errno != 0)
         return is_wrong(scan, "this is no row of a sweep");
     scan->sealed = false;
     const int64_t next = last ? last->first + last->count : -1;
-    const bool same = last && point == next - 1 && at == last->end;
+    const bool same = last && point == next - 1 && offset == last->end;
     if (!same)
-        scan->point_at = at;
+        scan->point_at = offset;
     scan->rows = same ? scan->rows + 1 : 1;
     scan->rows_seen = scan->rows > scan->rows_seen ? scan->rows : scan->rows_seen;
     if (!last || (!same && point != next))
-        return add_block(file, (struct sweep_block){point, 1, at, scan->lines.at}, scan->error);
+        return add_block(file, (struct sweep_block){point, 1, offset, scan->lines.offset},
+                         scan->error);
     last->count += point == next;
-    last->end = scan->lines.at;
+    last->end = scan->lines.offset;
     return true;
 }
 
 static bool take_line(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
-    const bool comment = line.at[0] == '#';
+    const bool comment = line.data[0] == '#';
     uint64_t sum;
     long long a, b;
     if (file->unfinished && (comment || text_starts(line, TEXT("point,"))))
         return is_wrong(scan, "what comes before was not whole when it was put here");
-    if (comment && sscanf(line.at, "# unfinished, shard %lld/%lld", &a, &b) == 2) {
+    if (comment && sscanf(line.data, "# unfinished, shard %lld/%lld", &a, &b) == 2) {
         file->unfinished = true;
         file->shard = a;
         file->shards = b;
         return true;
     }
-    if (comment && sscanf(line.at, "# sweep %" SCNx64 ": %lld points in all, at most %lld", &sum,
+    if (comment && sscanf(line.data, "# sweep %" SCNx64 ": %lld points in all, at most %lld", &sum,
                           &a, &b) == 3) {
         file->total = a;
         file->rows_max = b;
@@ -209,10 +211,10 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
     file->unfinished = false;
     while (ok && !torn && next_line(&scan.lines, &line)) {
         /* This is the beginning of what a killed program was writing. */
-        torn = line.at[line.len - 1] != '\n' && strchr("#p0123456789", line.at[0]);
+        torn = line.data[line.len - 1] != '\n' && strchr("#p0123456789", line.data[0]);
         if (!torn) {
             ok = take_line(&scan, line);
-            file->end = scan.lines.at;
+            file->end = scan.lines.offset;
         }
         if (ok && cancelled_at(file->cancel, (size_t)scan.lines.number))
             ok = error_set(error, ERROR_CANCELLED, "stopped: nothing was changed");
@@ -221,7 +223,7 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
         ok = is_wrong(&scan, "it cannot be read from here on");
     if (ok && file->blocks > scan.begun && file->rows_max > 0 && scan.rows_seen > file->rows_max)
         ok = is_wrong(&scan, "a point above is there twice");
-    file->size = scan.lines.at;
+    file->size = scan.lines.offset;
     if (ok)
         cut_point(&scan);
     lines_end(&scan.lines);
@@ -267,9 +269,9 @@ bool sweep_file_put(struct sweep_file *file, int fd, struct text lines, struct e
 bool sweep_file_add(struct sweep_file *file, int fd, int64_t first, int64_t count, struct text rows,
                     struct error *error)
 {
-    const int64_t at = file->end;
+    const int64_t offset = file->end;
     return sweep_file_put(file, fd, rows, error) &&
-           add_block(file, (struct sweep_block){first, count, at, file->end}, error);
+           add_block(file, (struct sweep_block){first, count, offset, file->end}, error);
 }
 
 static bool ends_cell(const struct sweep_file *file, int64_t point)
@@ -297,12 +299,12 @@ bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text he
     if (file->block[0].first == 0)
         writer_put(writer, head);
     for (size_t i = 0; i < file->blocks && ok; i++) {
-        ok = lines_begin(&lines, fd, file->block[i].at);
-        for (size_t k = 0; ok && lines.at < file->block[i].end; k++) {
+        ok = lines_begin(&lines, fd, file->block[i].begin);
+        for (size_t k = 0; ok && lines.offset < file->block[i].end; k++) {
             ok = next_line(&lines, &line) && !cancelled_at(file->cancel, k);
-            if (!ok || line.at[0] < '0' || line.at[0] > '9')
+            if (!ok || line.data[0] < '0' || line.data[0] > '9')
                 continue;
-            const int64_t point = strtoll(line.at, NULL, 10);
+            const int64_t point = strtoll(line.data, NULL, 10);
             if (last >= 0 && point != last && ends_cell(file, last))
                 writer_put(writer, seal);
             writer_put(writer, line);

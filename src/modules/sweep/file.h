@@ -22,7 +22,7 @@ struct writer;
  */
 struct sweep_block {
     int64_t first, count; /* points */
-    int64_t at, end;      /* [byte] of its rows in the file */
+    int64_t begin, end;   /* [byte] of its rows in the file */
 };
 
 struct sweep_file {

@@ -32,14 +32,14 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
                 struct sweep_request *request, struct sweep_options *options, struct error *error);
 /* before: what was found until it was stopped; NULL if there is nothing. */
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
-                     const struct sweep *before, struct reply *reply, struct error *error);
+                     const struct sweep *previous, struct reply *reply, struct error *error);
 /* stopped.c: the functions of sweep_module. */
 void sweep_part_free(void *part);
 bool sweep_waits(const struct session *session);
 bool sweep_continue(HANDLER_PARAMETERS);
 void sweep_forget_stopped(struct session *session);
 /* complete.c: NAME=FROM:TO with the unit behind a number, and what is measured. */
-bool sweep_complete(struct completion *c, const struct command *command, struct text before);
+bool sweep_complete(struct completion *c, const struct command *command, struct text prefix);
 
 /* Keeps what `continue` needs. Takes the results out of `sweep`, where it has some. */
 void sweep_keep_stopped(struct session *session, struct text statement, struct sweep *sweep);

@@ -80,78 +80,79 @@ static double cell_value(const struct heat *heat, int column, int columns, int r
     return max;
 }
 
-static void label(double value, double factor, char out[LABEL_SIZE])
+static void label(double value, double factor, char output[LABEL_SIZE])
 {
     struct buffer text = {0};
     buffer_short(&text, value / (factor > 0 ? factor : 1) + 0.0, 4);
     const size_t len = text.len < LABEL_SIZE ? text.len : LABEL_SIZE - 1;
     if (text.data)
-        memcpy(out, text.data, len);
-    out[text.data ? len : 0] = '\0';
+        memcpy(output, text.data, len);
+    output[text.data ? len : 0] = '\0';
     buffer_free(&text);
 }
 
-static void heat_name_put(struct buffer *out, const char *name, const char *unit)
+static void heat_name_put(struct buffer *output, const char *name, const char *unit)
 {
-    buffer_put(out, text_of(name));
+    buffer_put(output, text_of(name));
     if (unit && *unit)
-        buffer_format(out, " [%s]", unit);
+        buffer_format(output, " [%s]", unit);
 }
 
-static void put_times(struct buffer *out, char c, int times)
+static void put_times(struct buffer *output, char c, int times)
 {
     for (int i = 0; i < times; i++)
-        buffer_char(out, c);
+        buffer_char(output, c);
 }
 
 /* Labels below the columns, as many as fit. */
-static void put_x_labels(const struct heat *heat, int gutter, int columns, struct buffer *out)
+static void put_x_labels(const struct heat *heat, int gutter, int columns, struct buffer *output)
 {
     char text[LABEL_SIZE];
-    int at = -gutter;
+    int cursor = -gutter;
     for (int column = 0; column < columns; column++) {
-        int first, end, before;
+        int first, end, previous;
         points_of(column, columns, heat->x.count, &first, &end);
-        points_of(column - 1, columns, heat->x.count, &before, &end);
+        points_of(column - 1, columns, heat->x.count, &previous, &end);
         label(heat->x.value[first], heat->x.factor, text);
         const int len = (int)strlen(text);
-        if ((column > 0 && before == first) || column < at || column + len > columns + LABEL_GAP)
+        if ((column > 0 && previous == first) || column < cursor ||
+            column + len > columns + LABEL_GAP)
             continue;
-        put_times(out, ' ', column - (at > 0 ? at - LABEL_GAP : at));
-        buffer_put(out, text_of(text));
-        at = column + len + LABEL_GAP;
+        put_times(output, ' ', column - (cursor > 0 ? cursor - LABEL_GAP : cursor));
+        buffer_put(output, text_of(text));
+        cursor = column + len + LABEL_GAP;
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
 }
 
 static void put_legend(const struct heat *heat, const struct shades *shades, bool gaps, int width,
-                       struct buffer *out)
+                       struct buffer *output)
 {
-    char from[LABEL_SIZE];
-    int at = 0;
+    char text[LABEL_SIZE];
+    int cursor = 0;
     for (int i = 0; i <= shades->count; i++) {
-        label(shades->low + (shades->high - shades->low) * i / shades->count, heat->factor, from);
-        const int len = (int)strlen(from) + (i < shades->count ? 5 : 0);
-        if (at + len > width) {
-            buffer_char(out, '\n');
-            at = 0;
+        label(shades->low + (shades->high - shades->low) * i / shades->count, heat->factor, text);
+        const int len = (int)strlen(text) + (i < shades->count ? 5 : 0);
+        if (cursor + len > width) {
+            buffer_char(output, '\n');
+            cursor = 0;
         }
-        buffer_put(out, text_of(from));
+        buffer_put(output, text_of(text));
         if (i < shades->count) {
-            buffer_put(out, TEXT(" ["));
-            buffer_codepoint(out, shades->shade[i]);
-            buffer_put(out, TEXT("] "));
+            buffer_put(output, TEXT(" ["));
+            buffer_codepoint(output, shades->shade[i]);
+            buffer_put(output, TEXT("] "));
         }
-        at += len;
+        cursor += len;
     }
-    buffer_put(out, gaps ? TEXT("   x: no value\n") : TEXT("\n"));
+    buffer_put(output, gaps ? TEXT("   x: no value\n") : TEXT("\n"));
 }
 
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
-                struct buffer *out)
+                struct buffer *output)
 {
     if (charset->words)
-        return charset->words->print_heat(heat, width, out);
+        return charset->words->print_heat(heat, width, output);
     const struct shades shades = shades_of(heat, charset);
     char text[LABEL_SIZE];
     int gutter = 0;
@@ -164,45 +165,45 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
     const int available = height - 3 - LEGEND_LINES;
     const int rows = cells_for(heat->y.count, available > 1 ? available : 1);
     bool gaps = false;
-    heat_name_put(out, heat->title, heat->unit);
-    buffer_put(out, TEXT(" over "));
-    heat_name_put(out, heat->x.label, heat->x.unit);
-    buffer_put(out, TEXT(" (right) and "));
-    heat_name_put(out, heat->y.label, heat->y.unit);
-    buffer_put(out, TEXT(" (up)\n"));
+    heat_name_put(output, heat->title, heat->unit);
+    buffer_put(output, TEXT(" over "));
+    heat_name_put(output, heat->x.label, heat->x.unit);
+    buffer_put(output, TEXT(" (right) and "));
+    heat_name_put(output, heat->y.label, heat->y.unit);
+    buffer_put(output, TEXT(" (up)\n"));
     for (int line = rows - 1; line >= 0; line--) {
-        int first, end, below = -1;
+        int first, end, previous = -1;
         points_of(line, rows, heat->y.count, &first, &end);
         if (line > 0)
-            points_of(line - 1, rows, heat->y.count, &below, &end);
+            points_of(line - 1, rows, heat->y.count, &previous, &end);
         /* One label for each point, at its lowest line, and not on every line. */
-        const bool labelled = below != first && (rows / (rows < 8 ? rows : 8) < 2 ||
-                                                 line % (rows / 8) == 0 || line == rows - 1);
+        const bool labelled = previous != first && (rows / (rows < 8 ? rows : 8) < 2 ||
+                                                    line % (rows / 8) == 0 || line == rows - 1);
         text[0] = '\0';
         if (labelled)
             label(heat->y.value[first], heat->y.factor, text);
-        put_times(out, ' ', gutter - 1 - (int)strlen(text));
-        buffer_put(out, text_of(text));
-        buffer_char(out, '|');
+        put_times(output, ' ', gutter - 1 - (int)strlen(text));
+        buffer_put(output, text_of(text));
+        buffer_char(output, '|');
         for (int column = 0; column < columns; column++) {
             const double value = cell_value(heat, column, columns, line, rows);
             gaps |= isnan(value);
-            buffer_codepoint(out, sign_of(heat, &shades, value));
+            buffer_codepoint(output, sign_of(heat, &shades, value));
         }
-        while (out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')
-            out->data[--out->len] = '\0';
-        buffer_char(out, '\n');
+        while (output->len > 0 && !output->failed && output->data[output->len - 1] == ' ')
+            output->data[--output->len] = '\0';
+        buffer_char(output, '\n');
     }
-    put_times(out, ' ', gutter - 1);
-    buffer_char(out, '+');
-    put_times(out, '-', columns);
-    buffer_char(out, '\n');
-    put_x_labels(heat, gutter, columns, out);
+    put_times(output, ' ', gutter - 1);
+    buffer_char(output, '+');
+    put_times(output, '-', columns);
+    buffer_char(output, '\n');
+    put_x_labels(heat, gutter, columns, output);
     if (shades.low <= shades.high && heat->letters)
-        buffer_put(out, gaps ? TEXT("x: none\n") : TEXT(""));
+        buffer_put(output, gaps ? TEXT("x: none\n") : TEXT(""));
     else if (shades.low <= shades.high)
-        put_legend(heat, &shades, gaps, width, out);
+        put_legend(heat, &shades, gaps, width, output);
     else
-        buffer_put(out, TEXT("no point has a value\n"));
-    return !out->failed;
+        buffer_put(output, TEXT("no point has a value\n"));
+    return !output->failed;
 }

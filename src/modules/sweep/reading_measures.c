@@ -28,7 +28,7 @@ static bool find_measure(const struct model *model, struct text name, struct swe
 static bool same_measure(const struct sweep_measure *a, const struct sweep_measure *b)
 {
     return a->kind == b->kind && a->column == b->column && a->variable == b->variable &&
-           a->observable == b->observable && a->of == b->of;
+           a->observable == b->observable && a->expression == b->expression;
 }
 
 /* Its place; -1: too many. */
@@ -50,7 +50,7 @@ static int add_measure(struct sweep_request *request, const struct sweep_measure
 
 struct column_slots {
     struct expr_scope *scope;
-    struct sweep_expression *of;
+    struct sweep_expression *expression;
     const struct model *model;
     bool many;
 };
@@ -58,21 +58,22 @@ struct column_slots {
 static int column_slot(void *context, int slot)
 {
     struct column_slots *slots = context;
-    struct sweep_expression *of = slots->of;
+    struct sweep_expression *expression = slots->expression;
     const int place = slot_of_point(slots->scope, slot),
-              above = place - slots->model->n - model_observed(slots->model);
+              observable = place - slots->model->n - model_observed(slots->model);
     if (place < 0 || place >= SWEEP_SLOT_PARAM)
         return place;
-    const struct row *row = above >= 0 ? catalog_row(&observable_catalog, (size_t)above) : NULL;
-    of->works |= row && (observable_from(row))->needs & NEED_WORK;
-    for (int c = 0; c < of->columns; c++)
-        if (of->column[c] == place)
+    const struct row *row =
+        observable >= 0 ? catalog_row(&observable_catalog, (size_t)observable) : NULL;
+    expression->works |= row && (observable_from(row))->needs & NEED_WORK;
+    for (int c = 0; c < expression->columns; c++)
+        if (expression->column[c] == place)
             return c;
-    slots->many |= of->columns == SWEEP_COLUMNS;
+    slots->many |= expression->columns == SWEEP_COLUMNS;
     if (slots->many)
         return 0;
-    of->column[of->columns] = place;
-    return of->columns++;
+    expression->column[expression->columns] = place;
+    return expression->columns++;
 }
 
 /* Returns the quantity of an expression, by the units of its names. */
@@ -88,27 +89,28 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
 {
     const struct names names = {.session = parser->session, .expects_run = true};
     struct expr_scope scope = names_scope(&names);
-    struct sweep_expression *of = arena_alloc(parser->arena, sizeof *of);
-    struct column_slots slots = {&scope, of, parser->session->setup.scene.model, false};
+    struct sweep_expression *expression = arena_alloc(parser->arena, sizeof *expression);
+    struct column_slots slots = {&scope, expression, parser->session->setup.scene.model, false};
     size_t used;
-    const struct expr *expr = of ? expr_compile(text, &scope, parser->arena, &used, error) : NULL;
+    const struct expr *expr =
+        expression ? expr_compile(text, &scope, parser->arena, &used, error) : NULL;
     if (!expr) {
-        if (!of)
+        if (!expression)
             error_memory(error);
         return NULL;
     }
-    const struct text rest = text_trim((struct text){text.at + used, text.len - used});
+    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
     if (rest.len > 0) {
         error_at(error, rest, "this does not belong to an expression");
         return NULL;
     }
-    of->quantity = quantity_of(expr);
-    of->expr = expr_settle(expr, &scope, column_slot, &slots, parser->arena);
+    expression->quantity = quantity_of(expr);
+    expression->expr = expr_settle(expr, &scope, column_slot, &slots, parser->arena);
     if (slots.many)
         error_at(error, text, "more than %d columns in an expression", SWEEP_COLUMNS);
-    else if (!of->expr)
+    else if (!expression->expr)
         error_memory(error);
-    return slots.many ? NULL : of->expr ? of : NULL;
+    return slots.many ? NULL : expression->expr ? expression : NULL;
 }
 
 /* ---- expressions of measures ---- */
@@ -117,7 +119,7 @@ enum { REDUCTIONS_MAX = 32 };
 
 /* Such a piece is a name in the copy of the text, as long as it. */
 struct reduction {
-    const char *at;
+    const char *cursor;
     size_t len;
     int place;
     bool root;              /* rms: of the mean square */
@@ -142,9 +144,9 @@ static bool is_word_char(char c)
 
 static bool is_plain(struct text text)
 {
-    bool plain = text.len > 0 && !isdigit((unsigned char)text.at[0]);
+    bool plain = text.len > 0 && !isdigit((unsigned char)text.data[0]);
     for (size_t i = 0; i < text.len; i++)
-        plain &= is_word_char(text.at[i]);
+        plain &= is_word_char(text.data[i]);
     return plain;
 }
 
@@ -155,17 +157,17 @@ static size_t closing(struct text text, size_t open, bool *one)
     int depth = 0;
     *one = true;
     for (size_t i = open; i < text.len; i++) {
-        depth += (text.at[i] == '(') - (text.at[i] == ')');
-        *one &= !(depth == 1 && text.at[i] == ',');
+        depth += (text.data[i] == '(') - (text.data[i] == ')');
+        *one &= !(depth == 1 && text.data[i] == ',');
         if (depth == 0)
             return i;
     }
     return text.len;
 }
 
-static struct text slice(struct text text, size_t from, size_t to)
+static struct text slice(struct text text, size_t begin, size_t end)
 {
-    return (struct text){text.at + from, to - from};
+    return (struct text){text.data + begin, end - begin};
 }
 
 /* word(inner) as a measure. */
@@ -185,16 +187,16 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
         struct sweep_measure kind;
         struct error ignored = {0};
         struct buffer square = {0};
-        measure.of = read_column(r->parser, inner, r->error);
-        if (!measure.of)
+        measure.expression = read_column(r->parser, inner, r->error);
+        if (!measure.expression)
             return false;
-        made->quantity = measure.of->quantity;
-        buffer_format(&square, "(%.*s)^2", (int)inner.len, inner.at);
+        made->quantity = measure.expression->quantity;
+        buffer_format(&square, "(%.*s)^2", (int)inner.len, inner.data);
         const char *text = root ? arena_text(r->parser->arena, buffer_text(&square)) : "";
         buffer_free(&square);
         if (root)
-            measure.of = text ? read_column(r->parser, text_of(text), r->error) : NULL;
-        if (!measure.of)
+            measure.expression = text ? read_column(r->parser, text_of(text), r->error) : NULL;
+        if (!measure.expression)
             return text ? false : error_memory(r->error);
         if (!root && find_measure(model, word, &kind, &ignored))
             measure.kind = kind.kind;
@@ -211,16 +213,16 @@ static bool find_reductions(struct formula_reader *r)
     const struct text text = r->text;
     for (size_t i = 0; i < text.len; i++) {
         size_t end = i;
-        while (end < text.len && is_word_char(text.at[end]))
+        while (end < text.len && is_word_char(text.data[end]))
             end++;
         if (end == i)
             continue;
         size_t open = end;
-        while (open < text.len && text.at[open] == ' ')
+        while (open < text.len && text.data[open] == ' ')
             open++;
         bool one, reduces = false;
         const size_t close =
-            open < text.len && text.at[open] == '(' ? closing(text, open, &one) : text.len;
+            open < text.len && text.data[open] == '(' ? closing(text, open, &one) : text.len;
         const struct text word = slice(text, i, end);
         i = end - 1;
         if (close == text.len)
@@ -230,17 +232,17 @@ static bool find_reductions(struct formula_reader *r)
             reduces |= text_is(word, words[w]) && one;
         if (!reduces && !(text_is(inner, "end") && is_plain(word)))
             continue;
-        const size_t from = (size_t)(word.at - text.at), len = close + 1 - from;
+        const size_t begin = (size_t)(word.data - text.data), len = close + 1 - begin;
         struct reduction *made = &r->reduction[r->reductions];
         if (r->reductions == REDUCTIONS_MAX)
             return error_at(r->error, word, "more than %d reductions in an expression",
                             REDUCTIONS_MAX);
-        if (!read_reduction(r, slice(text, from, close + 1), word, inner, made))
+        if (!read_reduction(r, slice(text, begin, close + 1), word, inner, made))
             return false;
         r->reductions++;
-        made->at = r->copy + from;
+        made->cursor = r->copy + begin;
         made->len = len;
-        memset(r->copy + from, 'q', len);
+        memset(r->copy + begin, 'q', len);
         i = close;
     }
     return true;
@@ -261,7 +263,7 @@ static bool formula_find(const void *context, struct text name, int *slot)
     struct error ignored = {0};
     const struct expr_scope scope = names_scope(&r->names);
     for (int k = 0; k < r->reductions; k++)
-        if (name.at == r->reduction[k].at && name.len == r->reduction[k].len) {
+        if (name.data == r->reduction[k].cursor && name.len == r->reduction[k].len) {
             *slot = r->reduction[k].place + (r->reduction[k].root ? SWEEP_MEASURES : 0);
             return true;
         }
@@ -335,9 +337,9 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
         expr = NULL;
     }
     /* errors point into what was typed */
-    const char *where = r->error->where.at;
+    const char *where = r->error->where.data;
     if (!expr && where && where >= r->copy && where <= r->copy + copy.len)
-        r->error->where.at = r->text.at + (where - r->copy);
+        r->error->where.data = r->text.data + (where - r->copy);
     if (!expr)
         return NULL;
     *formula =
@@ -358,14 +360,14 @@ static bool next_item(struct text *rest, struct text *item)
     size_t end = 0;
     if (rest->len == 0)
         return false;
-    for (; end < rest->len && !(depth <= 0 && rest->at[end] == ','); end++)
-        depth += (rest->at[end] == '(') - (rest->at[end] == ')');
+    for (; end < rest->len && !(depth <= 0 && rest->data[end] == ','); end++)
+        depth += (rest->data[end] == '(') - (rest->data[end] == ')');
     *item = text_trim(slice(*rest, 0, end));
     *rest = slice(*rest, end < rest->len ? end + 1 : end, rest->len);
-    const char quote = item->len > 0 && strchr("\"'", item->at[0]) ? item->at[0] : '"';
-    if (item->len > 0 && item->at[0] == quote)
+    const char quote = item->len > 0 && strchr("\"'", item->data[0]) ? item->data[0] : '"';
+    if (item->len > 0 && item->data[0] == quote)
         *item = text_trim(slice(*item, 1, item->len));
-    if (item->len > 0 && item->at[item->len - 1] == quote)
+    if (item->len > 0 && item->data[item->len - 1] == quote)
         *item = text_trim(slice(*item, 0, item->len - 1));
     return true;
 }
@@ -374,8 +376,8 @@ static bool next_item(struct text *rest, struct text *item)
 static bool is_formula(struct text item)
 {
     bool one;
-    const char *paren = memchr(item.at, '(', item.len);
-    const size_t open = paren ? (size_t)(paren - item.at) : item.len;
+    const char *paren = memchr(item.data, '(', item.len);
+    const size_t open = paren ? (size_t)(paren - item.data) : item.len;
     if (!paren || closing(item, open, &one) != item.len - 1)
         return !is_plain(item) && item.len > 0;
     const struct text word = text_trim(slice(item, 0, open)),

@@ -15,25 +15,26 @@ static struct text section_text(struct text rest)
     static const char *const keys[] = {"skip", "keep", "measure"};
     size_t end = 1;
     for (; end < rest.len; end++) {
-        const struct text after = {rest.at + end, rest.len - end}, name = peek_name(after);
-        struct text behind = {after.at + name.len, after.len - name.len};
+        const struct text remaining = {rest.data + end, rest.len - end},
+                          name = peek_name(remaining);
+        struct text tail = {remaining.data + name.len, remaining.len - name.len};
         bool key = false;
-        if (!strchr(" \t", rest.at[end - 1]))
+        if (!strchr(" \t", rest.data[end - 1]))
             continue;
-        text_skip_blanks(&behind);
+        text_skip_blanks(&tail);
         for (size_t k = 0; k < COUNT_OF(keys); k++)
-            key |= text_is(name, keys[k]) && text_starts(behind, TEXT("="));
-        if (key || text_starts(after, TEXT("--")))
+            key |= text_is(name, keys[k]) && text_starts(tail, TEXT("="));
+        if (key || text_starts(remaining, TEXT("--")))
             break;
     }
-    return (struct text){rest.at, end < rest.len ? end : rest.len};
+    return (struct text){rest.data, end < rest.len ? end : rest.len};
 }
 
 struct text next_section(struct text *rest)
 {
-    *rest = (struct text){rest->at + 2, rest->len - 2};
+    *rest = (struct text){rest->data + 2, rest->len - 2};
     const struct text section = section_text(*rest);
-    *rest = (struct text){rest->at + section.len, rest->len - section.len};
+    *rest = (struct text){rest->data + section.len, rest->len - section.len};
     return text_trim(section);
 }
 
@@ -81,7 +82,7 @@ static bool read_side(struct parser *parser, const struct expr_scope *scope, str
     event->right = other.left;
     event->direction = turns ? other.direction : event->direction;
     event->touching |= other.touching;
-    parser->rest = text_trim((struct text){parser->rest.at + used, parser->rest.len - used});
+    parser->rest = text_trim((struct text){parser->rest.data + used, parser->rest.len - used});
     return true;
 }
 
@@ -92,10 +93,10 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
     const struct text all = parser->rest;
     if (!event_compile(all, scope, parser->arena, event, &used, error))
         return names_explain(parser->session, error);
-    parser->rest = text_trim((struct text){all.at + used, all.len - used});
+    parser->rest = text_trim((struct text){all.data + used, all.len - used});
     const bool equals = text_starts(parser->rest, TEXT("="));
     if (equals && !event->right)
-        parser->rest = text_trim((struct text){parser->rest.at + 1, parser->rest.len - 1});
+        parser->rest = text_trim((struct text){parser->rest.data + 1, parser->rest.len - 1});
     if (!event->right && (equals || (event->direction != 0 && parser->rest.len > 0)) &&
         !read_side(parser, scope, event, error))
         return false;
@@ -128,11 +129,11 @@ static bool read_event_of(struct parser *parser, const struct event_line *line, 
 {
     const struct names names = {
         .session = parser->session, .expects_run = true, .saved_only = line != NULL};
-    const struct expr_scope *before = parser->scope;
+    const struct expr_scope *saved = parser->scope;
     struct expr_scope scope = names_scope(&names);
     parser->scope = &scope;
     const bool ok = read_event_in(parser, &scope, line, event, error);
-    parser->scope = before;
+    parser->scope = saved;
     return ok;
 }
 

@@ -27,15 +27,15 @@ static void put_axis(const struct sweep_axis *axis, struct buffer *text)
 {
     const double steps = axis->count - 1;
     buffer_format(text, "%s=", axis->name);
-    buffer_real(text, axis->from);
+    buffer_real(text, axis->begin);
     buffer_char(text, ':');
-    buffer_real(text, axis->to);
+    buffer_real(text, axis->end);
     if (axis->count > 1 && !axis->log && axis->count < 100000) {
-        buffer_format(text, ":%.12g", (axis->to - axis->from) / steps); /* enough to count by */
+        buffer_format(text, ":%.12g", (axis->end - axis->begin) / steps); /* enough to count by */
     } else if (axis->count > 1) {
         buffer_put(text, axis->log ? TEXT(":x") : TEXT(":"));
-        buffer_real(text, axis->log ? pow(axis->to / axis->from, 1 / steps)
-                                    : (axis->to - axis->from) / steps);
+        buffer_real(text, axis->log ? pow(axis->end / axis->begin, 1 / steps)
+                                    : (axis->end - axis->begin) / steps);
     }
 }
 
@@ -49,7 +49,7 @@ static bool put_head(const struct session *session, const struct sweep_request *
     buffer_put(text, TEXT("# hooke = " HOOKE_VERSION "\n"));
     while (text_split(&rest, '\n', &line))
         if (line.len > 0)
-            buffer_format(text, "# set-up = %.*s\n", (int)line.len, line.at);
+            buffer_format(text, "# set-up = %.*s\n", (int)line.len, line.data);
     buffer_put(text, TEXT("# sweep = "));
     for (int a = 0; a < request->axes; a++) {
         put_axis(&request->axis[a], text);
@@ -80,8 +80,8 @@ static bool read_statement(struct session *session, const struct arguments *args
     const struct text key = TEXT("# sweep = ");
     while (text_split(&rest, '\n', &line))
         if (text_starts(line, key))
-            found = (struct text){line.at + key.len, line.len - key.len};
-    const char *copy = found.at ? arena_text(args->arena, found) : NULL;
+            found = (struct text){line.data + key.len, line.len - key.len};
+    const char *copy = found.data ? arena_text(args->arena, found) : NULL;
     struct sweep_options none = {0};
     struct error why = {0};
     safe_name(text_of(file->path), name);
@@ -156,8 +156,8 @@ static bool refuse_head(const struct growing_file *g, struct error *error)
         if (!text_equal(a, b) || !(more && wanted))
             break;
     }
-    safe_text(&one, text_starts(a, TEXT("# ")) ? (struct text){a.at + 2, a.len - 2} : a, false);
-    safe_text(&other, text_starts(b, TEXT("# ")) ? (struct text){b.at + 2, b.len - 2} : b, false);
+    safe_text(&one, text_starts(a, TEXT("# ")) ? (struct text){a.data + 2, a.len - 2} : a, false);
+    safe_text(&other, text_starts(b, TEXT("# ")) ? (struct text){b.data + 2, b.len - 2} : b, false);
     error_set(error, ERROR_IO, "%s is of another sweep: it has '%.200s', here it is '%.200s'",
               safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
     buffer_free(&one);
@@ -175,7 +175,7 @@ static bool compare_begun(const struct growing_file *g, struct error *error)
     if (!begun)
         return error_memory(error);
     const bool same =
-        pread(g->fd, begun, size, 0) == (ssize_t)size && memcmp(begun, head.at, size) == 0;
+        pread(g->fd, begun, size, 0) == (ssize_t)size && memcmp(begun, head.data, size) == 0;
     free(begun);
     return same || refuse_head(g, error);
 }
@@ -262,19 +262,20 @@ static void report_growth(void *context, double fraction)
 /* Each run of points that are finished; of a stopped piece these may be some. */
 static bool add_finished(struct growing_file *g, const struct sweep *piece, struct error *error)
 {
-    for (int64_t from = 0, to; from < piece->count; from = to) {
-        for (to = from; to < piece->count && piece->status[to] != SWEEP_MISSING;)
-            to++;
-        if (to == from) {
-            to++;
+    for (int64_t block_begin = 0, block_end; block_begin < piece->count; block_begin = block_end) {
+        for (block_end = block_begin;
+             block_end < piece->count && piece->status[block_end] != SWEEP_MISSING;)
+            block_end++;
+        if (block_end == block_begin) {
+            block_end++;
             continue;
         }
         struct sweep part = *piece;
         struct buffer rows = {0};
-        part.first += from;
-        part.count = to - from;
-        part.value += from * part.measures;
-        part.status += from;
+        part.first += block_begin;
+        part.count = block_end - block_begin;
+        part.value += block_begin * part.measures;
+        part.status += block_begin;
         bool ok = sweep_rows(g->request, &part, &rows) || error_memory(error);
         const char *end = ok ? memchr(rows.data, '\n', rows.len) : NULL; /* of the names */
         if (end) {
@@ -326,10 +327,10 @@ static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struc
                   most = usual < room ? usual : room;
     int64_t size = batch;
     double seconds = 0;
-    for (int64_t at = first, n; at < end; at += n) {
-        n = size - at % batch; /* so that the next ones begin where a batch does */
-        n = n < end - at ? n : end - at;
-        if (!compute_piece(g, at, n, &seconds, error))
+    for (int64_t point = first, n; point < end; point += n) {
+        n = size - point % batch; /* so that the next ones begin where a batch does */
+        n = n < end - point ? n : end - point;
+        if (!compute_piece(g, point, n, &seconds, error))
             return false;
         if (seconds < PIECE_SECONDS && 2 * size <= most)
             size *= 2;
@@ -339,7 +340,7 @@ static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struc
     return true;
 }
 
-static bool fill(struct growing_file *g, bool force, struct error *error)
+static bool growing_file_fill(struct growing_file *g, bool force, struct error *error)
 {
     double steps, seconds;
     const size_t blocks = g->file.blocks; /* those that are added go behind them */
@@ -390,7 +391,7 @@ static bool growing_file_complete(struct growing_file *g, bool force, struct err
     if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
         return true;
     return writer_open(&g->writer, g->file.path, session_policy(g->session, true), error) &&
-           begin_adding(g, error) && fill(g, force, error) &&
+           begin_adding(g, error) && growing_file_fill(g, force, error) &&
            sweep_file_make_whole(&g->file, g->fd, buffer_text(&g->head), buffer_text(&g->seal),
                                  &g->writer, error) &&
            writer_commit(&g->writer, error);
@@ -453,7 +454,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
         reply_file(&g, clock_seconds(begin), reply);
     else if (error->code == ERROR_CANCELLED && g.computed > 0)
         say_kept(&g, error);
-    if (!ok && !error->where.at)
+    if (!ok && !error->where.data)
         error->where = options->file;
     writer_abandon(&g.writer);
     if (g.fd >= 0)

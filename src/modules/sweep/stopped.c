@@ -40,7 +40,7 @@ void sweep_keep_stopped(struct session *session, struct text statement, struct s
     sweep_forget_stopped(session);
     struct sweep_part *part = session_part(session, &sweep_module);
     struct stopped_sweep *stopped = part ? calloc(1, sizeof *stopped) : NULL;
-    if (stopped && (stopped->statement = strndup(statement.at, statement.len))) {
+    if (stopped && (stopped->statement = strndup(statement.data, statement.len))) {
         session_save_motion(session, &stopped->made);
         stopped->found = *sweep;
         *sweep = (struct sweep){.count = 0};

@@ -131,21 +131,22 @@ static void put_curve(const struct session *session, const struct swept *swept, 
     if (n < 3 || !x || !y)
         return;
     swept_range(swept, measure, &low, &high);
-    const struct sweep_column across = sweep_column_of(swept, 0),
-                              up = sweep_column_of(swept, 1 + measure);
+    const struct sweep_column horizontal = sweep_column_of(swept, 0),
+                              vertical = sweep_column_of(swept, 1 + measure);
     const struct curve curve = {
         .x = x, .y = y, .n = curve_thin(swept, measure, many ? each : 1, x, y), .thinned = many};
-    const struct figure figure = {.title = "sweep",
-                                  .x = {.label = across.name,
-                                        .unit = swept_unit_name(across.unit, across.quantity),
-                                        .factor = across.unit ? across.unit->factor : 1,
-                                        .log = sweep->axis[0].log && x[0] > 0},
-                                  .y = {.label = up.name,
-                                        .unit = swept_unit_name(up.unit, up.quantity),
-                                        .factor = up.unit ? up.unit->factor : 1,
-                                        .log = low > 0 && high > 300 * low},
-                                  .curve = &curve,
-                                  .curves = 1};
+    const struct figure figure = {
+        .title = "sweep",
+        .x = {.label = horizontal.name,
+              .unit = swept_unit_name(horizontal.unit, horizontal.quantity),
+              .factor = horizontal.unit ? horizontal.unit->factor : 1,
+              .log = sweep->axis[0].log && x[0] > 0},
+        .y = {.label = vertical.name,
+              .unit = swept_unit_name(vertical.unit, vertical.quantity),
+              .factor = vertical.unit ? vertical.unit->factor : 1,
+              .log = low > 0 && high > 300 * low},
+        .curve = &curve,
+        .curves = 1};
     session_size(session, &width, &whole);
     figure_print(&figure, width, height > 8 ? height : 8, session_charset(session), false, text);
 }
@@ -236,8 +237,8 @@ static void put_starts(const struct swept *swept, struct buffer *text)
     int starts = 0;
     for (int a = 0; a < sweep->axes; a++) {
         const struct text name = text_of(sweep->axis[a].name);
-        starts += name.len > 1 && name.at[name.len - 1] == '0' &&
-                  model_state(swept->model, (struct text){name.at, name.len - 1}) >= 0;
+        starts += name.len > 1 && name.data[name.len - 1] == '0' &&
+                  model_state(swept->model, (struct text){name.data, name.len - 1}) >= 0;
     }
     if (starts == sweep->axes)
         buffer_put(text, TEXT("only starts differ: 'basins' says which attractor each comes to\n"));

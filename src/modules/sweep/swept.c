@@ -68,13 +68,14 @@ const char *swept_unit_name(const struct unit *unit, enum quantity quantity)
 struct heat_axis swept_axis(const struct sweep *sweep, int axis, int64_t first, int64_t span,
                             int count, struct arena *arena)
 {
-    const struct sweep_axis *of = &sweep->axis[axis];
-    const struct unit *unit = swept_unit(fmax(fabs(of->from), fabs(of->to)), of->quantity);
+    const struct sweep_axis *source = &sweep->axis[axis];
+    const struct unit *unit =
+        swept_unit(fmax(fabs(source->begin), fabs(source->end)), source->quantity);
     double *value = arena_array(arena, (size_t)count, sizeof *value);
     for (int i = 0; value && i < count; i++)
-        value[i] = sweep_axis_value(of, (int)(first + i * span / count));
-    return (struct heat_axis){.label = of->name,
-                              .unit = swept_unit_name(unit, of->quantity),
+        value[i] = sweep_axis_value(source, (int)(first + i * span / count));
+    return (struct heat_axis){.label = source->name,
+                              .unit = swept_unit_name(unit, source->quantity),
                               .factor = unit ? unit->factor : 1,
                               .value = value,
                               .count = count};
@@ -86,12 +87,12 @@ void swept_map(const struct session *session, const struct swept *swept, struct 
 {
     enum { POINTS_MAX = 1 << 24, HEIGHT_MIN = 8 };
     const struct sweep *sweep = swept->sweep;
-    const int across = sweep->axis[0].count, up = sweep->axis[1].count;
+    const int columns = sweep->axis[0].count, rows = sweep->axis[1].count;
     const size_t n = (size_t)sweep->total;
     double *all = n <= POINTS_MAX ? arena_array(arena, n, sizeof *all) : NULL;
     int width, whole;
-    heat.x = swept_axis(sweep, 0, 0, across, across, arena);
-    heat.y = swept_axis(sweep, 1, 0, up, up, arena);
+    heat.x = swept_axis(sweep, 0, 0, columns, columns, arena);
+    heat.y = swept_axis(sweep, 1, 0, rows, rows, arena);
     heat.value = all;
     if (!all || !heat.x.value || !heat.y.value)
         return;

@@ -64,6 +64,6 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text);
 /* heat.c: the map as text lines, legend included, of at most width x height cells. Returns false if
  * out of memory. */
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
-                struct buffer *out);
+                struct buffer *output);
 
 #endif

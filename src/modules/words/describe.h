@@ -47,10 +47,10 @@ struct curve_reading {
     double level[2], amplitude[2]; /* middle and half the swing: of the first and the last one */
     double growth;                 /* d ln amplitude / dx, least squares, if it is a line */
     /* Of one that winds. */
-    double winds;             /* signed number, counterclockwise positive */
-    double distance[2];       /* from the centre: at the start, and after the last whole turn */
-    bool about_origin;        /* the centre; false: the middle of what the curve spans */
-    struct curve_point about; /* where it is */
+    double winds;              /* signed number, counterclockwise positive */
+    double distance[2];        /* from the centre: at the start, and after the last whole turn */
+    bool about_origin;         /* the centre; false: the middle of what the curve spans */
+    struct curve_point centre; /* where it is */
     /* of the band about the line: x, half the width; NAN if there is none */
     struct curve_point widest;
 };
@@ -59,7 +59,7 @@ struct curve_reading {
 struct curve_distance {
     int curve;      /* its place in the figure */
     double largest; /* NAN if they do not overlap, or it is a plane */
-    double at;      /* x */
+    double x;       /* x */
     double rms;     /* over the points of the other curve */
 };
 
@@ -85,10 +85,10 @@ const struct axis *curve_axis(const struct figure *figure, const struct curve *c
                               bool vertical);
 
 /* Three to six sentences without line breaks; returns false if out of memory. */
-bool describe_reading(const struct figure_reading *reading, struct buffer *out);
-bool describe_figure(const struct figure *figure, struct buffer *out); /* both at once */
+bool describe_reading(const struct figure_reading *reading, struct buffer *output);
+bool describe_figure(const struct figure *figure, struct buffer *output); /* both at once */
 
 /* A heat map: what over what, its range, where it is highest and lowest, what has no value. */
-bool describe_heat(const struct heat *heat, struct buffer *out);
+bool describe_heat(const struct heat *heat, struct buffer *output);
 
 #endif

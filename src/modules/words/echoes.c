@@ -32,11 +32,11 @@ static double echo_distance(const struct points *points)
 {
     enum { LOOKED_AT = 4096 };
     const size_t each = points->n / LOOKED_AT + 1;
-    double off[LOOKED_AT];
+    double distance[LOOKED_AT];
     size_t n = 0;
     for (size_t i = 0; points_go_on(points, i); i += each)
-        off[n++] = off_median(points, i);
-    return ECHO_DISTANCE_FACTOR * values_quantile(off, n, 0.95);
+        distance[n++] = off_median(points, i);
+    return ECHO_DISTANCE_FACTOR * values_quantile(distance, n, 0.95);
 }
 
 bool drop_echoes(struct points *points, struct arena *arena)

@@ -38,17 +38,18 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading);
 /* As the axes show numbers: with their factor and unit. range: of the axis, beside which a value
  * may be nothing; NULL if there is none. */
-void figure_number(double value, struct buffer *out); /* four digits */
-void figure_value(const struct axis *axis, double value, const double *range, struct buffer *out);
+void figure_number(double value, struct buffer *output); /* four digits */
+void figure_value(const struct axis *axis, double value, const double *range,
+                  struct buffer *output);
 /* Around what, how often, how far from there. half: of what the curve spans, by which both
  * directions are measured; equal: by the same. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading);
 
 /* As a charset: the description and a table; as many whole sentences as there is room for.
  */
-bool words_print(const struct figure *figure, int width, struct buffer *out);
+bool words_print(const struct figure *figure, int width, struct buffer *output);
 /* Without a table. */
-bool words_heat(const struct heat *heat, int width, struct buffer *out);
+bool words_heat(const struct heat *heat, int width, struct buffer *output);
 bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                 int height);
 

@@ -34,11 +34,11 @@ static double curve_at(const struct curve *curve, double x)
     return curve->y[high - 1] + part * (curve->y[high] - curve->y[high - 1]);
 }
 
-static void page_cell_put(struct text text, int width, struct buffer *out)
+static void page_cell_put(struct text text, int width, struct buffer *output)
 {
     for (int i = text_width(text); i < width; i++)
-        buffer_char(out, ' ');
-    buffer_put(out, text);
+        buffer_char(output, ' ');
+    buffer_put(output, text);
 }
 
 static int column_width(const struct buffer *heading)
@@ -49,91 +49,91 @@ static int column_width(const struct buffer *heading)
 
 /* Puts the heading where there is room for its column, and returns how wide that is; 0 if there is
  * none. */
-static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *out)
+static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *output)
 {
     struct buffer text = {0};
     buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name,
                   axis->unit ? axis->unit : "");
     const int width = column_width(&text) <= room ? column_width(&text) : 0;
     if (width)
-        page_cell_put(buffer_text(&text), width, out);
+        page_cell_put(buffer_text(&text), width, output);
     buffer_free(&text);
     return width;
 }
 
-static void page_number_put(double value, const struct axis *axis, int width, struct buffer *out)
+static void page_number_put(double value, const struct axis *axis, int width, struct buffer *output)
 {
     struct buffer text = {0};
     const double shown = value / (axis->factor > 0 ? axis->factor : 1);
     buffer_format(&text, " %.5g", shown == 0 ? 0 : shown);
-    page_cell_put(isnan(value) ? TEXT(" -") : buffer_text(&text), width, out);
+    page_cell_put(isnan(value) ? TEXT(" -") : buffer_text(&text), width, output);
     buffer_free(&text);
 }
 
-static void page_table_put(const struct figure *figure, int room, struct buffer *out)
+static void page_table_put(const struct figure *figure, int room, struct buffer *output)
 {
-    double from = HUGE_VAL, to = -HUGE_VAL;
+    double x_begin = HUGE_VAL, x_end = -HUGE_VAL;
     int columns = 0, wide[CURVES_MAX + 1];
     for (int i = 0; i < figure->curves; i++) {
         const struct curve *curve = &figure->curve[i];
         if (curve->n > 0 && !is_ascending(curve))
             return; /* no function of x */
         if (curve->n > 0) {
-            from = fmin(from, curve->x[0]);
-            to = fmax(to, curve->x[curve->n - 1]);
+            x_begin = fmin(x_begin, curve->x[0]);
+            x_end = fmax(x_end, curve->x[curve->n - 1]);
         }
     }
     if (figure->x.fixed) {
-        from = fmax(from, figure->x.from);
-        to = fmin(to, figure->x.to);
+        x_begin = fmax(x_begin, figure->x.first_value);
+        x_end = fmin(x_end, figure->x.last_value);
     }
-    if (figure->plane || !(to > from) || (figure->x.log && !(from > 0)))
+    if (figure->plane || !(x_end > x_begin) || (figure->x.log && !(x_begin > 0)))
         return;
-    room -= wide[0] = put_heading(figure->x.label, &figure->x, room, out);
+    room -= wide[0] = put_heading(figure->x.label, &figure->x, room, output);
     for (int i = 0; i < figure->curves && i < CURVES_MAX; i++) {
         const struct curve *curve = &figure->curve[i];
         wide[i + 1] = put_heading(curve->label && *curve->label ? curve->label : figure->y.label,
-                                  curve_axis(figure, curve, true), room, out);
+                                  curve_axis(figure, curve, true), room, output);
         if (wide[i + 1] == 0)
             break;
         room -= wide[i + 1];
         columns++;
     }
-    buffer_char(out, '\n');
+    buffer_char(output, '\n');
     for (int row = 0; row < CURVE_ROWS; row++) {
         const double part = (double)row / (CURVE_ROWS - 1);
-        const double x = row + 1 == CURVE_ROWS ? to
-                         : figure->x.log       ? from * pow(to / from, part)
-                                               : from + part * (to - from);
-        page_number_put(x, &figure->x, wide[0], out);
+        const double x = row + 1 == CURVE_ROWS ? x_end
+                         : figure->x.log       ? x_begin * pow(x_end / x_begin, part)
+                                               : x_begin + part * (x_end - x_begin);
+        page_number_put(x, &figure->x, wide[0], output);
         for (int i = 0; i < columns; i++) {
             const struct curve *curve = &figure->curve[i];
             page_number_put(curve->n ? curve_at(curve, x) : NAN, curve_axis(figure, curve, true),
-                            wide[i + 1], out);
+                            wide[i + 1], output);
         }
-        buffer_char(out, '\n');
+        buffer_char(output, '\n');
     }
 }
 
-bool words_print(const struct figure *figure, int width, struct buffer *out)
+bool words_print(const struct figure *figure, int width, struct buffer *output)
 {
     struct buffer text = {0};
     const bool ok = describe_figure(figure, &text);
-    buffer_folded(out, buffer_text(&text), width);
-    buffer_char(out, '\n');
-    page_table_put(figure, width, out);
+    buffer_folded(output, buffer_text(&text), width);
+    buffer_char(output, '\n');
+    page_table_put(figure, width, output);
     buffer_free(&text);
-    return ok && !out->failed;
+    return ok && !output->failed;
 }
 
-bool words_heat(const struct heat *heat, int width, struct buffer *out)
+bool words_heat(const struct heat *heat, int width, struct buffer *output)
 {
     struct buffer text = {0};
     const bool ok = describe_heat(heat, &text);
-    buffer_folded(out, buffer_text(&text), width);
-    buffer_char(out, '\n');
+    buffer_folded(output, buffer_text(&text), width);
+    buffer_char(output, '\n');
     buffer_free(&text);
-    return ok && !out->failed;
+    return ok && !output->failed;
 }
 
 /* ---- in a rectangle of cells ---- */

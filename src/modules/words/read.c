@@ -33,7 +33,7 @@ static bool is_timed(const struct figure *figure, const struct curve *curve)
 static bool axis_shows(const struct axis *axis, double value, bool window)
 {
     return isfinite(value) && (!axis->log || value > 0) &&
-           (!window || !axis->fixed || (value >= axis->from && value <= axis->to));
+           (!window || !axis->fixed || (value >= axis->first_value && value <= axis->last_value));
 }
 
 static bool curve_is_shown(const struct figure *figure, const struct axis *x, const struct axis *y,
@@ -43,7 +43,7 @@ static bool curve_is_shown(const struct figure *figure, const struct axis *x, co
            axis_shows(y, curve->y[i], false);
 }
 
-static int by_x(const void *a, const void *b)
+static int compare_x(const void *a, const void *b)
 {
     const struct curve_point *p = a, *q = b;
     return (p->x > q->x) - (p->x < q->x);
@@ -54,19 +54,19 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
                         struct arena *arena, struct points *points)
 {
     const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
-    struct curve_point *at = arena_array(arena, points->n + 1, sizeof *at);
+    struct curve_point *point = arena_array(arena, points->n + 1, sizeof *point);
     double *both = arena_array(arena, 2 * points->n + 1, sizeof *both);
     size_t n = 0;
-    if (!at || !both)
+    if (!point || !both)
         return false;
     for (size_t i = 0; n < points->n && curve_goes_on(curve, i); i++)
         if (curve_is_shown(figure, x, y, curve, i))
-            at[n++] = (struct curve_point){curve->x[i], curve->y[i]};
+            point[n++] = (struct curve_point){curve->x[i], curve->y[i]};
     if (sorted)
-        qsort(at, n, sizeof *at, by_x);
+        qsort(point, n, sizeof *point, compare_x);
     for (size_t i = 0; i < n; i++) {
-        both[i] = at[i].x;
-        both[points->n + i] = at[i].y;
+        both[i] = point[i].x;
+        both[points->n + i] = point[i].y;
     }
     points->x = both;
     points->y = both + points->n;
@@ -83,10 +83,10 @@ static bool points_gather(const struct figure *figure, const struct curve *curve
     size_t n = 0, i = 0;
     for (; curve_goes_on(curve, i); i++) {
         if (curve_is_shown(figure, x, y, curve, i)) {
-            const struct curve_point at = {curve->x[i], curve->y[i]};
-            ascending &= n == 0 || at.x > reading->end.x;
-            reading->start = n++ == 0 ? at : reading->start;
-            reading->end = at;
+            const struct curve_point point = {curve->x[i], curve->y[i]};
+            ascending &= n == 0 || point.x > reading->end.x;
+            reading->start = n++ == 0 ? point : reading->start;
+            reading->end = point;
         } else {
             reading->gaps += isnan(curve->x[i]) || axis_shows(x, curve->x[i], !figure->plane);
         }
@@ -103,9 +103,9 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
     if (!curve->points)
         return;
     enum { ROWS = 16384 }; /* tell the noise as well as all */
-    const size_t n = points->n < ROWS ? points->n : ROWS, from = (points->n - n) / 2;
-    const struct series series = {points->x + from, points->y + from, n,
-                                  QUANTITY_OTHER,   curve->cancel,    0};
+    const size_t n = points->n < ROWS ? points->n : ROWS, first = (points->n - n) / 2;
+    const struct series series = {points->x + first, points->y + first, n,
+                                  QUANTITY_OTHER,    curve->cancel,     0};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
     points->measured = true;
@@ -118,12 +118,13 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;
     for (int pass = 0; pass < 2; pass++) {
-        const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
+        const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx),
+                     intercept = (sy - slope * sx) / n;
         for (size_t i = 0; points_go_on(p, i); i++) {
             const double x = over_logarithm ? log(p->x[i]) : p->x[i] - p->x[0],
                          y = log(fabs(p->y[i]));
             if (pass) {
-                far = fmax(far, fabs(y - at - slope * x));
+                far = fmax(far, fabs(y - intercept - slope * x));
                 continue;
             }
             n++;
@@ -241,9 +242,9 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
         return true;
     reading->low = reading->high = point_at(points, 0);
     for (size_t k = 1; points_go_on(points, k); k++) {
-        const struct curve_point at = point_at(points, k);
-        reading->low = at.y < reading->low.y ? at : reading->low;
-        reading->high = at.y > reading->high.y ? at : reading->high;
+        const struct curve_point point = point_at(points, k);
+        reading->low = point.y < reading->low.y ? point : reading->low;
+        reading->high = point.y > reading->high.y ? point : reading->high;
     }
     if (points->n < 2)
         return true;
@@ -296,23 +297,25 @@ static double points_value(const struct points *p, double x)
 }
 
 /* At the places of the one whose samples are measured, or lie closer. */
-static struct curve_distance distance_between(const struct points *from, const struct points *to,
-                                              bool at_from)
+static struct curve_distance distance_between(const struct points *source,
+                                              const struct points *target, bool at_from)
 {
-    const struct points *here = at_from ? from : to, *there = at_from ? to : from;
-    struct curve_distance distance = {.largest = NAN, .at = NAN, .rms = NAN};
+    const struct points *here = at_from ? source : target, *there = at_from ? target : source;
+    struct curve_distance distance = {.largest = NAN, .x = NAN, .rms = NAN};
     double sum = 0; /* of squares, in units of the largest */
     size_t n = 0;
     for (size_t i = 0; points_go_on(here, i); i++) {
-        const double off = fabs(here->y[i] - points_value(there, here->x[i]));
-        if (!isfinite(off))
+        const double difference = fabs(here->y[i] - points_value(there, here->x[i]));
+        if (!isfinite(difference))
             continue;
-        if (!(off <= distance.largest)) {
-            sum *= off > 0 && n > 0 ? distance.largest / off * (distance.largest / off) : 1;
-            distance.largest = off;
-            distance.at = here->x[i];
+        if (!(difference <= distance.largest)) {
+            sum *= difference > 0 && n > 0
+                       ? distance.largest / difference * (distance.largest / difference)
+                       : 1;
+            distance.largest = difference;
+            distance.x = here->x[i];
         }
-        sum += off > 0 ? off / distance.largest * (off / distance.largest) : 0;
+        sum += difference > 0 ? difference / distance.largest * (difference / distance.largest) : 0;
         n++;
     }
     distance.rms = n ? distance.largest * sqrt(sum / (double)n) : NAN;
@@ -382,10 +385,10 @@ static void read_ranges(const struct figure *figure, const struct points *points
     for (int i = 0; i < figure->curves; i++) {
         const int panel = figure->second && figure->curve[i].panel > 0;
         for (size_t k = 0; points_go_on(&points[i], k); k++) {
-            const double at = points[i].x[k];
-            extend(x[panel], at, at);
+            const double coordinate = points[i].x[k];
+            extend(x[panel], coordinate, coordinate);
             if (!figure->plane && panel)
-                extend(x[0], at, at);
+                extend(x[0], coordinate, coordinate);
         }
         if (points[i].n > 0)
             extend(y[panel], reading->curve[i].low.y, reading->curve[i].high.y);
@@ -395,12 +398,12 @@ static void read_ranges(const struct figure *figure, const struct points *points
                                       figure->second ? &figure->second[1] : &figure->y}};
     for (int end = 0; end < 2; end++)
         for (int panel = 0; panel < 2; panel++) {
-            const struct axis *across = axis[panel][0], *up = axis[panel][1];
-            const double fixed_x = end ? across->to : across->from,
-                         fixed_y = end ? up->to : up->from;
-            const double seen_x = across->fixed ? fixed_x : x[panel][end];
+            const struct axis *x_axis = axis[panel][0], *y_axis = axis[panel][1];
+            const double fixed_x = end ? x_axis->last_value : x_axis->first_value,
+                         fixed_y = end ? y_axis->last_value : y_axis->first_value;
+            const double seen_x = x_axis->fixed ? fixed_x : x[panel][end];
             *(panel ? &reading->second_x[end] : &reading->x[end]) = seen_x;
-            reading->y[panel][end] = up->fixed ? fixed_y : y[panel][end];
+            reading->y[panel][end] = y_axis->fixed ? fixed_y : y[panel][end];
         }
 }
 

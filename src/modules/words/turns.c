@@ -57,10 +57,10 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
                    rises = way <= 0 && y - p->y[low] > back;
         if (!falls && !rises)
             continue;
-        const size_t from = falls ? high : low;
-        if (way != 0 || fabs(p->y[from] - p->y[0]) > back) {
+        const size_t row = falls ? high : low;
+        if (way != 0 || fabs(p->y[row] - p->y[0]) > back) {
             if (turn)
-                turn[count] = refined(p, from);
+                turn[count] = refined(p, row);
             count++;
         }
         swing = now;
@@ -92,10 +92,11 @@ static bool keeps_middle(const struct turn *turn, size_t count)
 
 /* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
  * crosses it several times. */
-static double crossing(const struct points *p, size_t from, size_t to, double level)
+static double crossing(const struct points *p, size_t search_first, size_t search_last,
+                       double level)
 {
     size_t first = 0, last = 0;
-    for (size_t i = from + 1; i <= to; i++)
+    for (size_t i = search_first + 1; i <= search_last; i++)
         if ((p->y[i] >= level) != (p->y[i - 1] >= level)) {
             first = first ? first : i;
             last = i;
@@ -112,16 +113,16 @@ static double crossing(const struct points *p, size_t from, size_t to, double le
 }
 
 /* Samples are missing between two places. */
-static bool has_hole(const struct points *p, double from, double to, double least)
+static bool has_hole(const struct points *p, double x_begin, double x_end, double least)
 {
     size_t low = 0, high = p->n;
     if (!(least < HUGE_VAL))
         return false;
     while (high - low > 1) {
         const size_t i = low + (high - low) / 2;
-        *(p->x[i] <= from ? &low : &high) = i;
+        *(p->x[i] <= x_begin ? &low : &high) = i;
     }
-    for (size_t i = low + 1; i < p->n && p->x[i - 1] < to; i++)
+    for (size_t i = low + 1; i < p->n && p->x[i - 1] < x_end; i++)
         if (p->x[i] - p->x[i - 1] > least)
             return true;
     return false;
@@ -129,7 +130,7 @@ static bool has_hole(const struct points *p, double from, double to, double leas
 
 /* Of what was measured: how long no sample is missing for; what turned or crossed within longer
  * than that is left out. */
-static bool find_holes(const struct points *p, const double *at, size_t crossings,
+static bool find_holes(const struct points *p, const double *x_crossing, size_t crossings,
                        struct arena *arena, double *least, struct curve_reading *reading)
 {
     double *apart = arena_array(arena, crossings + 1, sizeof *apart), longest = 0;
@@ -137,7 +138,7 @@ static bool find_holes(const struct points *p, const double *at, size_t crossing
     if (!apart || !p->measured || crossings < 3)
         return apart;
     for (size_t i = 0; i + 1 < crossings; i++)
-        apart[i] = at[i + 1] - at[i];
+        apart[i] = x_crossing[i + 1] - x_crossing[i];
     *least = HOLE_HALF_PERIODS * values_quantile(apart, crossings - 1, 0.5);
     for (size_t i = 1; i < p->n; i++)
         if (p->x[i] - p->x[i - 1] > fmax(*least, longest)) {
@@ -149,25 +150,25 @@ static bool find_holes(const struct points *p, const double *at, size_t crossing
 }
 
 /* at: ascending crossings; those two further on have the same direction. */
-static bool read_period(const struct points *p, const double *at, size_t crossings, double least,
-                        struct arena *arena, struct curve_reading *reading)
+static bool read_period(const struct points *p, const double *x_crossing, size_t crossings,
+                        double least, struct arena *arena, struct curve_reading *reading)
 {
     const size_t most = crossings < 3 ? 0 : crossings - 2;
     const double extent = p->x[p->n - 1] - p->x[0];
     double *length = arena_array(arena, most + 1, sizeof *length),
-           *off = arena_array(arena, most + 1, sizeof *off), sum = 0, square = 0;
+           *deviation = arena_array(arena, most + 1, sizeof *deviation), sum = 0, square = 0;
     size_t used = 0, count = 0;
-    if (!length || !off)
+    if (!length || !deviation)
         return false;
     for (size_t i = 0; i < most; i++)
-        if (!has_hole(p, at[i], at[i + 2], least))
-            length[count++] = at[i + 2] - at[i];
+        if (!has_hole(p, x_crossing[i], x_crossing[i + 2], least))
+            length[count++] = x_crossing[i + 2] - x_crossing[i];
     if (count == 0)
         return true;
     const double median = values_quantile(length, count, 0.5);
     for (size_t i = 0; i < count; i++)
-        off[i] = fabs(length[i] - median);
-    const double sigma = MAD_TO_SIGMA * values_quantile(off, count, 0.5),
+        deviation[i] = fabs(length[i] - median);
+    const double sigma = MAD_TO_SIGMA * values_quantile(deviation, count, 0.5),
                  far = fmin(PERIOD_DEVIATION_MAX * median,
                             fmax(PERIOD_DEVIATION_SIGMAS * sigma, TURN_ROUNDING * median));
     for (size_t i = 0; i < count; i++)
@@ -176,7 +177,7 @@ static bool read_period(const struct points *p, const double *at, size_t crossin
             used++;
         }
     if (used == 0 || (double)used < REGULAR_SHARE_MIN * (double)count ||
-        at[crossings - 1] - at[0] < CROSSINGS_SHARE_MIN * extent)
+        x_crossing[crossings - 1] - x_crossing[0] < CROSSINGS_SHARE_MIN * extent)
         return true;
     reading->period = sum / (double)used;
     reading->periods = (used + 1) / 2;
@@ -190,8 +191,9 @@ static bool read_period(const struct points *p, const double *at, size_t crossin
 /* A swing that is seen whole: with the samples on both sides of its turns. */
 static bool is_whole(const struct points *p, const struct turn *turn, double least)
 {
-    const size_t from = turn[0].index, to = turn[1].index;
-    return !has_hole(p, p->x[from ? from - 1 : 0], p->x[to + 1 < p->n ? to + 1 : to], least);
+    const size_t first = turn[0].index, last = turn[1].index;
+    return !has_hole(p, p->x[first ? first - 1 : 0], p->x[last + 1 < p->n ? last + 1 : last],
+                     least);
 }
 
 /* Half the swings between turns: first and last, and the slope of their logarithm. */
@@ -218,11 +220,13 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
     reading->level[1] = middle(turn, count, count - 1);
     if (n < 2)
         return;
-    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx),
+                 intercept = (sy - slope * sx) / n;
     for (size_t i = 0; i < swings; i++) {
         const double x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
         if (is_whole(p, &turn[i], least))
-            far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
+            far =
+                fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - intercept - slope * x));
     }
     /* a line of the logarithm says how something grows where it tells both ends */
     const double change = log(reading->amplitude[1] / reading->amplitude[0]),
@@ -239,9 +243,9 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
         fmax(TURN_SIGMAS * points->noise, TURN_ROUNDING * (reading->high.y - reading->low.y));
     size_t count = find_turns(points, least, NULL);
     struct turn *turn = arena_array(arena, count + 1, sizeof *turn);
-    double *at = arena_array(arena, count + 2, sizeof *at);
+    double *x_crossing = arena_array(arena, count + 2, sizeof *x_crossing);
     size_t crossings = 0;
-    if (!turn || !at)
+    if (!turn || !x_crossing)
         return false;
     find_turns(points, least, turn);
     /* a ripple at the start, which only what follows shows to be one */
@@ -253,21 +257,22 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
     if (count < 2 || !timed)
         return true;
     for (size_t i = 0; i <= count; i++) {
-        const size_t from = i ? turn[i - 1].index : 0,
-                     to = i < count ? turn[i].index : points->n - 1;
+        const size_t first = i ? turn[i - 1].index : 0,
+                     last = i < count ? turn[i].index : points->n - 1;
         const double level = i == 0 ? middle(turn, count, 0)
                              : i == count
                                  ? middle(turn, count, count - 1)
                                  : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
-        const double x = crossing(points, from, to, level);
+        const double x = crossing(points, first, last, level);
         if (isfinite(x))
-            at[crossings++] = x;
+            x_crossing[crossings++] = x;
     }
     double hole;
-    if (!find_holes(points, at, crossings, arena, &hole, reading))
+    if (!find_holes(points, x_crossing, crossings, arena, &hole, reading))
         return false;
     for (size_t i = 0; i < crossings; i++)
-        reading->crossings += !has_hole(points, at[i], at[i], hole);
+        reading->crossings += !has_hole(points, x_crossing[i], x_crossing[i], hole);
     read_amplitudes(points, turn, count, hole, reading);
-    return !keeps_middle(turn, count) || read_period(points, at, crossings, hole, arena, reading);
+    return !keeps_middle(turn, count) ||
+           read_period(points, x_crossing, crossings, hole, arena, reading);
 }

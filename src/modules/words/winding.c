@@ -32,10 +32,10 @@ static double turns_about(const struct frame *f, const struct points *p, double 
         for (size_t i = 1; points_go_on(p, i); i++) {
             const double step = remainder(angle(f, point_at(p, i)) - angle(f, point_at(p, i - 1)),
                                           TWO_PI),
-                         before = fabs(turned);
+                         previous = fabs(turned);
             turned += step;
-            if (fabs(turned) >= whole && before < whole) {
-                const double part = (whole - before) / fabs(step);
+            if (fabs(turned) >= whole && previous < whole) {
+                const double part = (whole - previous) / fabs(step);
                 *last = (1 - part) * frame_distance(f, point_at(p, i - 1)) +
                         part * frame_distance(f, point_at(p, i));
             }
@@ -71,7 +71,7 @@ void read_winding(const struct points *points, bool equal, struct curve_reading 
         return;
     reading->course = COURSE_WINDS;
     reading->about_origin = use_origin;
-    reading->about = frame->centre;
+    reading->centre = frame->centre;
     reading->distance[0] = frame_distance(frame, point_at(points, 0));
     reading->distance[1] = far[use_origin];
 }

@@ -9,31 +9,31 @@
 static bool braced(struct text *rest, struct text *inside)
 {
     *rest = text_trim(*rest);
-    const char *open = rest->len > 0 ? memchr(rest->at, '{', rest->len) : NULL;
-    if (open != rest->at) {
-        *inside = text_trim((struct text){rest->at, open ? (size_t)(open - rest->at) : 0});
-        *rest = (struct text){rest->at + inside->len, rest->len - inside->len};
+    const char *open = rest->len > 0 ? memchr(rest->data, '{', rest->len) : NULL;
+    if (open != rest->data) {
+        *inside = text_trim((struct text){rest->data, open ? (size_t)(open - rest->data) : 0});
+        *rest = (struct text){rest->data + inside->len, rest->len - inside->len};
         return inside->len > 0;
     }
     const char *close = open ? memchr(open, '}', rest->len) : NULL;
     if (!close)
         return false;
     *inside = (struct text){open + 1, (size_t)(close - open - 1)};
-    *rest = (struct text){close + 1, rest->len - (size_t)(close + 1 - rest->at)};
+    *rest = (struct text){close + 1, rest->len - (size_t)(close + 1 - rest->data)};
     return true;
 }
 
 static bool add_reset(const struct ode_reader *reader, struct text reset, bool *stops,
-                      struct buffer *out)
+                      struct buffer *output)
 {
     struct error *error = reader->ode->error;
-    const char *equals = memchr(reset.at, '=', reset.len);
+    const char *equals = memchr(reset.data, '=', reset.len);
     if (!equals)
         return ode_error(error, reader->line, "an event sets NAME=FORMULA");
-    const struct text name = text_trim((struct text){reset.at, (size_t)(equals - reset.at)}),
-                      formula = {equals + 1, reset.len - (size_t)(equals + 1 - reset.at)};
+    const struct text name = text_trim((struct text){reset.data, (size_t)(equals - reset.data)}),
+                      formula = {equals + 1, reset.len - (size_t)(equals + 1 - reset.data)};
     if (text_is(name, "out_put") || text_is(name, "no_interp"))
-        return ode_error(error, reader->line, "events have no '%.*s'", (int)name.len, name.at);
+        return ode_error(error, reader->line, "events have no '%.*s'", (int)name.len, name.data);
     if (text_is(name, "arret")) {
         *stops = true;
         return true;
@@ -41,11 +41,11 @@ static bool add_reset(const struct ode_reader *reader, struct text reset, bool *
     const struct ode_symbol *symbol = ode_find(reader->ode, name);
     if (!symbol || (symbol->kind != ODE_VARIABLE && symbol->kind != ODE_PARAM))
         return ode_error(error, reader->line, "an event sets a variable or a parameter, not '%.*s'",
-                         (int)(name.len < 40 ? name.len : 40), name.at);
-    buffer_format(out, "%s = ", symbol->as);
-    if (!ode_formula(reader, formula, out))
+                         (int)(name.len < 40 ? name.len : 40), name.data);
+    buffer_format(output, "%s = ", symbol->as);
+    if (!ode_formula(reader, formula, output))
         return false;
-    buffer_put(out, TEXT("; "));
+    buffer_put(output, TEXT("; "));
     return true;
 }
 
@@ -55,7 +55,7 @@ bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
     const struct ode_reader reader = {.ode = ode, .line = line->number};
     struct text condition, resets, reset;
     const struct text sign = peek_word(rest, "{");
-    rest = (struct text){rest.at + sign.len, rest.len - sign.len};
+    rest = (struct text){rest.data + sign.len, rest.len - sign.len};
     if (text_is(sign, "0"))
         return ode_error(ode->error, line->number,
                          "an event of sign 0 is where a step ends on it by chance: 1 or -1");

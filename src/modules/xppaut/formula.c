@@ -24,27 +24,29 @@ struct scope {
 
 struct ode_writing {
     const struct ode_reader *reader;
-    struct buffer *out;
+    struct buffer *output;
     int depth;
     bool numbers; /* parameters as their values */
 };
 
 typedef const struct ode_node *node;
 
-static bool formula_put(struct ode_writing *w, node of, const struct scope *scope, int may);
+static bool formula_put(struct ode_writing *w, node expr, const struct scope *scope, int may);
 
 /* before, name, after */
-static bool fail(struct ode_writing *w, const char *before, struct text name, const char *after)
+static bool ode_writing_fail(struct ode_writing *w, const char *prefix, struct text name,
+                             const char *suffix)
 {
-    return ode_error(w->reader->ode->error, w->reader->line, "%s%.*s%s", before,
-                     (int)(name.len < 60 ? name.len : 60), name.at, after);
+    return ode_error(w->reader->ode->error, w->reader->line, "%s%.*s%s", prefix,
+                     (int)(name.len < 60 ? name.len : 60), name.data, suffix);
 }
 
 static bool ode_text_put(struct ode_writing *w, const char *text)
 {
-    buffer_put(w->out, text_of(text));
-    if (w->out->len > LONGEST)
-        return fail(w, "with its functions written out the formula is too long", TEXT(""), "");
+    buffer_put(w->output, text_of(text));
+    if (w->output->len > LONGEST)
+        return ode_writing_fail(w, "with its functions written out the formula is too long",
+                                TEXT(""), "");
     return true;
 }
 
@@ -85,28 +87,30 @@ static bool ode_value_put(struct ode_writing *w, const struct ode_symbol *symbol
 {
     struct ode *ode = w->reader->ode;
     if (symbol->kind == ODE_PARAM) {
-        w->reader->of->table->reads = true;
+        w->reader->subject->table->reads = true;
         return ode_number_put(w, symbol->value);
     }
     if (symbol->kind != ODE_DERIVED)
-        return fail(w, "a table has '", name, "', which changes");
+        return ode_writing_fail(w, "a table has '", name, "', which changes");
     const node body = ode_parse(ode->arena, symbol->line, symbol->text, ode->error);
     return body && formula_put(w, body, NULL, ATOM);
 }
 
 static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
-    const struct ode_symbol *of = w->reader->of;
+    const struct ode_symbol *owner = w->reader->subject;
     if (!symbol)
-        return fail(w, "there is no '", name, "'");
+        return ode_writing_fail(w, "there is no '", name, "'");
     if (symbol->kind >= ODE_FUNCTION)
-        return fail(w, "", name, " is a function");
+        return ode_writing_fail(w, "", name, " is a function");
     if (w->numbers)
         return ode_value_put(w, symbol, name);
-    if (of && of->kind == ODE_DERIVED && symbol->kind != ODE_PARAM && symbol->kind != ODE_DERIVED)
-        return fail(w, "'", name, "' is no parameter: it changes");
-    if (of && of->kind == symbol->kind && of->index <= symbol->index)
-        return fail(w, "'", name, "' comes later: XPPAUT takes its value of the step before");
+    if (owner && owner->kind == ODE_DERIVED && symbol->kind != ODE_PARAM &&
+        symbol->kind != ODE_DERIVED)
+        return ode_writing_fail(w, "'", name, "' is no parameter: it changes");
+    if (owner && owner->kind == symbol->kind && owner->index <= symbol->index)
+        return ode_writing_fail(w, "'", name,
+                                "' comes later: XPPAUT takes its value of the step before");
     return ode_text_put(w, symbol->as);
 }
 
@@ -134,26 +138,29 @@ static bool ode_number_put(struct ode_writing *w, double number)
 }
 
 /* Of what is made of numbers and of indices only. */
-static bool ode_node_value(node of, const struct scope *scope, int depth, double *value)
+static bool ode_node_value(node expr, const struct scope *scope, int depth, double *value)
 {
     const struct scope *where = sum_around(scope);
     double a, b;
     if (depth > 50)
         return false;
-    if (of->kind == NODE_INDEX && where)
+    if (expr->kind == NODE_INDEX && where)
         *value = where->index;
-    else if (of->kind == NODE_NUMBER)
-        *value = of->number;
-    else if (of->kind == NODE_SIGN && of->op == '-' &&
-             ode_node_value(of->argument[0], scope, depth + 1, &a))
+    else if (expr->kind == NODE_NUMBER)
+        *value = expr->number;
+    else if (expr->kind == NODE_SIGN && expr->op == '-' &&
+             ode_node_value(expr->argument[0], scope, depth + 1, &a))
         *value = -a;
-    else if (of->kind == NODE_NAME) {
-        const node argument = argument_named(scope, of->name, &where);
+    else if (expr->kind == NODE_NAME) {
+        const node argument = argument_named(scope, expr->name, &where);
         return argument && ode_node_value(argument, where, depth + 1, value);
-    } else if (of->kind == NODE_JOIN && strchr("+-*/", of->op) &&
-               ode_node_value(of->argument[0], scope, depth + 1, &a) &&
-               ode_node_value(of->argument[1], scope, depth + 1, &b))
-        *value = of->op == '+' ? a + b : of->op == '-' ? a - b : of->op == '*' ? a * b : a / b;
+    } else if (expr->kind == NODE_JOIN && strchr("+-*/", expr->op) &&
+               ode_node_value(expr->argument[0], scope, depth + 1, &a) &&
+               ode_node_value(expr->argument[1], scope, depth + 1, &b))
+        *value = expr->op == '+'   ? a + b
+                 : expr->op == '-' ? a - b
+                 : expr->op == '*' ? a * b
+                                   : a / b;
     else
         return false;
     return true;
@@ -161,36 +168,37 @@ static bool ode_node_value(node of, const struct scope *scope, int depth, double
 
 /* ---- logic ---- */
 
-static bool is_logical(node of)
+static bool is_logical(node expr)
 {
-    return (of->kind == NODE_JOIN && strchr("<>=!&|", of->op)) ||
-           (of->kind == NODE_SIGN && of->op == '!');
+    return (expr->kind == NODE_JOIN && strchr("<>=!&|", expr->op)) ||
+           (expr->kind == NODE_SIGN && expr->op == '!');
 }
 
 /* 1 where it is not 0. */
-static bool put_truth(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_truth(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    if (is_logical(of))
-        return formula_put(w, of, scope, ATOM);
-    return ode_text_put(w, "abs(sign(") && formula_put(w, of, scope, ANY) && ode_text_put(w, "))");
+    if (is_logical(expr))
+        return formula_put(w, expr, scope, ATOM);
+    return ode_text_put(w, "abs(sign(") && formula_put(w, expr, scope, ANY) &&
+           ode_text_put(w, "))");
 }
 
-static bool put_compared(struct ode_writing *w, node of, const struct scope *scope,
+static bool put_compared(struct ode_writing *w, node expr, const struct scope *scope,
                          const char *sign)
 {
-    return ode_text_put(w, "(") && formula_put(w, of->argument[0], scope, TERM) &&
-           ode_text_put(w, sign) && formula_put(w, of->argument[1], scope, TERM) &&
+    return ode_text_put(w, "(") && formula_put(w, expr->argument[0], scope, TERM) &&
+           ode_text_put(w, sign) && formula_put(w, expr->argument[1], scope, TERM) &&
            ode_text_put(w, ")");
 }
 
-static bool put_logical(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_logical(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    const node *a = of->argument;
-    switch (of->op) {
+    const node *a = expr->argument;
+    switch (expr->op) {
     case '<':
-        return put_compared(w, of, scope, of->equal ? " <= " : " < ");
+        return put_compared(w, expr, scope, expr->equal ? " <= " : " < ");
     case '>':
-        return put_compared(w, of, scope, of->equal ? " >= " : " > ");
+        return put_compared(w, expr, scope, expr->equal ? " >= " : " > ");
     case '&':
         return ode_text_put(w, "(") && put_truth(w, a[0], scope) && ode_text_put(w, "*") &&
                put_truth(w, a[1], scope) && ode_text_put(w, ")");
@@ -198,21 +206,21 @@ static bool put_logical(struct ode_writing *w, node of, const struct scope *scop
         return ode_text_put(w, "max(") && put_truth(w, a[0], scope) && ode_text_put(w, ", ") &&
                put_truth(w, a[1], scope) && ode_text_put(w, ")");
     case '=':
-        return ode_text_put(w, "(") && put_compared(w, of, scope, " <= ") && ode_text_put(w, "*") &&
-               put_compared(w, of, scope, " >= ") && ode_text_put(w, ")");
+        return ode_text_put(w, "(") && put_compared(w, expr, scope, " <= ") &&
+               ode_text_put(w, "*") && put_compared(w, expr, scope, " >= ") && ode_text_put(w, ")");
     default: /* '!' */
         return ode_text_put(w, "(1 - ") &&
-               (of->kind == NODE_SIGN
+               (expr->kind == NODE_SIGN
                     ? put_truth(w, a[0], scope)
-                    : put_compared(w, of, scope, " <= ") && ode_text_put(w, "*") &&
-                          put_compared(w, of, scope, " >= ")) &&
+                    : put_compared(w, expr, scope, " <= ") && ode_text_put(w, "*") &&
+                          put_compared(w, expr, scope, " >= ")) &&
                ode_text_put(w, ")");
     }
 }
 
-static bool put_choice(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_choice(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    const node *a = of->argument;
+    const node *a = expr->argument;
     return ode_text_put(w, "if(") &&
            (is_logical(a[0]) ? formula_put(w, a[0], scope, ANY)
                              : ode_text_put(w, "abs(") && formula_put(w, a[0], scope, ANY) &&
@@ -249,14 +257,14 @@ static bool refuse_call(struct ode_writing *w, struct text name)
                  {"set", "formulas do not set anything in scenes: "}};
     for (size_t i = 0; i < COUNT_OF(known); i++)
         if (text_is(name, known[i].name))
-            return fail(w, known[i].why, name, "");
-    return fail(w, "expressions have no function '", name, "'");
+            return ode_writing_fail(w, known[i].why, name, "");
+    return ode_writing_fail(w, "expressions have no function '", name, "'");
 }
 
 /* XPPAUT's remainder is that of fmod(), plus b where it is below 0. */
-static bool put_mod(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_mod(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    const node *a = of->argument;
+    const node *a = expr->argument;
     double b;
     if (ode_node_value(a[1], scope, 0, &b) ? b > 0
                                            : a[1]->kind == NODE_NAME && text_is(a[1]->name, "pi"))
@@ -274,96 +282,96 @@ static bool put_mod(struct ode_writing *w, node of, const struct scope *scope)
 }
 
 /* The quantity so many places behind another one. */
-static bool put_shift(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_shift(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const struct ode *ode = w->reader->ode;
-    double by;
-    const struct ode_symbol *from = of->arguments == 2 && of->argument[0]->kind == NODE_NAME
-                                        ? ode_find(ode, of->argument[0]->name)
+    double shift;
+    const struct ode_symbol *base = expr->arguments == 2 && expr->argument[0]->kind == NODE_NAME
+                                        ? ode_find(ode, expr->argument[0]->name)
                                         : NULL;
-    if (!from || !ode_node_value(of->argument[1], scope, 0, &by))
-        return fail(w, "", of->name, "() takes a name and a number of places");
+    if (!base || !ode_node_value(expr->argument[1], scope, 0, &shift))
+        return ode_writing_fail(w, "", expr->name, "() takes a name and a number of places");
     for (int i = 0; i < ode->symbols; i++)
-        if (ode->symbol[i].kind == from->kind && from->kind < ODE_FUNCTION &&
-            ode->symbol[i].index == from->index + floor(by))
+        if (ode->symbol[i].kind == base->kind && base->kind < ODE_FUNCTION &&
+            ode->symbol[i].index == base->index + floor(shift))
             return put_symbol(w, &ode->symbol[i], ode->symbol[i].name);
-    return fail(w, "there is nothing so many places behind ", from->name, "");
+    return ode_writing_fail(w, "there is nothing so many places behind ", base->name, "");
 }
 
 /* Its text as a function of what it is called with. */
-static bool put_function(struct ode_writing *w, node of, struct ode_symbol *function,
+static bool put_function(struct ode_writing *w, node expr, struct ode_symbol *function,
                          const struct scope *scope, int may)
 {
     struct ode *ode = w->reader->ode;
-    if (function->arguments != of->arguments)
-        return fail(w, "", of->name, "() is called with another number of arguments");
+    if (function->arguments != expr->arguments)
+        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
     if (!function->body)
         function->body = ode_parse(ode->arena, function->line, function->text, ode->error);
-    const struct scope inner = {.outer = scope, .function = function, .argument = of->argument};
+    const struct scope inner = {.outer = scope, .function = function, .argument = expr->argument};
     return function->body && formula_put(w, function->body, &inner, may);
 }
 
 /* A table or a network, written out. */
-static bool put_places(struct ode_writing *w, node of, struct ode_symbol *symbol,
+static bool put_places(struct ode_writing *w, node expr, struct ode_symbol *symbol,
                        const struct scope *scope, int may)
 {
     double place;
-    if (of->arguments != 1)
-        return fail(w, "", of->name, "() is called with another number of arguments");
+    if (expr->arguments != 1)
+        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
     if (symbol->kind == ODE_TABLE) {
-        const node sum = ode_table_at(w->reader->ode, symbol, of->argument[0]);
+        const node sum = ode_table_at(w->reader->ode, symbol, expr->argument[0]);
         return sum && formula_put(w, sum, scope, may);
     }
-    if (!ode_node_value(of->argument[0], scope, 0, &place))
-        return fail(w, "the place in '", symbol->name, "' has to be a number");
+    if (!ode_node_value(expr->argument[0], scope, 0, &place))
+        return ode_writing_fail(w, "the place in '", symbol->name, "' has to be a number");
     const node sum = ode_net_at(w->reader->ode, symbol, place);
     return sum && formula_put(w, sum, NULL, may);
 }
 
-static bool put_call(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool put_call(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
-    struct ode_symbol *function = ode_find(w->reader->ode, of->name);
+    struct ode_symbol *function = ode_find(w->reader->ode, expr->name);
     if (function && function->kind == ODE_FUNCTION)
-        return put_function(w, of, function, scope, may);
+        return put_function(w, expr, function, scope, may);
     if (function && function->kind > ODE_FUNCTION)
-        return put_places(w, of, function, scope, may);
-    if (text_is(of->name, "shift"))
-        return put_shift(w, of, scope);
-    if (text_is(of->name, "mod") && of->arguments == 2)
-        return put_mod(w, of, scope);
+        return put_places(w, expr, function, scope, may);
+    if (text_is(expr->name, "shift"))
+        return put_shift(w, expr, scope);
+    if (text_is(expr->name, "mod") && expr->arguments == 2)
+        return put_mod(w, expr, scope);
     const struct builtin *builtin = builtins, *end = builtins + COUNT_OF(builtins);
-    while (builtin < end && !text_is(of->name, builtin->name))
+    while (builtin < end && !text_is(expr->name, builtin->name))
         builtin++;
     if (builtin == end)
-        return refuse_call(w, of->name);
-    if (builtin->arguments != of->arguments)
-        return fail(w, "", of->name, "() is called with another number of arguments");
+        return refuse_call(w, expr->name);
+    if (builtin->arguments != expr->arguments)
+        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
     if (!ode_text_put(w, builtin->as) || !ode_text_put(w, "("))
         return false;
-    for (int i = 0; i < of->arguments; i++)
-        if ((i > 0 && !ode_text_put(w, ", ")) || !formula_put(w, of->argument[i], scope, ANY))
+    for (int i = 0; i < expr->arguments; i++)
+        if ((i > 0 && !ode_text_put(w, ", ")) || !formula_put(w, expr->argument[i], scope, ANY))
             return false;
     return ode_text_put(w, ")");
 }
 
-static bool put_sum(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_sum(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    double from, to;
+    double first, last;
     struct scope inner = {.outer = scope};
-    if (!ode_node_value(of->argument[0], scope, 0, &from) ||
-        !ode_node_value(of->argument[1], scope, 0, &to))
-        return fail(w, "the ends of a sum have to be numbers", TEXT(""), "");
-    from = floor(from);
-    to = floor(to);
-    if (!(to - from < TERMS))
-        return fail(w, "a sum of too many terms", TEXT(""), "");
-    if (!(from <= to))
+    if (!ode_node_value(expr->argument[0], scope, 0, &first) ||
+        !ode_node_value(expr->argument[1], scope, 0, &last))
+        return ode_writing_fail(w, "the ends of a sum have to be numbers", TEXT(""), "");
+    first = floor(first);
+    last = floor(last);
+    if (!(last - first < TERMS))
+        return ode_writing_fail(w, "a sum of too many terms", TEXT(""), "");
+    if (!(first <= last))
         return ode_text_put(w, "0");
     if (!ode_text_put(w, "("))
         return false;
-    for (inner.index = from; inner.index <= to; inner.index++)
-        if ((inner.index > from && !ode_text_put(w, " + ")) ||
-            !formula_put(w, of->argument[2], &inner, inner.index > from ? FACTOR : TERM))
+    for (inner.index = first; inner.index <= last; inner.index++)
+        if ((inner.index > first && !ode_text_put(w, " + ")) ||
+            !formula_put(w, expr->argument[2], &inner, inner.index > first ? FACTOR : TERM))
             return false;
     return ode_text_put(w, ")");
 }
@@ -371,31 +379,34 @@ static bool put_sum(struct ode_writing *w, node of, const struct scope *scope)
 /* ---- operations ---- */
 
 /* Returns true if the node continues a chain a + b - c or a*b/c. */
-static bool is_link(node of, bool sum)
+static bool is_link(node expr, bool sum)
 {
-    return of->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", of->op);
+    return expr->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", expr->op);
 }
 
-static bool put_link(struct ode_writing *w, node of, const struct scope *scope)
+static bool put_link(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    const char *sign = of->op == '+' ? " + " : of->op == '-' ? " - " : of->op == '*' ? "*" : "/";
+    const char *sign = expr->op == '+'   ? " + "
+                       : expr->op == '-' ? " - "
+                       : expr->op == '*' ? "*"
+                                         : "/";
     return ode_text_put(w, sign) &&
-           formula_put(w, of->argument[1], scope, is_link(of, true) ? FACTOR : POWER);
+           formula_put(w, expr->argument[1], scope, is_link(expr, true) ? FACTOR : POWER);
 }
 
 /* A chain without nesting: it may have thousands of links. */
-static bool put_chain(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool put_chain(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
-    const bool sum = is_link(of, true);
+    const bool sum = is_link(expr, true);
     const int own = sum ? TERM : FACTOR;
     size_t links = 0;
-    node first = of;
+    node first = expr;
     for (; is_link(first, sum); first = first->argument[0])
         links++;
     node *link = arena_array(w->reader->ode->arena, links + 1, sizeof *link);
     if (!link)
         return error_memory(w->reader->ode->error);
-    first = of;
+    first = expr;
     for (size_t i = links; i > 0; first = first->argument[0])
         link[--i] = first;
     if ((may > own && !ode_text_put(w, "(")) || !formula_put(w, first, scope, own))
@@ -406,69 +417,70 @@ static bool put_chain(struct ode_writing *w, node of, const struct scope *scope,
     return may <= own || ode_text_put(w, ")");
 }
 
-static bool put_power(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool put_power(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
-    return (may <= POWER || ode_text_put(w, "(")) && formula_put(w, of->argument[0], scope, ATOM) &&
-           ode_text_put(w, "^") && formula_put(w, of->argument[1], scope, ATOM) &&
-           (may <= POWER || ode_text_put(w, ")"));
+    return (may <= POWER || ode_text_put(w, "(")) &&
+           formula_put(w, expr->argument[0], scope, ATOM) && ode_text_put(w, "^") &&
+           formula_put(w, expr->argument[1], scope, ATOM) && (may <= POWER || ode_text_put(w, ")"));
 }
 
-static bool put_kind(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
-    const struct scope *around = sum_around(scope);
-    switch (of->kind) {
+    const struct scope *enclosing_sum = sum_around(scope);
+    switch (expr->kind) {
     case NODE_NUMBER:
-        return ode_number_put(w, of->number);
+        return ode_number_put(w, expr->number);
     case NODE_INDEX:
-        return around ? ode_number_put(w, around->index)
-                      : fail(w, "i' outside of a sum", TEXT(""), "");
+        return enclosing_sum ? ode_number_put(w, enclosing_sum->index)
+                             : ode_writing_fail(w, "i' outside of a sum", TEXT(""), "");
     case NODE_NAME:
-        return ode_name_put(w, of->name, scope, may);
+        return ode_name_put(w, expr->name, scope, may);
     case NODE_CALL:
-        return put_call(w, of, scope, may);
+        return put_call(w, expr, scope, may);
     case NODE_IF:
-        return put_choice(w, of, scope);
+        return put_choice(w, expr, scope);
     case NODE_SUM:
-        return put_sum(w, of, scope);
+        return put_sum(w, expr, scope);
     case NODE_SIGN:
     case NODE_JOIN:
         break;
     }
-    if (is_logical(of))
-        return put_logical(w, of, scope);
-    if (of->kind == NODE_JOIN)
-        return of->op == '^' ? put_power(w, of, scope, may) : put_chain(w, of, scope, may);
+    if (is_logical(expr))
+        return put_logical(w, expr, scope);
+    if (expr->kind == NODE_JOIN)
+        return expr->op == '^' ? put_power(w, expr, scope, may) : put_chain(w, expr, scope, may);
     return (may <= TERM || ode_text_put(w, "(")) && ode_text_put(w, "-") &&
-           formula_put(w, of->argument[0], scope, ATOM) && (may <= TERM || ode_text_put(w, ")"));
+           formula_put(w, expr->argument[0], scope, ATOM) && (may <= TERM || ode_text_put(w, ")"));
 }
 
-static bool formula_put(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool formula_put(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     if (++w->depth > DEEPEST)
-        return fail(w, "functions that call each other, or too many of them", TEXT(""), "");
-    const bool fine = put_kind(w, of, scope, may);
+        return ode_writing_fail(w, "functions that call each other, or too many of them", TEXT(""),
+                                "");
+    const bool fine = put_kind(w, expr, scope, may);
     w->depth--;
     return fine;
 }
 
-bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *out)
+bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *output)
 {
-    struct ode_writing w = {.reader = reader, .out = out};
+    struct ode_writing w = {.reader = reader, .output = output};
     struct ode *ode = reader->ode;
     const node whole = ode_parse(ode->arena, reader->line, text, ode->error);
     if (!whole || !formula_put(&w, whole, NULL, ANY))
         return false;
-    return !out->failed || error_memory(ode->error);
+    return !output->failed || error_memory(ode->error);
 }
 
-bool ode_formula_at(struct ode *ode, const struct ode_symbol *of, const struct ode_node *whole,
-                    double t, struct buffer *out)
+bool ode_formula_at(struct ode *ode, const struct ode_symbol *owner, const struct ode_node *whole,
+                    double t, struct buffer *output)
 {
     const struct ode_symbol time = {.argument = {TEXT("t")}, .arguments = 1};
     const struct ode_node number = {.kind = NODE_NUMBER, .number = t};
     const struct ode_node *const argument[] = {&number};
     const struct scope scope = {.function = &time, .argument = argument};
-    const struct ode_reader reader = {ode, of, of->line};
-    struct ode_writing w = {.reader = &reader, .out = out, .numbers = true};
-    return formula_put(&w, whole, &scope, ANY) && (!out->failed || error_memory(ode->error));
+    const struct ode_reader reader = {ode, owner, owner->line};
+    struct ode_writing w = {.reader = &reader, .output = output, .numbers = true};
+    return formula_put(&w, whole, &scope, ANY) && (!output->failed || error_memory(ode->error));
 }

@@ -56,15 +56,15 @@ static long whole(struct text text)
 {
     long value = 0;
     text = text_trim(text);
-    const bool negative = text.len > 0 && text.at[0] == '-';
-    for (size_t i = negative; i < text.len && text.at[i] >= '0' && text.at[i] <= '9'; i++)
-        value = value < 1000000 ? 10 * value + (text.at[i] - '0') : value;
+    const bool negative = text.len > 0 && text.data[0] == '-';
+    for (size_t i = negative; i < text.len && text.data[i] >= '0' && text.data[i] <= '9'; i++)
+        value = value < 1000000 ? 10 * value + (text.data[i] - '0') : value;
     return negative ? -value : value;
 }
 
 static const char *text_find(struct text text, char c)
 {
-    return text.len > 0 ? memchr(text.at, c, text.len) : NULL;
+    return text.len > 0 ? memchr(text.data, c, text.len) : NULL;
 }
 
 /* What stands in brackets: 5, j, j+1, j-1, j*2. */
@@ -72,72 +72,73 @@ static bool subscript(struct text inside, const long *j, int number, long *value
                       struct error *error)
 {
     inside = text_trim(inside);
-    const bool letter = inside.len > 0 && inside.at[0] == 'j';
-    struct text rest = letter ? text_trim((struct text){inside.at + 1, inside.len - 1}) : inside;
-    const char sign = letter && rest.len > 0 ? rest.at[0] : '+';
+    const bool letter = inside.len > 0 && inside.data[0] == 'j';
+    struct text rest = letter ? text_trim((struct text){inside.data + 1, inside.len - 1}) : inside;
+    const char sign = letter && rest.len > 0 ? rest.data[0] : '+';
     if (letter && !j)
         return ode_error(error, number, "[j] outside of an array");
     if (letter && rest.len > 0)
-        rest = text_trim((struct text){rest.at + 1, rest.len - 1});
-    size_t digits = !letter && rest.len > 0 && rest.at[0] == '-';
-    while (digits < rest.len && rest.at[digits] >= '0' && rest.at[digits] <= '9')
+        rest = text_trim((struct text){rest.data + 1, rest.len - 1});
+    size_t digits = !letter && rest.len > 0 && rest.data[0] == '-';
+    while (digits < rest.len && rest.data[digits] >= '0' && rest.data[digits] <= '9')
         digits++;
     if (digits != rest.len || (!letter && rest.len == 0) || !strchr("+-*", sign))
         return ode_error(error, number, "[%.*s] is no place in an array: a number, j, j+1 or j*2",
-                         (int)(inside.len < 40 ? inside.len : 40), inside.at);
+                         (int)(inside.len < 40 ? inside.len : 40), inside.data);
     *value = !letter       ? whole(rest)
              : sign == '*' ? *j * whole(rest)
                            : *j + (sign == '-' ? -whole(rest) : whole(rest));
     return true;
 }
 
-static bool is_kernel(const struct text line, size_t at) /* int[.5] */
+static bool is_kernel(const struct text line, size_t index) /* int[.5] */
 {
-    return at >= 3 && memcmp(line.at + at - 3, "int", 3) == 0;
+    return index >= 3 && memcmp(line.data + index - 3, "int", 3) == 0;
 }
 
 /* The line at j; from, to: of "1..9" inside its brackets, NULL if it has none. */
 static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
-                      const char *from, const char *to)
+                      const char *range_begin, const char *range_end)
 {
-    struct buffer out = {0};
+    struct buffer output = {0};
     bool fine = true;
     for (size_t i = 0; fine && i < line.len; i++) {
-        const char *end = line.at[i] == '[' && !is_kernel(line, i)
-                              ? text_find((struct text){line.at + i, line.len - i}, ']')
+        const char *end = line.data[i] == '[' && !is_kernel(line, i)
+                              ? text_find((struct text){line.data + i, line.len - i}, ']')
                               : NULL;
-        if (line.at[i] == '[' && !is_kernel(line, i) && !end) {
+        if (line.data[i] == '[' && !is_kernel(line, i) && !end) {
             fine = ode_error(r->error, number, "a ']' is missing");
         } else if (!end) {
-            buffer_char(&out, line.at[i]);
+            buffer_char(&output, line.data[i]);
         } else {
-            const char *begin = line.at + i + 1;
+            const char *begin = line.data + i + 1;
             long value = j ? *j : 0;
             fine =
-                (begin == from && end == to) ||
+                (begin == range_begin && end == range_end) ||
                 subscript((struct text){begin, (size_t)(end - begin)}, j, number, &value, r->error);
-            buffer_format(&out, "%ld", value);
-            i = (size_t)(end - line.at);
+            buffer_format(&output, "%ld", value);
+            i = (size_t)(end - line.data);
         }
     }
-    fine = fine && (!out.failed || error_memory(r->error)) &&
-           ode_line_add(r, buffer_text(&out), number);
-    buffer_free(&out);
+    fine = fine && (!output.failed || error_memory(r->error)) &&
+           ode_line_add(r, buffer_text(&output), number);
+    buffer_free(&output);
     return fine;
 }
 
 /* [a..b] of a line: where it stands, and its ends. */
 static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
 {
-    for (const char *at = line.at;
-         (at = text_find((struct text){at, line.len - (size_t)(at - line.at)}, '['));) {
-        *begin = ++at;
-        *end = text_find((struct text){at, line.len - (size_t)(at - line.at)}, ']');
+    for (const char *cursor = line.data;
+         (cursor =
+              text_find((struct text){cursor, line.len - (size_t)(cursor - line.data)}, '['));) {
+        *begin = ++cursor;
+        *end = text_find((struct text){cursor, line.len - (size_t)(cursor - line.data)}, ']');
         if (!*end)
             return false;
-        for (const char *dots = at; dots + 1 < *end; dots++)
+        for (const char *dots = cursor; dots + 1 < *end; dots++)
             if (dots[0] == '.' && dots[1] == '.') {
-                *a = whole((struct text){at, (size_t)(dots - at)});
+                *a = whole((struct text){cursor, (size_t)(dots - cursor)});
                 *b = whole((struct text){dots + 2, (size_t)(*end - dots - 2)});
                 return true;
             }
@@ -148,15 +149,15 @@ static bool range_of(struct text line, const char **begin, const char **end, lon
 static bool add_array(struct ode_lines *r, struct text line, int number)
 {
     const char *begin, *end;
-    long from, to;
-    if (line.at[0] == '@' || !range_of(line, &begin, &end, &from, &to))
-        return line.at[0] == '@' ? ode_line_add(r, line, number)
-                                 : write_out(r, line, number, NULL, NULL, NULL);
-    const long step = from <= to ? 1 : -1;
-    for (long j = from;; j += step) {
+    long first, last;
+    if (line.data[0] == '@' || !range_of(line, &begin, &end, &first, &last))
+        return line.data[0] == '@' ? ode_line_add(r, line, number)
+                                   : write_out(r, line, number, NULL, NULL, NULL);
+    const long step = first <= last ? 1 : -1;
+    for (long j = first;; j += step) {
         if (!write_out(r, line, number, &j, begin, end))
             return false;
-        if (j == to)
+        if (j == last)
             return true;
     }
 }
@@ -166,15 +167,15 @@ static bool add_group(struct ode_lines *r, struct text head, const struct ode_li
                       int number)
 {
     const char *begin, *end;
-    long from, to;
-    if (!range_of(head, &begin, &end, &from, &to))
+    long first, last;
+    if (!range_of(head, &begin, &end, &first, &last))
         return ode_error(r->error, number, "a group of lines begins with %%[1..9]");
-    const long step = from <= to ? 1 : -1;
-    for (long j = from;; j += step) {
+    const long step = first <= last ? 1 : -1;
+    for (long j = first;; j += step) {
         for (int i = 0; i < count; i++)
             if (!write_out(r, line[i].text, line[i].number, &j, NULL, NULL))
                 return false;
-        if (j == to || count == 0)
+        if (j == last || count == 0)
             return true;
     }
 }
@@ -191,7 +192,7 @@ static bool take_line(struct text *rest, int *number, struct buffer *line)
         ++*number;
         const char *mark = text_find(part, '\\');
         more = mark != NULL;
-        buffer_put(line, more ? (struct text){part.at, (size_t)(mark - part.at)} : part);
+        buffer_put(line, more ? (struct text){part.data, (size_t)(mark - part.data)} : part);
         any = true;
     }
     for (size_t i = 0; i < line->len; i++) {
@@ -205,11 +206,11 @@ static bool take_line(struct text *rest, int *number, struct buffer *line)
 static bool is_done(struct text line)
 {
     size_t end = 0;
-    while (end < line.len && !strchr(" =/'(", line.at[end]))
+    while (end < line.len && !strchr(" =/'(", line.data[end]))
         end++;
-    struct text rest = text_trim((struct text){line.at + end, line.len - end});
-    return line.at[0] == 'd' && (end == line.len || line.at[end] == ' ') &&
-           (rest.len == 0 || rest.at[0] != '=');
+    struct text rest = text_trim((struct text){line.data + end, line.len - end});
+    return line.data[0] == 'd' && (end == line.len || line.data[end] == ' ') &&
+           (rest.len == 0 || rest.data[0] != '=');
 }
 
 struct group {
@@ -220,17 +221,18 @@ struct group {
 
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
-    if (line.at[0] == '#' && text_starts((struct text){line.at + 1, line.len - 1}, TEXT("include")))
+    if (line.data[0] == '#' &&
+        text_starts((struct text){line.data + 1, line.len - 1}, TEXT("include")))
         return ode_error(r->error, number,
                          "another file is included: its lines have to stand here");
-    if (line.at[0] == '#' || line.at[0] == '"')
+    if (line.data[0] == '#' || line.data[0] == '"')
         return true;
-    if (line.at[0] == '%' && !group->number) {
+    if (line.data[0] == '%' && !group->number) {
         char *head = arena_text(r->arena, line);
         *group = (struct group){{.arena = r->arena, .error = r->error}, {head, line.len}, number};
         return head || error_memory(r->error);
     }
-    if (line.at[0] == '%') {
+    if (line.data[0] == '%') {
         const struct group whole_group = *group;
         group->number = 0;
         return add_group(r, whole_group.head, whole_group.lines.line, whole_group.lines.count,

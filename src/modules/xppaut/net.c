@@ -13,7 +13,7 @@ static bool take_number(struct text *rest, double *number)
     *rest = text_trim(*rest);
     if (real_scan(*rest, '.', number, &used) != REAL_OK || used == 0)
         return false;
-    *rest = (struct text){rest->at + used, rest->len - used};
+    *rest = (struct text){rest->data + used, rest->len - used};
     return true;
 }
 
@@ -28,14 +28,14 @@ bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
         return error_memory(ode->error);
     *table = (struct ode_table){.points = 0};
     symbol->table = table;
-    if (rest.len == 0 || rest.at[0] != '%')
+    if (rest.len == 0 || rest.data[0] != '%')
         return ode_error(ode->error, symbol->line,
                          "the numbers of the table are in another file: a formula of t is "
                          "table NAME %% POINTS FROM TO FORMULA");
-    rest = (struct text){rest.at + 1, rest.len - 1};
-    if (!take_number(&rest, &points) || !take_number(&rest, &table->from) ||
-        !take_number(&rest, &table->to) || !(points >= 2 && points <= POINTS) ||
-        !(table->to > table->from))
+    rest = (struct text){rest.data + 1, rest.len - 1};
+    if (!take_number(&rest, &points) || !take_number(&rest, &table->x_low) ||
+        !take_number(&rest, &table->x_high) || !(points >= 2 && points <= POINTS) ||
+        !(table->x_high > table->x_low))
         return ode_error(ode->error, symbol->line,
                          "a table is table NAME %% POINTS FROM TO FORMULA, 2 to %d points",
                          (int)POINTS);
@@ -46,7 +46,7 @@ bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
 
 static double point_of(const struct ode_table *table, int i)
 {
-    return table->from + i * ((table->to - table->from) / (table->points - 1));
+    return table->x_low + i * ((table->x_high - table->x_low) / (table->points - 1));
 }
 
 static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
@@ -123,30 +123,32 @@ static const struct ode_node *net_node_join(struct ode *ode, char op, const stru
 }
 
 /* factor*max(at - x, 0), or without the max() */
-static const struct ode_node *beyond(struct ode *ode, double factor, const struct ode_node *at,
-                                     double x, bool bends)
+static const struct ode_node *ramp_node(struct ode *ode, double factor,
+                                        const struct ode_node *argument, double x, bool bends)
 {
-    const struct ode_node *above = net_node_join(ode, '-', at, number_of(ode, x));
+    const struct ode_node *excess = net_node_join(ode, '-', argument, number_of(ode, x));
     if (bends)
-        above = net_node_join(ode, 'm', above, number_of(ode, 0));
-    return net_node_join(ode, '*', number_of(ode, factor), above);
+        excess = net_node_join(ode, 'm', excess, number_of(ode, 0));
+    return net_node_join(ode, '*', number_of(ode, factor), excess);
 }
 
 /* Its value at the first point, its first slope, and by how much the slope changes at the others.
  */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
-                                    const struct ode_node *at)
+                                    const struct ode_node *argument)
 {
     const struct ode_table *const table = symbol->table;
     if (!find_values(ode, symbol))
         return NULL;
-    const double *y = table->value, dx = point_of(table, 1) - table->from;
-    const struct ode_node *sum = net_node_join(
-        ode, '+', number_of(ode, y[0]), beyond(ode, (y[1] - y[0]) / dx, at, table->from, false));
+    const double *y = table->value, dx = point_of(table, 1) - table->x_low;
+    const struct ode_node *sum =
+        net_node_join(ode, '+', number_of(ode, y[0]),
+                      ramp_node(ode, (y[1] - y[0]) / dx, argument, table->x_low, false));
     for (int i = 1; i + 1 < table->points && sum; i++) {
         const double bend = ((y[i + 1] - y[i]) - (y[i] - y[i - 1])) / dx;
         if (bend != 0)
-            sum = net_node_join(ode, '+', sum, beyond(ode, bend, at, point_of(table, i), true));
+            sum = net_node_join(ode, '+', sum,
+                                ramp_node(ode, bend, argument, point_of(table, i), true));
     }
     return sum;
 }
@@ -167,25 +169,25 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
     const struct text all = symbol->text;
     struct ode_net *net = arena_alloc(ode->arena, sizeof *net);
     struct text part[5], inside;
-    const char *open = all.len > 0 ? memchr(all.at, '(', all.len) : NULL;
+    const char *open = all.len > 0 ? memchr(all.data, '(', all.len) : NULL;
     int parts = 0;
     if (!net)
         return error_memory(ode->error);
     *net = (struct ode_net){.count = 0};
     symbol->net = net;
-    if (!open || !text_is(text_trim((struct text){all.at, (size_t)(open - all.at)}), "conv") ||
-        all.at[all.len - 1] != ')')
+    if (!open || !text_is(text_trim((struct text){all.data, (size_t)(open - all.data)}), "conv") ||
+        all.data[all.len - 1] != ')')
         return ode_error(ode->error, symbol->line,
                          "networks (special) other than conv() are not for scenes");
-    inside = (struct text){open + 1, (size_t)(all.at + all.len - 1 - (open + 1))};
+    inside = (struct text){open + 1, (size_t)(all.data + all.len - 1 - (open + 1))};
     for (; parts < 5 && text_split(&inside, ',', &part[parts]); parts++)
         part[parts] = text_trim(part[parts]);
-    if (parts < 5 || inside.len > 0 || part[0].len == 0 || !strchr("ep0z", part[0].at[0]) ||
+    if (parts < 5 || inside.len > 0 || part[0].len == 0 || !strchr("ep0z", part[0].data[0]) ||
         !take_whole(part[1], POINTS, &net->count) || !take_whole(part[2], POINTS, &net->reach) ||
         net->reach >= net->count)
         return ode_error(ode->error, symbol->line,
                          "a network is special NAME=conv(even|periodic|0,COUNT,REACH,TABLE,FIRST)");
-    net->edge = part[0].at[0];
+    net->edge = part[0].data[0];
     net->weights = part[3];
     net->first = part[4];
     return true;
@@ -202,7 +204,7 @@ static int neighbour(const struct ode_net *net, int i)
 }
 
 /* The quantity i places behind the first, as a formula; NULL if there is none. */
-static const struct ode_node *behind(struct ode *ode, const struct ode_symbol *first, int i)
+static const struct ode_node *quantity_node(struct ode *ode, const struct ode_symbol *first, int i)
 {
     for (int k = 0; k < ode->symbols; k++) {
         const struct ode_symbol *const symbol = &ode->symbol[k];
@@ -227,10 +229,11 @@ const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, do
                   2 * net->reach + 1);
         return NULL;
     }
-    if (!first || first->kind >= ODE_FUNCTION || !behind(ode, first, net->count - 1)) {
+    if (!first || first->kind >= ODE_FUNCTION || !quantity_node(ode, first, net->count - 1)) {
         if (ode->error->code == ERROR_NONE)
             ode_error(ode->error, symbol->line, "there are not %d quantities from '%.*s' on",
-                      net->count, (int)(net->first.len < 40 ? net->first.len : 40), net->first.at);
+                      net->count, (int)(net->first.len < 40 ? net->first.len : 40),
+                      net->first.data);
         return NULL;
     }
     if (!find_values(ode, weights) || !(place >= 0 && place < net->count))
@@ -241,7 +244,7 @@ const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, do
         if (k < 0 || weight == 0)
             continue;
         const struct ode_node *const term =
-            net_node_join(ode, '*', number_of(ode, weight), behind(ode, first, k));
+            net_node_join(ode, '*', number_of(ode, weight), quantity_node(ode, first, k));
         sum = sum ? net_node_join(ode, '+', sum, term) : term;
         if (!sum)
             return NULL;

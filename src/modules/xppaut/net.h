@@ -8,7 +8,7 @@
 /* A function of one argument, straight between its points and beyond the outer two. */
 struct ode_table {
     int points;
-    double from, to;
+    double x_low, x_high;
     struct text formula;
     const double *value; /* [points], once it is used; NULL: not yet */
     bool begun;          /* it is being found */
@@ -29,7 +29,7 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol);
 
 /* What they are at an argument, or at a place; NULL if an error is set. */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
-                                    const struct ode_node *at);
+                                    const struct ode_node *argument);
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place);
 
 #endif

@@ -14,10 +14,10 @@
 /* Returns true if name is that of the initial value of the variable. */
 static bool is_initial_of(struct text name, struct text variable)
 {
-    const char last = variable.at[variable.len - 1];
+    const char last = variable.data[variable.len - 1];
     const struct text end = last >= '0' && last <= '9' ? TEXT("_0") : TEXT("0");
     return name.len == variable.len + end.len && text_starts(name, variable) &&
-           memcmp(name.at + variable.len, end.at, end.len) == 0;
+           memcmp(name.data + variable.len, end.data, end.len) == 0;
 }
 
 static bool is_free(const struct ode *ode, const struct ode_symbol *symbol,
@@ -47,7 +47,7 @@ static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
     char name[LIMIT_SYMBOL + 16], plain[LIMIT_SYMBOL + 1];
     size_t len = 0;
     for (size_t i = 0; i < symbol->name.len && len + 8 < sizeof plain; i++) {
-        const char c = symbol->name.at[i];
+        const char c = symbol->name.data[i];
         const bool digit = c >= '0' && c <= '9', letter = c >= 'a' && c <= 'z';
         if (len == 0 && !letter)
             plain[len++] = 'n';
@@ -58,7 +58,8 @@ static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
     for (int i = 1; !is_free(&s->ode, symbol, options, text_of(name)); i++) {
         if (i > 9999 || len == 0)
             return ode_error(s->ode.error, symbol->line, "there is no name for '%.*s'",
-                             (int)(symbol->name.len < 40 ? symbol->name.len : 40), symbol->name.at);
+                             (int)(symbol->name.len < 40 ? symbol->name.len : 40),
+                             symbol->name.data);
         snprintf(name, sizeof name, "%s_%d", plain, i);
     }
     symbol->as = arena_text(s->ode.arena, text_of(name));
@@ -88,7 +89,7 @@ static bool set_initials(struct ode_statements *s)
         if (!symbol || symbol->kind != ODE_VARIABLE)
             return ode_error(s->ode.error, initial->line, "there is no variable '%.*s'",
                              (int)(initial->name.len < 40 ? initial->name.len : 40),
-                             initial->name.at);
+                             initial->name.data);
         symbol->value = initial->value;
     }
     return true;
@@ -112,7 +113,7 @@ static bool apply_set(struct ode_statements *s, const struct ode_set *set)
                 return false;
         } else if (symbol->kind != ODE_VARIABLE && symbol->kind != ODE_PARAM) {
             return ode_error(s->ode.error, set->line, "'%.*s' cannot be set",
-                             (int)(name.len < 40 ? name.len : 40), name.at);
+                             (int)(name.len < 40 ? name.len : 40), name.data);
         } else {
             if (!ode_number(set->line, name, value, &number, s->ode.error))
                 return false;

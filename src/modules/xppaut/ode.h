@@ -72,15 +72,15 @@ bool ode_stopped(const struct ode *ode);
 /* Those that a right-hand side may read: all, or what is there before it. */
 struct ode_reader {
     struct ode *ode;
-    const struct ode_symbol *of; /* a derived or a hidden quantity; NULL: all are there */
+    const struct ode_symbol *subject; /* a derived or a hidden quantity; NULL: all are there */
     int line;
 };
 
 /* Appends the formula as one of typed scenes. */
-bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *out);
+bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *output);
 /* The same in numbers: t is one, parameters are their values. */
-bool ode_formula_at(struct ode *ode, const struct ode_symbol *of, const struct ode_node *whole,
-                    double t, struct buffer *out);
+bool ode_formula_at(struct ode *ode, const struct ode_symbol *owner, const struct ode_node *whole,
+                    double t, struct buffer *output);
 
 /* ---- settings and events ---- */
 

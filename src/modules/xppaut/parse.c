@@ -14,28 +14,29 @@ struct ode_parser {
     struct arena *arena;
     struct error *error;
     struct text text;
-    size_t at;
+    size_t position;
     int line, depth, nodes;
 };
 
 typedef const struct ode_node *node;
 
-static node sum(struct ode_parser *p);
+static node sum_parse(struct ode_parser *p);
 
-static node fail(struct ode_parser *p, const char *what)
+static node parser_fail(struct ode_parser *p, const char *what)
 {
-    const struct text rest = {p->text.at + p->at, p->text.len - p->at};
+    const struct text rest = {p->text.data + p->position, p->text.len - p->position};
     const struct text all = p->text;
     if (rest.len > 0)
         ode_error(p->error, p->line, "%s at '%.*s'", what, (int)(rest.len < 60 ? rest.len : 60),
-                  rest.at);
+                  rest.data);
     else
         ode_error(p->error, p->line, "%s at the end of '%.*s'", what,
-                  (int)(all.len < 60 ? all.len : 60), all.at);
+                  (int)(all.len < 60 ? all.len : 60), all.data);
     return NULL;
 }
 
-static struct ode_node *make(struct ode_parser *p, enum ode_node_kind kind, int arguments)
+static struct ode_node *parser_node_make(struct ode_parser *p, enum ode_node_kind kind,
+                                         int arguments)
 {
     if (++p->nodes > NODES) {
         ode_error(p->error, p->line, "the formula has more than %d operations", NODES);
@@ -56,7 +57,7 @@ static struct ode_node *make(struct ode_parser *p, enum ode_node_kind kind, int 
 static node ode_node_join(struct ode_parser *p, enum ode_node_kind kind, char op, bool equal,
                           node a, node b)
 {
-    struct ode_node *made = a && b ? make(p, kind, 2) : NULL;
+    struct ode_node *made = a && b ? parser_node_make(p, kind, 2) : NULL;
     if (!made)
         return NULL;
     made->op = op;
@@ -66,39 +67,40 @@ static node ode_node_join(struct ode_parser *p, enum ode_node_kind kind, char op
     return made;
 }
 
-static node sign(struct ode_parser *p, char op, node of)
+static node sign_node_make(struct ode_parser *p, char op, node operand)
 {
-    struct ode_node *made = of ? make(p, NODE_SIGN, 1) : NULL;
+    struct ode_node *made = operand ? parser_node_make(p, NODE_SIGN, 1) : NULL;
     if (made) {
         made->op = op;
-        made->argument[0] = of;
+        made->argument[0] = operand;
     }
     return made;
 }
 
-static char peek(struct ode_parser *p)
+static char parser_peek(struct ode_parser *p)
 {
-    while (p->at < p->text.len && (p->text.at[p->at] == ' ' || p->text.at[p->at] == '\r'))
-        p->at++;
-    return p->at < p->text.len ? p->text.at[p->at] : '\0';
+    while (p->position < p->text.len &&
+           (p->text.data[p->position] == ' ' || p->text.data[p->position] == '\r'))
+        p->position++;
+    return p->position < p->text.len ? p->text.data[p->position] : '\0';
 }
 
 static bool ode_word_take(struct ode_parser *p, const char *word)
 {
-    peek(p);
-    const struct text rest = {p->text.at + p->at, p->text.len - p->at};
+    parser_peek(p);
+    const struct text rest = {p->text.data + p->position, p->text.len - p->position};
     if (!text_starts(rest, text_of(word)))
         return false;
-    p->at += strlen(word);
+    p->position += strlen(word);
     return true;
 }
 
-static bool is_letter(char c)
+static bool is_ode_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || c == '_';
 }
 
-static bool is_digit(char c)
+static bool is_ode_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
@@ -107,10 +109,10 @@ static bool is_digit(char c)
 static node in_parentheses(struct ode_parser *p)
 {
     if (!ode_word_take(p, "("))
-        return fail(p, "a '(' is missing");
-    const node inside = sum(p);
+        return parser_fail(p, "a '(' is missing");
+    const node inside = sum_parse(p);
     if (inside && !ode_word_take(p, ")"))
-        return fail(p, "a ')' is missing");
+        return parser_fail(p, "a ')' is missing");
     return inside;
 }
 
@@ -118,12 +120,12 @@ static node choice(struct ode_parser *p)
 {
     const node condition = in_parentheses(p);
     if (condition && !ode_word_take(p, "then"))
-        return fail(p, "'then' is missing");
+        return parser_fail(p, "'then' is missing");
     const node yes = condition ? in_parentheses(p) : NULL;
     if (yes && !ode_word_take(p, "else"))
-        return fail(p, "'else' is missing");
+        return parser_fail(p, "'else' is missing");
     const node no = yes ? in_parentheses(p) : NULL;
-    struct ode_node *made = no ? make(p, NODE_IF, 3) : NULL;
+    struct ode_node *made = no ? parser_node_make(p, NODE_IF, 3) : NULL;
     if (made) {
         made->argument[0] = condition;
         made->argument[1] = yes;
@@ -133,24 +135,24 @@ static node choice(struct ode_parser *p)
 }
 
 /* What stands in the parentheses of a call. */
-static struct ode_node *call(struct ode_parser *p, struct text name)
+static struct ode_node *call_parse(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];
     int count = 0;
     ode_word_take(p, "(");
     do {
         if (count == ODE_ARGUMENTS) {
-            fail(p, "too many arguments");
+            parser_fail(p, "too many arguments");
             return NULL;
         }
-        if (!(argument[count++] = sum(p)))
+        if (!(argument[count++] = sum_parse(p)))
             return NULL;
     } while (ode_word_take(p, ","));
     if (!ode_word_take(p, ")")) {
-        fail(p, "a ')' is missing");
+        parser_fail(p, "a ')' is missing");
         return NULL;
     }
-    struct ode_node *made = make(p, NODE_CALL, count);
+    struct ode_node *made = parser_node_make(p, NODE_CALL, count);
     if (made) {
         made->name = name;
         memcpy(made->argument, argument, (size_t)count * sizeof *argument);
@@ -160,68 +162,69 @@ static struct ode_node *call(struct ode_parser *p, struct text name)
 
 static node series(struct ode_parser *p, struct text name)
 {
-    struct ode_node *ends = call(p, name);
+    struct ode_node *ends = call_parse(p, name);
     if (!ends)
         return NULL;
     if (ends->arguments != 2 || !ode_word_take(p, "of"))
-        return fail(p, "a sum is sum(from,to)of(formula)");
-    const node of = in_parentheses(p);
-    struct ode_node *made = of ? make(p, NODE_SUM, 3) : NULL;
+        return parser_fail(p, "a sum is sum(from,to)of(formula)");
+    const node summand = in_parentheses(p);
+    struct ode_node *made = summand ? parser_node_make(p, NODE_SUM, 3) : NULL;
     if (made) {
         made->argument[0] = ends->argument[0];
         made->argument[1] = ends->argument[1];
-        made->argument[2] = of;
+        made->argument[2] = summand;
     }
     return made;
 }
 
-static node word(struct ode_parser *p)
+static node word_parse(struct ode_parser *p)
 {
-    const size_t from = p->at;
-    while (p->at < p->text.len && (is_letter(p->text.at[p->at]) || is_digit(p->text.at[p->at])))
-        p->at++;
-    const struct text name = {p->text.at + from, p->at - from};
-    const char next = p->at < p->text.len ? p->text.at[p->at] : '\0';
+    const size_t begin = p->position;
+    while (p->position < p->text.len &&
+           (is_ode_letter(p->text.data[p->position]) || is_ode_digit(p->text.data[p->position])))
+        p->position++;
+    const struct text name = {p->text.data + begin, p->position - begin};
+    const char next = p->position < p->text.len ? p->text.data[p->position] : '\0';
     if (text_is(name, "i") && next == '\'') {
-        p->at++;
-        return make(p, NODE_INDEX, 0);
+        p->position++;
+        return parser_node_make(p, NODE_INDEX, 0);
     }
     if (next == '\'')
-        return fail(p, "a derivative stands on the left only");
+        return parser_fail(p, "a derivative stands on the left only");
     if (text_is(name, "if"))
         return choice(p);
     if (text_is(name, "not"))
-        return fail(p, "'not' needs an operator before it");
+        return parser_fail(p, "'not' needs an operator before it");
     if (text_is(name, "int") && (next == '{' || next == '['))
-        return fail(p, "integral equations (Volterra) are not for scenes:");
-    if (peek(p) == '(')
-        return text_is(name, "sum") ? series(p, name) : call(p, name);
-    struct ode_node *made = make(p, NODE_NAME, 0);
+        return parser_fail(p, "integral equations (Volterra) are not for scenes:");
+    if (parser_peek(p) == '(')
+        return text_is(name, "sum") ? series(p, name) : call_parse(p, name);
+    struct ode_node *made = parser_node_make(p, NODE_NAME, 0);
     if (made)
         made->name = name;
     return made;
 }
 
-static node atom(struct ode_parser *p)
+static node atom_parse(struct ode_parser *p)
 {
-    const char next = peek(p);
-    if (is_digit(next) || next == '.') {
+    const char next = parser_peek(p);
+    if (is_ode_digit(next) || next == '.') {
         double value;
         size_t used;
-        const struct text rest = {p->text.at + p->at, p->text.len - p->at};
+        const struct text rest = {p->text.data + p->position, p->text.len - p->position};
         if (real_scan(rest, '.', &value, &used) == REAL_OVERFLOW || used == 0)
-            return fail(p, "no number");
-        p->at += used;
-        struct ode_node *made = make(p, NODE_NUMBER, 0);
+            return parser_fail(p, "no number");
+        p->position += used;
+        struct ode_node *made = parser_node_make(p, NODE_NUMBER, 0);
         if (made)
             made->number = value;
         return made;
     }
-    if (is_letter(next))
-        return word(p);
+    if (is_ode_letter(next))
+        return word_parse(p);
     if (next == '(')
         return in_parentheses(p);
-    return fail(p, "a number or a name is missing");
+    return parser_fail(p, "a number or a name is missing");
 }
 
 static node parse_power(struct ode_parser *p)
@@ -232,11 +235,12 @@ static node parse_power(struct ode_parser *p)
         bool equal;
     } operators[] = {{"**", '^', false}, {"^", '^', false},  {"<=", '<', true}, {">=", '>', true},
                      {"==", '=', false}, {"!=", '!', false}, {"<", '<', false}, {">", '>', false}};
-    node left = atom(p);
+    node left = atom_parse(p);
     for (size_t i = 0; left && i < COUNT_OF(operators); i++) {
         if (!ode_word_take(p, operators[i].sign))
             continue;
-        left = ode_node_join(p, NODE_JOIN, operators[i].op, operators[i].equal, left, atom(p));
+        left =
+            ode_node_join(p, NODE_JOIN, operators[i].op, operators[i].equal, left, atom_parse(p));
         i = (size_t)-1;
     }
     return left;
@@ -245,43 +249,43 @@ static node parse_power(struct ode_parser *p)
 /* Reads the word `not` and returns true if it comes next. */
 static bool takes_not(struct ode_parser *p)
 {
-    peek(p);
-    const struct text rest = {p->text.at + p->at, p->text.len - p->at};
+    parser_peek(p);
+    const struct text rest = {p->text.data + p->position, p->text.len - p->position};
     const bool is = text_starts(rest, TEXT("not")) &&
-                    (rest.len == 3 || !(is_letter(rest.at[3]) || is_digit(rest.at[3])));
-    p->at += is ? 3 : 0;
+                    (rest.len == 3 || !(is_ode_letter(rest.data[3]) || is_ode_digit(rest.data[3])));
+    p->position += is ? 3 : 0;
     return is;
 }
 
 static node factor(struct ode_parser *p)
 {
-    return takes_not(p) ? sign(p, '!', parse_power(p)) : parse_power(p);
+    return takes_not(p) ? sign_node_make(p, '!', parse_power(p)) : parse_power(p);
 }
 
 static node product(struct ode_parser *p, bool first)
 {
-    node left = first && ode_word_take(p, "-") ? sign(p, '-', factor(p)) : factor(p);
+    node left = first && ode_word_take(p, "-") ? sign_node_make(p, '-', factor(p)) : factor(p);
     while (left) {
-        const char op = peek(p);
-        const bool doubled = p->at + 1 < p->text.len && p->text.at[p->at + 1] == '*';
+        const char op = parser_peek(p);
+        const bool doubled = p->position + 1 < p->text.len && p->text.data[p->position + 1] == '*';
         if (op != '/' && op != '&' && (op != '*' || doubled))
             break;
-        p->at++;
+        p->position++;
         left = ode_node_join(p, NODE_JOIN, op, false, left, factor(p));
     }
     return left;
 }
 
-static node sum(struct ode_parser *p)
+static node sum_parse(struct ode_parser *p)
 {
     if (++p->depth > DEEPEST)
-        return fail(p, "nested too deeply");
+        return parser_fail(p, "nested too deeply");
     node left = product(p, true);
     while (left) {
-        const char op = peek(p);
+        const char op = parser_peek(p);
         if (op != '+' && op != '-' && op != '|')
             break;
-        p->at++;
+        p->position++;
         left = ode_node_join(p, NODE_JOIN, op, false, left, product(p, false));
     }
     p->depth--;
@@ -292,8 +296,8 @@ const struct ode_node *ode_parse(struct arena *arena, int line, struct text text
                                  struct error *error)
 {
     struct ode_parser p = {.arena = arena, .error = error, .text = text_trim(text), .line = line};
-    const node whole = sum(&p);
-    if (whole && peek(&p) != '\0')
-        return fail(&p, "the formula ends");
+    const node whole = sum_parse(&p);
+    if (whole && parser_peek(&p) != '\0')
+        return parser_fail(&p, "the formula ends");
     return whole;
 }

@@ -5,37 +5,37 @@
 
 #include "modules/xppaut/ode.h"
 
-static bool ends(char c)
+static bool is_setting_end(char c)
 {
     return c == ' ' || c == ',' || c == '\r' || c == ';' || c == '{' || c == '}';
 }
 
-static void skip(struct text *rest, bool all)
+static void setting_separators_skip(struct text *rest, bool all)
 {
-    while (rest->len > 0 && (all ? ends(rest->at[0]) : rest->at[0] == ' '))
-        *rest = (struct text){rest->at + 1, rest->len - 1};
+    while (rest->len > 0 && (all ? is_setting_end(rest->data[0]) : rest->data[0] == ' '))
+        *rest = (struct text){rest->data + 1, rest->len - 1};
 }
 
-static struct text word(struct text *rest, bool name)
+static struct text setting_word_take(struct text *rest, bool name)
 {
     size_t len = 0;
-    while (len < rest->len && !ends(rest->at[len]) && !(name && rest->at[len] == '='))
+    while (len < rest->len && !is_setting_end(rest->data[len]) && !(name && rest->data[len] == '='))
         len++;
-    const struct text taken = {rest->at, len};
-    *rest = (struct text){rest->at + len, rest->len - len};
+    const struct text taken = {rest->data, len};
+    *rest = (struct text){rest->data + len, rest->len - len};
     return taken;
 }
 
 bool ode_pair(struct text *rest, struct text *name, struct text *value)
 {
     *value = TEXT("");
-    skip(rest, true);
-    *name = word(rest, true);
-    skip(rest, false);
-    if (rest->len > 0 && rest->at[0] == '=') {
-        *rest = (struct text){rest->at + 1, rest->len - 1};
-        skip(rest, false);
-        *value = word(rest, false);
+    setting_separators_skip(rest, true);
+    *name = setting_word_take(rest, true);
+    setting_separators_skip(rest, false);
+    if (rest->len > 0 && rest->data[0] == '=') {
+        *rest = (struct text){rest->data + 1, rest->len - 1};
+        setting_separators_skip(rest, false);
+        *value = setting_word_take(rest, false);
         return true;
     }
     return name->len > 0;
@@ -46,8 +46,8 @@ bool ode_number(int line, struct text name, struct text value, double *number, s
     if (real_parse(value, number) == REAL_OK && isfinite(*number))
         return true;
     return ode_error(error, line, "%.*s=%.*s: XPPAUT takes a number there",
-                     (int)(name.len < 40 ? name.len : 40), name.at,
-                     (int)(value.len < 40 ? value.len : 40), value.at);
+                     (int)(name.len < 40 ? name.len : 40), name.data,
+                     (int)(value.len < 40 ? value.len : 40), value.data);
 }
 
 /* XPPAUT's names, of which what stands here is the beginning. */
@@ -74,7 +74,7 @@ static bool set_method(struct ode_settings *settings, int line, struct text valu
 {
     if (value.len == 0)
         return true;
-    settings->method = value.at[0];
+    settings->method = value.data[0];
     settings->has_method = true;
     settings->line = line;
     return true;

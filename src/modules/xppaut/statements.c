@@ -7,9 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct text from(struct text text, size_t at)
+static struct text statement_tail(struct text text, size_t position)
 {
-    return text_trim((struct text){text.at + at, text.len - at});
+    return text_trim((struct text){text.data + position, text.len - position});
 }
 
 static int shown(struct text text)
@@ -60,7 +60,7 @@ bool ode_note(struct ode_statements *s, int line, bool warns, const char *format
 static bool is_name(struct text name)
 {
     for (size_t i = 0; i < name.len; i++) {
-        const char c = name.at[i];
+        const char c = name.data[i];
         if (!((c >= 'a' && c <= 'z') || c == '_' || (i > 0 && c >= '0' && c <= '9')))
             return false;
     }
@@ -72,15 +72,15 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
 {
     struct ode *ode = &s->ode;
     if (kind != ODE_AUX && !is_name(name)) {
-        ode_error(ode->error, line, "'%.*s' is no name", shown(name), name.at);
+        ode_error(ode->error, line, "'%.*s' is no name", shown(name), name.data);
         return NULL;
     }
     const struct ode_symbol *other = kind == ODE_AUX ? NULL : ode_find(ode, name);
     if (other)
-        ode_error(ode->error, line, "'%.*s' is there twice: in line %d, too", shown(name), name.at,
-                  other->line);
+        ode_error(ode->error, line, "'%.*s' is there twice: in line %d, too", shown(name),
+                  name.data, other->line);
     else if (kind != ODE_AUX && (text_is(name, "t") || text_is(name, "pi")))
-        ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.at);
+        ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.data);
     else if (ode->symbols == ODE_SYMBOLS)
         ode_error(ode->error, line, "more than %d names", ODE_SYMBOLS);
     else if (ode_grow(ode, &ode->symbol, ode->symbols, &ode->capacity, sizeof *ode->symbol))
@@ -119,7 +119,7 @@ static bool take_initial(struct ode_statements *s, int line, struct text name, s
         return true;
     return ode_error(s->ode.error, line,
                      "%.*s(0)=%.*s: an initial value is a number; a formula is the past of a delay",
-                     shown(name), name.at, shown(value), value.at);
+                     shown(name), name.data, shown(value), value.data);
 }
 
 static bool take_initials(struct ode_statements *s, int line, struct text rest)
@@ -133,29 +133,30 @@ static bool take_initials(struct ode_statements *s, int line, struct text rest)
 
 static bool take_aux(struct ode_statements *s, int line, struct text rest)
 {
-    const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
+    const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
     if (!equals)
         return ode_error(s->ode.error, line, "an auxiliary quantity is aux NAME=FORMULA");
     return ode_symbol_add(s, ODE_AUX, line,
-                          text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
-                          from(rest, (size_t)(equals + 1 - rest.at)));
+                          text_trim((struct text){rest.data, (size_t)(equals - rest.data)}),
+                          statement_tail(rest, (size_t)(equals + 1 - rest.data)));
 }
 
 static bool take_table(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "%");
-    struct ode_symbol *symbol = ode_symbol_add(s, ODE_TABLE, line, name, from(rest, name.len));
+    struct ode_symbol *symbol =
+        ode_symbol_add(s, ODE_TABLE, line, name, statement_tail(rest, name.len));
     return symbol && ode_table_read(&s->ode, symbol);
 }
 
 static bool take_special(struct ode_statements *s, int line, struct text rest)
 {
-    const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
+    const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
     if (!equals)
         return ode_error(s->ode.error, line, "a network is special NAME=conv(...)");
     struct ode_symbol *symbol = ode_symbol_add(
-        s, ODE_NET, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
-        from(rest, (size_t)(equals + 1 - rest.at)));
+        s, ODE_NET, line, text_trim((struct text){rest.data, (size_t)(equals - rest.data)}),
+        statement_tail(rest, (size_t)(equals + 1 - rest.data)));
     return symbol && ode_net_read(&s->ode, symbol);
 }
 
@@ -164,7 +165,7 @@ static bool take_set(struct ode_statements *s, int line, struct text rest)
     const struct text name = peek_word(rest, "{");
     if (name.len == 0)
         return ode_error(s->ode.error, line, "a set is set NAME {NAME=VALUE,...}");
-    s->set[s->sets++] = (struct ode_set){name, from(rest, name.len), line};
+    s->set[s->sets++] = (struct ode_set){name, statement_tail(rest, name.len), line};
     return true;
 }
 
@@ -220,14 +221,15 @@ static const struct word {
 
 static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *line, size_t end)
 {
-    const struct text word = {line->text.at, end}, rest = from(line->text, end);
+    const struct text word = {line->text.data, end}, rest = statement_tail(line->text, end);
     for (size_t i = 0; i < COUNT_OF(words); i++) {
         if (word.len < words[i].min || !text_starts(text_of(words[i].full), word))
             continue;
         return words[i].take ? words[i].take(s, line->number, rest)
                              : ode_error(s->ode.error, line->number, "%s", words[i].why);
     }
-    return ode_error(s->ode.error, line->number, "unknown statement '%.*s'", shown(word), word.at);
+    return ode_error(s->ode.error, line->number, "unknown statement '%.*s'", shown(word),
+                     word.data);
 }
 
 /* ---- statements that begin with a name ---- */
@@ -236,7 +238,7 @@ static bool text_holds(struct text text, const char *word)
 {
     const size_t len = strlen(word);
     for (size_t i = 0; i + len <= text.len; i++)
-        if (memcmp(text.at + i, word, len) == 0)
+        if (memcmp(text.data + i, word, len) == 0)
             return true;
     return false;
 }
@@ -245,7 +247,7 @@ static bool text_holds(struct text text, const char *word)
 static bool is_inside(struct text inside, const char *what)
 {
     for (size_t i = 0; i < inside.len; i++)
-        if (inside.at[i] != ' ' && *what++ != inside.at[i])
+        if (inside.data[i] != ' ' && *what++ != inside.data[i])
             return false;
     return *what == '\0';
 }
@@ -269,13 +271,13 @@ static bool take_function(struct ode_statements *s, int line, struct text name, 
 /* NAME(…)=… */
 static bool take_call(struct ode_statements *s, const struct ode_line *line, size_t open)
 {
-    const struct text all = line->text, name = text_trim((struct text){all.at, open});
-    const char *close = memchr(all.at + open, ')', all.len - open);
-    const char *equals = close ? memchr(close, '=', all.len - (size_t)(close - all.at)) : NULL;
+    const struct text all = line->text, name = text_trim((struct text){all.data, open});
+    const char *close = memchr(all.data + open, ')', all.len - open);
+    const char *equals = close ? memchr(close, '=', all.len - (size_t)(close - all.data)) : NULL;
     if (!equals)
         return ode_error(s->ode.error, line->number, "NAME(...)=FORMULA is not complete");
-    const struct text inside = {all.at + open + 1, (size_t)(close - all.at) - open - 1},
-                      right = from(all, (size_t)(equals + 1 - all.at));
+    const struct text inside = {all.data + open + 1, (size_t)(close - all.data) - open - 1},
+                      right = statement_tail(all, (size_t)(equals + 1 - all.data));
     if (is_inside(inside, "t+1"))
         return ode_error(s->ode.error, line->number,
                          "maps are not for scenes, in which time is continuous");
@@ -288,13 +290,13 @@ static bool take_call(struct ode_statements *s, const struct ode_line *line, siz
 }
 
 static bool take_right(struct ode_statements *s, const struct ode_line *line, enum ode_kind kind,
-                       struct text name, size_t at)
+                       struct text name, size_t position)
 {
-    const char *equals = memchr(line->text.at + at, '=', line->text.len - at);
+    const char *equals = memchr(line->text.data + position, '=', line->text.len - position);
     if (!equals)
         return ode_error(s->ode.error, line->number, "a '=' is missing");
     return ode_symbol_add(s, kind, line->number, text_trim(name),
-                          from(line->text, (size_t)(equals + 1 - line->text.at)));
+                          statement_tail(line->text, (size_t)(equals + 1 - line->text.data)));
 }
 
 static bool take_settings(struct ode_statements *s, const struct ode_line *line)
@@ -302,7 +304,7 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     struct text rest = line->text, name, value;
     const struct text first = peek_word(rest, ",");
     const char *note;
-    rest = (struct text){rest.at + first.len, rest.len - first.len};
+    rest = (struct text){rest.data + first.len, rest.len - first.len};
     if (first.len > 1 && !ode_note(s, line->number, true,
                                    "XPPAUT takes no setting that stands right "
                                    "behind @: neither is it taken here"))
@@ -318,26 +320,26 @@ static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
 {
     const struct text text = line->text;
     size_t end = 0;
-    if (text.at[0] == '@')
+    if (text.data[0] == '@')
         return take_settings(s, line);
-    while (end < text.len && !strchr(" =/'(", text.at[end]))
+    while (end < text.len && !strchr(" =/'(", text.data[end]))
         end++;
-    const struct text rest = from(text, end), name = {text.at, end};
-    const char mark = rest.len > 0 && text.at[end] == ' ' && rest.at[0] != '='
+    const struct text rest = statement_tail(text, end), name = {text.data, end};
+    const char mark = rest.len > 0 && text.data[end] == ' ' && rest.data[0] != '='
                           ? ' '
-                          : (char)(end == text.len       ? '\0'
-                                   : text.at[end] == ' ' ? '='
-                                                         : text.at[end]);
+                          : (char)(end == text.len         ? '\0'
+                                   : text.data[end] == ' ' ? '='
+                                                           : text.data[end]);
     if (text_is(name, "0") && mark == '=')
         return ode_error(s->ode.error, line->number, "algebraic equations (0=) are not for scenes");
     switch (mark) {
     case '=':
-        return text.at[0] == '!' ? take_right(s, line, ODE_DERIVED, from(name, 1), end)
-                                 : take_right(s, line, ODE_FIXED, name, end);
+        return text.data[0] == '!' ? take_right(s, line, ODE_DERIVED, statement_tail(name, 1), end)
+                                   : take_right(s, line, ODE_FIXED, name, end);
     case '/':
-        if (text.at[0] != 'd' || end < 2 || !text_starts(rest, TEXT("/dt")))
+        if (text.data[0] != 'd' || end < 2 || !text_starts(rest, TEXT("/dt")))
             return ode_error(s->ode.error, line->number, "an equation is dx/dt=FORMULA or x'=...");
-        return take_right(s, line, ODE_VARIABLE, from(name, 1), end);
+        return take_right(s, line, ODE_VARIABLE, statement_tail(name, 1), end);
     case '\'':
         return take_right(s, line, ODE_VARIABLE, name, end);
     case '(':

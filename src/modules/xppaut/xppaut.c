@@ -25,12 +25,12 @@ static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
     static const char mark[] = "-ode";
     struct text base = text_last_component(file);
     size_t len = 0;
-    if (base.len > 4 && text_is((struct text){base.at + base.len - 4, 4}, ".ode"))
+    if (base.len > 4 && text_is((struct text){base.data + base.len - 4, 4}, ".ode"))
         base.len -= 4;
-    if (base.len == 0 || !is_name_start(base.at[0]))
+    if (base.len == 0 || !is_name_start(base.data[0]))
         name[len++] = 'o';
     for (size_t i = 0; i < base.len && len + sizeof mark <= LIMIT_SYMBOL; i++)
-        name[len++] = is_name_char(base.at[i]) ? base.at[i] : '-';
+        name[len++] = is_name_char(base.data[i]) ? base.data[i] : '-';
     name[len] = '\0';
     if (catalog_find(&preset_catalog, text_of(name)) || text_is(text_of(name), "new"))
         memcpy(name + len, mark, sizeof mark);
@@ -53,13 +53,13 @@ static void name_line(const struct ode_scene *scene, struct error *error)
 {
     char text[sizeof error->text];
     const struct typed_line *line = scene->line, *end = line + scene->lines;
-    while (line < end &&
-           !(error->where.at >= line->expr.at && error->where.at <= line->expr.at + line->expr.len))
+    while (line < end && !(error->where.data >= line->expr.data &&
+                           error->where.data <= line->expr.data + line->expr.len))
         line++;
-    if (!error->where.at || line == end)
+    if (!error->where.data || line == end)
         return;
     memcpy(text, error->text, sizeof text);
-    snprintf(error->text, sizeof error->text, "%.*s: %.400s", (int)line->name.len, line->name.at,
+    snprintf(error->text, sizeof error->text, "%.*s: %.400s", (int)line->name.len, line->name.data,
              text);
 }
 
@@ -128,7 +128,7 @@ static bool add_events(struct session *session, const struct arguments *args,
 
 /* The caller takes the set-up back where it fails. */
 static bool ode_scene_take(struct session *session, const struct arguments *args, struct text file,
-                           const struct ode_scene *from, struct error *error)
+                           const struct ode_scene *ode_scene, struct error *error)
 {
     struct setup *setup = &session->setup;
     struct system *system = arena_alloc(args->arena, sizeof *system);
@@ -136,20 +136,21 @@ static bool ode_scene_take(struct session *session, const struct arguments *args
     if (!system)
         return error_memory(error);
     name_of(file, name);
-    const struct model *model = typed_make(session->definitions.models, text_of(name), from->line,
-                                           from->lines, session->front.cancel, error);
+    const struct model *model =
+        typed_make(session->definitions.models, text_of(name), ode_scene->line, ode_scene->lines,
+                   session->front.cancel, error);
     if (!model) {
-        name_line(from, error);
+        name_line(ode_scene, error);
         return false;
     }
     scene_init(&setup->scene, typed_preset(model));
     settings_of_scene(&setup->settings, setup->scene.preset);
     setup->events = NULL;
-    if (from->t0 != 0 && !scene_set(&setup->scene, scene_param(&setup->scene, "t0"),
-                                    (struct measured){from->t0, 0}, error))
+    if (ode_scene->t0 != 0 && !scene_set(&setup->scene, scene_param(&setup->scene, "t0"),
+                                         (struct measured){ode_scene->t0, 0}, error))
         return false;
     return scene_bind(&setup->scene, system, error) && keep_own_scene(session, error) &&
-           set_method(setup, from, error) && add_events(session, args, from, error);
+           set_method(setup, ode_scene, error) && add_events(session, args, ode_scene, error);
 }
 
 /* ---- what is said ---- */
@@ -162,46 +163,47 @@ static int count_of(const struct ode_scene *scene, enum typed_kind kind)
     return count;
 }
 
-static const char *many(int count)
+static const char *plural_ending(int count)
 {
     return count == 1 ? "" : "s";
 }
 
-static void put_sets(const struct ode_scene *from, struct buffer *text)
+static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
 {
     char name[SAFE_NAME_SIZE];
-    for (int i = 0; i < from->sets; i++)
+    for (int i = 0; i < ode_scene->sets; i++)
         buffer_format(text, "%s%s", i == 0 ? "\n  sets, which set=NAME takes: " : " ",
-                      safe_name(from->set[i], name));
+                      safe_name(ode_scene->set[i], name));
 }
 
-static void reply_from(const struct session *session, const struct ode_scene *from,
+static void reply_from(const struct session *session, const struct ode_scene *ode_scene,
                        struct text file, struct reply *reply)
 {
     const struct setup *setup = &session->setup;
-    const int variables = count_of(from, TYPED_VAR), params = count_of(from, TYPED_PARAM),
-              observed = count_of(from, TYPED_OBSERVE);
+    const int variables = count_of(ode_scene, TYPED_VAR), params = count_of(ode_scene, TYPED_PARAM),
+              observed = count_of(ode_scene, TYPED_OBSERVE);
     struct buffer text = {0};
     buffer_format(&text, "scene %s: %d variable%s, %d parameter%s, %d observed, %d event%s\n  ",
-                  setup->scene.preset->row.name, variables, many(variables), params, many(params),
-                  observed, from->events, many(from->events));
-    buffer_quantity(&text, from->total, QUANTITY_TIME, 6);
-    buffer_format(&text, " by %s", from->method);
+                  setup->scene.preset->row.name, variables, plural_ending(variables), params,
+                  plural_ending(params), observed, ode_scene->events,
+                  plural_ending(ode_scene->events));
+    buffer_quantity(&text, ode_scene->total, QUANTITY_TIME, 6);
+    buffer_format(&text, " by %s", ode_scene->method);
     if (setup->fixed) {
         buffer_put(&text, TEXT(", dt = "));
-        buffer_quantity(&text, from->dt, QUANTITY_TIME, 6);
+        buffer_quantity(&text, ode_scene->dt, QUANTITY_TIME, 6);
     }
-    if (from->meant)
-        buffer_format(&text, " (there: %s)", from->meant);
+    if (ode_scene->meant)
+        buffer_format(&text, " (there: %s)", ode_scene->meant);
     buffer_put(&text, TEXT("; 'scene' shows its equations, 'run' runs it"));
-    put_sets(from, &text);
+    put_sets(ode_scene, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    for (int i = 0; i < from->notes; i++) {
-        if (from->note[i].warns)
-            reply_warning(reply, "%s", from->note[i].text);
+    for (int i = 0; i < ode_scene->notes; i++) {
+        if (ode_scene->note[i].warns)
+            reply_warning(reply, "%s", ode_scene->note[i].text);
         else
-            reply_line(reply, "  %s", from->note[i].text);
+            reply_line(reply, "  %s", ode_scene->note[i].text);
     }
     char name[SAFE_NAME_SIZE];
     reply_begin(reply, "scene");
@@ -210,19 +212,19 @@ static void reply_from(const struct session *session, const struct ode_scene *fr
     reply_int(reply, "variables", variables);
     reply_int(reply, "parameters", params);
     reply_int(reply, "observed", observed);
-    reply_int(reply, "events", from->events);
-    reply_string(reply, "method", from->method);
-    reply_real(reply, "duration", from->total);
-    reply_real(reply, "dt", from->dt);
+    reply_int(reply, "events", ode_scene->events);
+    reply_string(reply, "method", ode_scene->method);
+    reply_real(reply, "duration", ode_scene->total);
+    reply_real(reply, "dt", ode_scene->dt);
     reply_array(reply, "notes");
-    for (int i = 0; i < from->notes; i++)
-        reply_string(reply, NULL, from->note[i].text);
+    for (int i = 0; i < ode_scene->notes; i++)
+        reply_string(reply, NULL, ode_scene->note[i].text);
     reply_close(reply);
     reply_end(reply);
 }
 
-static bool load(struct session *session, const struct arguments *args, struct text file,
-                 struct text set, struct reply *reply, struct error *error)
+static bool ode_load(struct session *session, const struct arguments *args, struct text file,
+                     struct text set, struct reply *reply, struct error *error)
 {
     char *path = script_path(args->where, file, args->arena);
     if (!path)
@@ -233,22 +235,22 @@ static bool load(struct session *session, const struct arguments *args, struct t
         *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
     const struct ode_options options = {
         .set = text_of(lower), .taken = is_setting, .cancel = session->front.cancel};
-    struct ode_scene from;
-    struct setup *before = arena_alloc(args->arena, sizeof *before);
+    struct ode_scene ode_scene;
+    struct setup *previous = arena_alloc(args->arena, sizeof *previous);
     if (!file_read(path, FILE_MAX, &content, error)) {
         error->where = file;
         return false;
     }
-    bool fine = lower && before;
+    bool fine = lower && previous;
     if (fine)
-        *before = session->setup;
+        *previous = session->setup;
     else
         error_memory(error);
-    if (fine && !ode_read(buffer_text(&content), &options, args->arena, &from, error))
+    if (fine && !ode_read(buffer_text(&content), &options, args->arena, &ode_scene, error))
         fine = in_file(file, error);
     buffer_free(&content);
-    if (fine && !ode_scene_take(session, args, file, &from, error)) {
-        session->setup = *before;
+    if (fine && !ode_scene_take(session, args, file, &ode_scene, error)) {
+        session->setup = *previous;
         fine = in_file(file, error);
     }
     if (!fine)
@@ -256,7 +258,7 @@ static bool load(struct session *session, const struct arguments *args, struct t
     session->execution.said_assumed = false;
     session->view.starts = 0;
     session_changed(session);
-    reply_from(session, &from, file, reply);
+    reply_from(session, &ode_scene, file, reply);
     return true;
 }
 
@@ -267,6 +269,6 @@ const struct module xppaut_module = {
         {
             .ending = "ode",
             .kind = "files of XPPAUT",
-            .load = load,
+            .load = ode_load,
         },
 };

@@ -22,7 +22,8 @@ bool drawing_columns(struct drawing *d, const struct system *system)
                         request->runs > 1 ? "of several runs one column at a time"
                                           : "at most %d columns in one plot",
                         DRAWN_COLUMNS);
-    if (plane && !chosen_find(d->model, request->against, &d->against, d->error))
+    if (plane &&
+        !chosen_find(d->model, request->horizontal_column, &d->horizontal_column, d->error))
         return false;
     for (int i = 0; i < request->columns; i++) {
         if (!chosen_find(d->model, request->column[i], &d->column[i], d->error))
@@ -50,13 +51,13 @@ const char *drawing_label(const struct drawing *d, int i)
 }
 
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
-                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error)
 {
     if (column->observable)
-        return values_at_rows(run, column->observable, rows, arena, out, error);
+        return values_at_rows(run, column->observable, rows, arena, values, error);
     if (column->variable < run->system.n) {
-        state_at_rows(run, column->variable, rows, out);
+        state_at_rows(run, column->variable, rows, values);
         return true;
     }
     double *all = arena_array(arena, trace_count(run->trace), sizeof *all);
@@ -64,14 +65,14 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
         return error_memory(error);
     run_observed_column(run, column->variable - run->system.n, all);
     for (size_t i = 0; i < rows->n; i++)
-        out[i] = all[rows->row[i]];
+        values[i] = all[rows->row[i]];
     return true;
 }
 
 /* ---- at events ---- */
 
 static bool column_value(const struct run *run, const struct chosen_column *column, size_t i,
-                         double *out, struct error *error)
+                         double *value, struct error *error)
 {
     const struct event_record *record = run_event_record(run, i);
     const struct sample sample = {
@@ -82,10 +83,10 @@ static bool column_value(const struct run *run, const struct chosen_column *colu
                                !observable_defined(column->observable, &run->system, false)))
         return error_set(error, ERROR_COMMAND, "%s is not known at events",
                          column->observable->row.name);
-    *out = column->observable ? column->observable->value(&sample)
-           : column->variable < n
-               ? sample.y[column->variable]
-               : system_observe(&run->system, column->variable - n, sample.t, sample.y);
+    *value = column->observable ? column->observable->value(&sample)
+             : column->variable < n
+                 ? sample.y[column->variable]
+                 : system_observe(&run->system, column->variable - n, sample.t, sample.y);
     return true;
 }
 
@@ -104,25 +105,26 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
             return error_memory(d->error);
         for (size_t i = 0; i + 1 < capacity; i++) {
             const struct event_record *record = run_event_record(run, i);
-            if (!text_is(request->at, slot->events->line[record->event].name) ||
+            if (!text_is(request->event, slot->events->line[record->event].name) ||
                 record->t < d->window[0] || record->t > d->window[1])
                 continue;
-            double up = 0;
-            if (!column_value(run, plot_is_plane(request->kind) ? &d->against : &time, i, &x[seen],
-                              d->error) ||
-                !column_value(run, &d->column[c], i, &up, d->error))
+            double y_value = 0;
+            if (!column_value(run, plot_is_plane(request->kind) ? &d->horizontal_column : &time, i,
+                              &x[seen], d->error) ||
+                !column_value(run, &d->column[c], i, &y_value, d->error))
                 return false;
             seen++;
             /* each point of a return map is the next of the one before */
             if (!request->next || seen > 1)
-                y[n++] = up;
+                y[n++] = y_value;
         }
         if (seen == 1 && n == 0)
-            return error_at(d->error, request->at,
+            return error_at(d->error, request->event,
                             "only one of these events happened in this time: no next");
         if (n == 0) {
-            error_at(d->error, request->at, "run %d has no event '%.*s' in this time", run->number,
-                     (int)(request->at.len < 64 ? request->at.len : 64), request->at.at);
+            error_at(d->error, request->event, "run %d has no event '%.*s' in this time",
+                     run->number, (int)(request->event.len < 64 ? request->event.len : 64),
+                     request->event.data);
             return error_hint(d->error, "'list events' shows what happened");
         }
         d->curve[d->curves++] = (struct curve){

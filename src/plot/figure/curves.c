@@ -65,28 +65,28 @@ static size_t row_insert(size_t *row, size_t n, size_t next)
  * energy have their extremes (the modified energy of a symplectic method differs by terms in q v,
  * q^2, v^2; Hairer, Lubich, Wanner IX.8).
  */
-static size_t choose_of_shared(const struct run *run, size_t from, size_t to, size_t stride,
-                               size_t *out)
+static size_t choose_of_shared(const struct run *run, size_t begin, size_t end, size_t stride,
+                               size_t *chosen_row)
 {
-    size_t at[EXTREMES_MAX + 2];
+    size_t extreme_row[EXTREMES_MAX + 2];
     double best[EXTREMES_MAX], value[EXTREMES_MAX];
-    const int extremes = extremes_of(run, trace_state(run->trace, from), best);
+    const int extremes = extremes_of(run, trace_state(run->trace, begin), best);
     for (int e = 0; e <= extremes; e++)
-        at[e] = from;
-    at[extremes + 1] = to - 1;
-    for (size_t i = from; i < to; i += stride) {
-        const size_t row = visited(i, stride) < to ? visited(i, stride) : to - 1;
+        extreme_row[e] = begin;
+    extreme_row[extremes + 1] = end - 1;
+    for (size_t i = begin; i < end; i += stride) {
+        const size_t row = visited(i, stride) < end ? visited(i, stride) : end - 1;
         extremes_of(run, trace_state(run->trace, row), value);
         for (int e = 0; e < extremes; e++) {
             if (value[e] > best[e]) {
                 best[e] = value[e];
-                at[e] = row;
+                extreme_row[e] = row;
             }
         }
     }
     size_t n = 0;
     for (int i = 0; i < extremes + 2; i++)
-        n = row_insert(out, n, at[i]);
+        n = row_insert(chosen_row, n, extreme_row[i]);
     return n;
 }
 
@@ -102,14 +102,14 @@ static bool choose_extremes(const struct run *run, const struct row_request *req
         arena_array(arena, ((end - first) / each + 1) * most, sizeof *rows->row), 0};
     if (!rows->row)
         return error_memory(error);
-    for (size_t from = first, to; from < end; from = to) {
+    for (size_t bucket_begin = first, bucket_end; bucket_begin < end; bucket_begin = bucket_end) {
         size_t *row = rows->row + rows->n, n = 0;
-        to = from + each < end ? from + each : end;
-        n = row_insert(row, row_insert(row, n, from), to - 1);
+        bucket_end = bucket_begin + each < end ? bucket_begin + each : end;
+        n = row_insert(row, row_insert(row, n, bucket_begin), bucket_end - 1);
         for (int v = request->first; v < request->first + request->count; v++) {
-            size_t low = from, high = from;
-            double least = trace_state(run->trace, from)[v], most_value = least;
-            for (size_t i = from; i < to; i++) {
+            size_t low = bucket_begin, high = bucket_begin;
+            double least = trace_state(run->trace, bucket_begin)[v], most_value = least;
+            for (size_t i = bucket_begin; i < bucket_end; i++) {
                 const double value = trace_state(run->trace, i)[v];
                 if (value < least) {
                     least = value;
@@ -140,8 +140,8 @@ static void find_rows(const struct run *run, const struct row_request *request, 
 {
     const size_t count = trace_count(run->trace);
     const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
-    const double last = backwards ? request->from : request->to;
-    *first = trace_row_at(run->trace, backwards ? request->to : request->from);
+    const double last = backwards ? request->t_begin : request->t_end;
+    *first = trace_row_at(run->trace, backwards ? request->t_end : request->t_begin);
     *end = trace_row_at(run->trace, last);
     while (*end < count && trace_time(run->trace, *end) == last)
         ++*end;
@@ -167,7 +167,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
         return choose_extremes(run, request, first, end, arena, rows, error);
     const double n = (double)(end - first),
                  buckets = 4.0 * (request->columns > 0 ? request->columns : 1);
-    const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
+    const double a_period =
+        n * request->period / (request->t_end - request->t_begin) / VISITS_A_PERIOD;
     const size_t stride =
         !request->screen
             ? 1
@@ -181,13 +182,13 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
         0};
     if (!rows->row)
         return error_memory(error);
-    for (size_t from = first, to; from < end; from = to) {
-        to = from - from % bucket + bucket;
-        to = to < end ? to : end;
+    for (size_t bucket_begin = first, bucket_end; bucket_begin < end; bucket_begin = bucket_end) {
+        bucket_end = bucket_begin - bucket_begin % bucket + bucket;
+        bucket_end = bucket_end < end ? bucket_end : end;
         if (all)
-            rows->row[rows->n++] = from;
+            rows->row[rows->n++] = bucket_begin;
         else
-            rows->n += choose_of_shared(run, from, to, stride, rows->row + rows->n);
+            rows->n += choose_of_shared(run, bucket_begin, bucket_end, stride, rows->row + rows->n);
     }
     if (rows->n > 0 && rows->row[rows->n - 1] < end - 1)
         rows->row[rows->n++] = end - 1;
@@ -223,14 +224,14 @@ static bool follows_from_row(const struct run *run, const struct observable *obs
             (run->plan.exact_known || !(observable->needs & NEED_EXACT)) && run_never_changed(run));
 }
 
-void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out)
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values)
 {
     for (size_t row = 0; row < rows->n; row++)
-        out[row] = trace_state(run->trace, rows->row[row])[i];
+        values[row] = trace_state(run->trace, rows->row[row])[i];
 }
 
 bool values_at_rows(const struct run *run, const struct observable *observable,
-                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error)
 {
     if (!follows_from_row(run, observable)) {
@@ -240,7 +241,7 @@ bool values_at_rows(const struct run *run, const struct observable *observable,
         if (!run_column(run, observable, column, error))
             return false;
         for (size_t i = 0; i < rows->n; i++)
-            out[i] = column[rows->row[i]];
+            values[i] = column[rows->row[i]];
         return true;
     }
     double exact[LIMIT_VARIABLES];
@@ -252,7 +253,7 @@ bool values_at_rows(const struct run *run, const struct observable *observable,
         sample.y = trace_state(run->trace, rows->row[i]);
         if (observable->needs & NEED_EXACT)
             system_exact(&run->system, run->system.t0, run->system.start, sample.t, exact, NULL);
-        out[i] = observable->value(&sample);
+        values[i] = observable->value(&sample);
     }
     return true;
 }
@@ -279,19 +280,19 @@ static double acceleration_between(const struct system *system, double t, double
 
 double run_motion(const struct run *run, double t, int derivative)
 {
-    const size_t after = trace_row_at(run->trace, t), count = trace_count(run->trace);
+    const size_t next_row = trace_row_at(run->trace, t), count = trace_count(run->trace);
     const int half = run->system.order == 2 ? run->system.n / 2 : 0;
-    if (after == count || (half == 0 && derivative > 0))
+    if (next_row == count || (half == 0 && derivative > 0))
         return NAN;
-    const double *right = trace_state(run->trace, after);
-    const double b = trace_time(run->trace, after);
-    const struct system *system = run_system_to(run, after);
+    const double *right = trace_state(run->trace, next_row);
+    const double b = trace_time(run->trace, next_row);
+    const struct system *system = run_system_to(run, next_row);
     if (b == t)
         return derivative == 2 ? acceleration(system, t, right) : right[derivative * half];
-    if (after == 0)
+    if (next_row == 0)
         return NAN;
-    const double *left = trace_state(run->trace, after - 1);
-    const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h;
+    const double *left = trace_state(run->trace, next_row - 1);
+    const double a = trace_time(run->trace, next_row - 1), h = b - a, x = (t - a) / h;
     if (half == 0)
         return (1 - x) * left[0] + x * right[0];
     if (derivative == 0)

@@ -53,15 +53,15 @@ static void thin_out(const struct drawing *d, struct series *series)
     const double span = plane ? drawing_trail(d) * d->period : d->shown,
                  step = exp2(ceil(log2(span / (GROWING_POINTS * d->request->width))));
     double *t = (double *)(uintptr_t)series->t, *y = (double *)(uintptr_t)series->y;
-    double before = NAN;
+    double previous = NAN;
     size_t n = 0;
     for (size_t i = 0; i < series->n && isfinite(step); i++) {
         const double place = floor(t[i] / step);
-        if (place != before) {
+        if (place != previous) {
             t[n] = t[i];
             y[n++] = y[i];
         }
-        before = place;
+        previous = place;
     }
     series->n = isfinite(step) ? n : series->n;
 }
@@ -173,8 +173,8 @@ static bool recent_rows(struct drawing *d, const struct recording *recording, st
     struct recording part = *recording; /* its arrays are shared */
     const double trail = 2 * drawing_trail(d) * d->session->growing->steady,
                  shown = d->request->shared ? d->request->shared->shown : HUGE_VAL,
-                 from = part.window[1] - 2 * fmax(shown, trail);
-    part.window[0] = isfinite(trail) ? fmax(part.window[0], from) : part.window[0];
+                 t_begin = part.window[1] - 2 * fmax(shown, trail);
+    part.window[0] = isfinite(trail) ? fmax(part.window[0], t_begin) : part.window[0];
     return recording_series(&part, d->arena, 2, series, d->error);
 }
 

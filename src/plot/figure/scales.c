@@ -25,10 +25,11 @@ static bool has_ends(const struct figure_range *range)
 /* Finds the extent of the curves along an axis, for what can be seen along the other. */
 static struct extent find_extent(const struct drawing *d, bool vertical)
 {
-    const struct figure_range *across = vertical ? d->request->x : d->request->y;
+    const struct figure_range *other_range = vertical ? d->request->x : d->request->y;
     return curves_extent(
         d->curve, d->curves,
-        &(struct extent_window){.vertical = vertical, .across = across ? across->end : NULL});
+        &(struct extent_window){.vertical = vertical,
+                                .other_range = other_range ? other_range->end : NULL});
 }
 
 static bool fits_axis(const struct drawing *d, const struct figure_range *range,
@@ -54,19 +55,19 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
     if (!fits_axis(d, range, axis, quantity))
         return false;
     const struct extent extent = find_extent(d, vertical);
-    axis->from = range->end[0];
-    axis->to = range->end[1];
+    axis->first_value = range->end[0];
+    axis->last_value = range->end[1];
     if (isnan(range->end[0]))
-        axis->from = extent.low - air * (range->end[1] - extent.low);
+        axis->first_value = extent.low - air * (range->end[1] - extent.low);
     if (isnan(range->end[1]))
-        axis->to = extent.high + air * (extent.high - range->end[0]);
+        axis->last_value = extent.high + air * (extent.high - range->end[0]);
     axis->fixed = true;
-    if (axis->log && !(axis->from > 0))
+    if (axis->log && !(axis->first_value > 0))
         return error_at(d->error, range->text, "a logarithmic axis begins above zero");
-    if (!(axis->from < axis->to))
+    if (!(axis->first_value < axis->last_value))
         return error_at(d->error, range->text, "nothing is drawn in this range");
     if ((vertical || figure->plane) && !figure->equal)
-        axis_suit(axis, quantity, fmax(fabs(axis->from), fabs(axis->to)));
+        axis_suit(axis, quantity, fmax(fabs(axis->first_value), fabs(axis->last_value)));
     return true;
 }
 
@@ -81,7 +82,7 @@ bool drawing_ranges(const struct drawing *d, struct figure *figure, const enum q
 static double size_of_curve(const struct drawing *d, int i, bool x)
 {
     const struct extent_window window = {
-        .vertical = !x, .across = plot_is_timed(d->request->kind) && !x ? d->window : NULL};
+        .vertical = !x, .other_range = plot_is_timed(d->request->kind) && !x ? d->window : NULL};
     const struct extent extent = curves_extent(&d->curve[i], 1, &window);
     return extent.low <= extent.high ? fmax(fabs(extent.low), fabs(extent.high)) : 0;
 }
@@ -144,8 +145,8 @@ static double panel_size(const struct drawing *d, bool x, int panel)
     return size;
 }
 
-static bool part_panels(struct drawing *d, struct figure *figure, enum quantity across,
-                        enum quantity up, const double *size, double parting)
+static bool part_panels(struct drawing *d, struct figure *figure, enum quantity x_quantity,
+                        enum quantity y_quantity, const double *size, double parting)
 {
     struct axis *second = arena_array(d->arena, 2, sizeof *second);
     if (!second)
@@ -159,9 +160,9 @@ static bool part_panels(struct drawing *d, struct figure *figure, enum quantity 
         y->label = drawing_y_label(d, panel);
         if (!y->label)
             return error_memory(d->error);
-        axis_suit(y, up, panel_size(d, false, panel));
+        axis_suit(y, y_quantity, panel_size(d, false, panel));
         if (figure->plane)
-            axis_suit(x, across, panel_size(d, true, panel));
+            axis_suit(x, x_quantity, panel_size(d, true, panel));
         if (figure->equal) {
             y->factor = x->factor;
             y->unit = x->unit;

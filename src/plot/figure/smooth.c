@@ -66,7 +66,7 @@ static int state_on_axis(const struct drawing *d, int coordinate)
 {
     const enum plot_kind kind = d->request->kind;
     const struct chosen_column *column = !d->request->columns ? NULL
-                                         : coordinate < 0     ? &d->against
+                                         : coordinate < 0     ? &d->horizontal_column
                                                               : &d->column[coordinate];
     if (column)
         return !column->observable && column->variable < d->model->n ? column->variable : -1;
@@ -83,9 +83,9 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
                     const char *label, bool *drawn)
 {
     const bool plane = plot_is_plane(d->request->kind);
-    const int across = plane ? state_on_axis(d, -1) : 0;
+    const int x_state = plane ? state_on_axis(d, -1) : 0;
     struct smooth smooth;
-    *drawn = across >= 0;
+    *drawn = x_state >= 0;
     for (int i = 0; i < d->coordinates; i++)
         *drawn = *drawn && state_on_axis(d, i) >= 0;
     if (!*drawn)

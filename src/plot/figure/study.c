@@ -36,7 +36,7 @@ struct study {
     struct drawing *d;
     const struct study_picture *picture;
     const struct table *table;
-    const struct table_column *x, *by, *part;
+    const struct table_column *x, *key_column, *part;
     struct figure_guide *guide; /* [guides] */
     int guides;
 };
@@ -45,7 +45,7 @@ static bool row_is_in(const struct study *s, const struct study_layer *layer, co
                       size_t row)
 {
     return (!layer->part || (s->part && strcmp(s->part->text[row], layer->part) == 0)) &&
-           (!name || strcmp(s->by->text[row], name) == 0);
+           (!name || strcmp(s->key_column->text[row], name) == 0);
 }
 
 /* Returns "rk4, slope 4.00", from the first row that has that value, or NULL if out of memory. */
@@ -112,8 +112,8 @@ static bool add_layer_curve(struct study *s, const struct study_layer *layer, co
 /* Returns true if no earlier row has the name of this one. */
 static bool is_first_of_name(const struct study *s, size_t row)
 {
-    for (size_t before = 0; before < row; before++)
-        if (strcmp(s->by->text[before], s->by->text[row]) == 0)
+    for (size_t previous = 0; previous < row; previous++)
+        if (strcmp(s->key_column->text[previous], s->key_column->text[row]) == 0)
             return false;
     return true;
 }
@@ -122,8 +122,8 @@ static bool is_first_of_name(const struct study *s, size_t row)
 static size_t count_names(const struct study *s)
 {
     size_t names = 1;
-    for (size_t row = 1; s->by && row < s->table->rows; row++)
-        names += strcmp(s->by->text[row - 1], s->by->text[row]) != 0;
+    for (size_t row = 1; s->key_column && row < s->table->rows; row++)
+        names += strcmp(s->key_column->text[row - 1], s->key_column->text[row]) != 0;
     return names;
 }
 
@@ -138,11 +138,11 @@ static bool add_layers(struct study *s)
         return error_memory(d->error);
     for (const struct study_layer *layer = s->picture->layer;
          layer < s->picture->layer + STUDY_LAYERS_MAX && layer->y; layer++) {
-        if (!s->by && !add_layer_curve(s, layer, NULL))
+        if (!s->key_column && !add_layer_curve(s, layer, NULL))
             return false;
-        for (size_t row = 0; s->by && row < s->table->rows; row++)
-            if ((row == 0 || strcmp(s->by->text[row - 1], s->by->text[row]) != 0) &&
-                is_first_of_name(s, row) && !add_layer_curve(s, layer, s->by->text[row]))
+        for (size_t row = 0; s->key_column && row < s->table->rows; row++)
+            if ((row == 0 || strcmp(s->key_column->text[row - 1], s->key_column->text[row]) != 0) &&
+                is_first_of_name(s, row) && !add_layer_curve(s, layer, s->key_column->text[row]))
                 return false;
     }
     return d->curves > 0 || error_set(d->error, ERROR_COMMAND, "no row of '%s' has numbers to draw",
@@ -180,31 +180,31 @@ static bool heat_axis_of(struct study *s, const struct table_column *column, str
 
 static size_t place_on(const struct heat_axis *axis, double value)
 {
-    const double *at =
+    const double *position =
         bsearch(&value, axis->value, (size_t)axis->count, sizeof value, compare_values);
-    return at ? (size_t)(at - axis->value) : (size_t)axis->count;
+    return position ? (size_t)(position - axis->value) : (size_t)axis->count;
 }
 
 /* An axis that reaches from edge to edge of the outer places; logarithmic if they are evenly
  * spaced so. */
-static struct axis edged_axis(struct heat_axis *of, enum quantity quantity)
+static struct axis edged_axis(struct heat_axis *places, enum quantity quantity)
 {
-    const double low = of->value[0], high = of->value[of->count - 1],
-                 middle = of->value[of->count / 2],
-                 part = (double)(of->count / 2) / fmax(1, of->count - 1);
-    of->log = of->count > 2 && low > 0 &&
-              fabs(log10(middle / low) / log10(high / low) - part) <
-                  fabs((middle - low) / (high - low) - part);
-    struct axis axis = {.label = of->label,
-                        .unit = of->unit,
-                        .from = heat_edge(of, 0),
-                        .to = heat_edge(of, of->count),
+    const double low = places->value[0], high = places->value[places->count - 1],
+                 middle = places->value[places->count / 2],
+                 part = (double)(places->count / 2) / fmax(1, places->count - 1);
+    places->log = places->count > 2 && low > 0 &&
+                  fabs(log10(middle / low) / log10(high / low) - part) <
+                      fabs((middle - low) / (high - low) - part);
+    struct axis axis = {.label = places->label,
+                        .unit = places->unit,
+                        .first_value = heat_edge(places, 0),
+                        .last_value = heat_edge(places, places->count),
                         .fixed = true,
-                        .log = of->log};
+                        .log = places->log};
     if (!axis.log)
         axis_suit(&axis, quantity, fmax(fabs(low), fabs(high)));
-    of->unit = axis.unit;
-    of->factor = axis.factor;
+    places->unit = axis.unit;
+    places->factor = axis.factor;
     return axis;
 }
 
@@ -276,7 +276,7 @@ bool drawing_study(struct drawing *d, const struct study_picture *picture, struc
         return error_hint(d->error, "type: %s", picture->made_by);
     }
     s.x = column_named(s.table, picture->x);
-    s.by = column_named(s.table, picture->by);
+    s.key_column = column_named(s.table, picture->choice);
     s.part = column_named(s.table, "part");
     *figure = (struct figure){.title = kind_of(d)->row.name, .note = picture->note};
     if (picture->shade)

@@ -20,16 +20,16 @@ static const struct table_column *find_column(const struct drawing *d, struct te
     for (int c = 0; c < table->columns; c++)
         if (table->column[c].value && text_is(name, table->column[c].name))
             return &table->column[c];
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     struct buffer names = {0};
     for (int c = 0; c < table->columns; c++)
         if (table->column[c].value) {
-            suggestion_offer(&near, table->column[c].name);
+            suggestion_offer(&suggestion, table->column[c].name);
             buffer_format(&names, "%s%s", names.len ? ", " : "", table->column[c].name);
         }
     error_at(d->error, name, "the table has no column of numbers '%.*s'",
-             (int)(name.len < 64 ? name.len : 64), name.at);
-    suggestion_hint(&near, d->error);
+             (int)(name.len < 64 ? name.len : 64), name.data);
+    suggestion_hint(&suggestion, d->error);
     error_hint(d->error, "it has %s", buffer_view(&names));
     buffer_free(&names);
     return NULL;
@@ -95,19 +95,20 @@ static const struct table_column *find_groups(const struct table *table, int *co
 
 /* Returns the label of a group. A column that holds yes or no is labelled by its question: fitted,
  * not fitted. */
-static const char *group_label(struct drawing *d, const struct table_column *of, const char *group)
+static const char *group_label(struct drawing *d, const struct table_column *group_column,
+                               const char *group)
 {
     struct buffer label = {0};
-    if (!of || (strcmp(group, "true") != 0 && strcmp(group, "false") != 0))
+    if (!group_column || (strcmp(group, "true") != 0 && strcmp(group, "false") != 0))
         return group;
-    buffer_format(&label, "%s%s", strcmp(group, "true") == 0 ? "" : "not ", of->name);
+    buffer_format(&label, "%s%s", strcmp(group, "true") == 0 ? "" : "not ", group_column->name);
     const char *kept = label.failed ? group : arena_text(d->arena, buffer_text(&label));
     buffer_free(&label);
     return kept;
 }
 
 static bool add_curve(struct drawing *d, const struct table_column *x, const struct table_column *y,
-                      const struct table_column *of, const char *group)
+                      const struct table_column *group_column, const char *group)
 {
     const struct table *table = d->request->table;
     double *value = arena_array(d->arena, 2 * table->rows + 1, sizeof *value);
@@ -116,13 +117,13 @@ static bool add_curve(struct drawing *d, const struct table_column *x, const str
         return error_memory(d->error);
     for (size_t i = 0; i < table->rows; i++) {
         if (!isfinite(x->value[i]) || !isfinite(y->value[i]) ||
-            (of && strcmp(of->text[i], group) != 0))
+            (group_column && strcmp(group_column->text[i], group) != 0))
             continue;
         value[n] = x->value[i];
         value[table->rows + n++] = y->value[i];
     }
     if (n > 0)
-        d->curve[d->curves++] = (struct curve){.label = group_label(d, of, group),
+        d->curve[d->curves++] = (struct curve){.label = group_label(d, group_column, group),
                                                .x = value,
                                                .y = value + table->rows,
                                                .n = n,
@@ -135,10 +136,10 @@ bool drawing_table(struct drawing *d, struct figure *figure)
 {
     const struct figure_request *request = d->request;
     const struct table *table = request->table;
-    const struct table_column *x = find_column(d, request->against), *first = NULL;
+    const struct table_column *x = find_column(d, request->horizontal_column), *first = NULL;
     const char *group[GROUPS_MAX] = {NULL};
     int groups = 1;
-    const struct table_column *of =
+    const struct table_column *group_column =
         request->columns == 1 ? find_groups(table, &groups, group) : NULL;
     d->curve = arena_array(d->arena, (size_t)request->columns + GROUPS_MAX, sizeof *d->curve);
     if (!x || !d->curve)
@@ -155,7 +156,7 @@ bool drawing_table(struct drawing *d, struct figure *figure)
             return false;
         }
         for (int g = 0; g < groups; g++)
-            if (!add_curve(d, x, y, of, of ? group[g] : y->name))
+            if (!add_curve(d, x, y, group_column, group_column ? group[g] : y->name))
                 return false;
     }
     if (!first || d->curves == 0)

@@ -33,22 +33,22 @@ double run_rhythm(const struct run *run)
     return TWO_PI * system->scale[0] / system->scale[system->n / 2];
 }
 
-static void span_of(const struct drawing *d, double *from, double *to)
+static void span_of(const struct drawing *d, double *t_begin, double *t_end)
 {
-    *from = HUGE_VAL;
-    *to = -HUGE_VAL;
+    *t_begin = HUGE_VAL;
+    *t_end = -HUGE_VAL;
     for (int i = 0; i < d->request->runs; i++) {
         const struct run *run = d->session->runs.slot[d->request->run[i]]->run;
         const double a = trace_time(run->trace, 0),
                      b = trace_time(run->trace, trace_count(run->trace) - 1);
-        *from = fmin(*from, fmin(a, b));
-        *to = fmax(*to, fmax(a, b));
+        *t_begin = fmin(*t_begin, fmin(a, b));
+        *t_end = fmax(*t_end, fmax(a, b));
     }
     /* A plot that follows a run shows the part of the recording that lies beside it. */
     const struct recording *recording = recording_of(d);
     if (recording && !(d->request->follow && d->request->runs)) {
-        *from = fmin(*from, recording->window[0]);
-        *to = fmax(*to, recording->window[1]);
+        *t_begin = fmin(*t_begin, recording->window[0]);
+        *t_end = fmax(*t_end, recording->window[1]);
     }
 }
 
@@ -103,8 +103,8 @@ struct axis time_axis(const double window[2])
 {
     struct axis axis = quantity_axis("t", QUANTITY_TIME, window[1]);
     axis.fixed = true;
-    axis.from = window[0];
-    axis.to = window[1];
+    axis.first_value = window[0];
+    axis.last_value = window[1];
     return axis;
 }
 
@@ -123,12 +123,12 @@ static bool goes_back(const struct drawing *d)
  * The newest part of from..to [s], `max` long. A moving window starts a whole number of pages, or
  * of columns, after the start: while the curve grows nothing else moves.
  */
-static void follow_window(struct drawing *d, double from, double to, double now, double max)
+static void follow_window(struct drawing *d, double t_begin, double t_end, double now, double max)
 {
     const double turn = max / (d->request->pages > 0 ? d->request->pages : 1);
-    const double passed = goes_back(d) ? to - now : now - from;
+    const double passed = goes_back(d) ? t_end - now : now - t_begin;
     const double moved = turn * fmax(0, ceil((passed - max) / turn - 1e-6));
-    d->window[0] = goes_back(d) ? to - moved - max : from + moved;
+    d->window[0] = goes_back(d) ? t_end - moved - max : t_begin + moved;
     d->window[1] = d->window[0] + max;
 }
 
@@ -146,52 +146,53 @@ static double short_above(double length)
  * pages, if a window that holds all its periods or goes to its end is known; else it is lengthened
  * now and then.
  */
-static void growing_window(struct drawing *d, double from, double to, double max)
+static void growing_window(struct drawing *d, double t_begin, double t_end, double max)
 {
-    const double until = d->session->growing->until, whole = until > from ? until - from : NAN;
+    const double t_final = d->session->growing->t_end,
+                 whole = t_final > t_begin ? t_final - t_begin : NAN;
     const double length = d->request->span > 0 ? max : fmin(fmin(whole, max), HUGE_VAL);
-    follow_window(d, from, to, to,
-                  isfinite(length) ? length : short_above(fmax(to - from, GROWING_LEAST)));
+    follow_window(d, t_begin, t_end, t_end,
+                  isfinite(length) ? length : short_above(fmax(t_end - t_begin, GROWING_LEAST)));
 }
 
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    double from, to;
+    double t_begin, t_end;
     if (request->shared && plot_is_timed(request->kind)) {
-        d->window[0] = request->shared->axis.from;
-        d->window[1] = request->shared->axis.to;
+        d->window[0] = request->shared->axis.first_value;
+        d->window[1] = request->shared->axis.last_value;
         d->shown = request->shared->shown;
         d->total = request->shared->total;
         return;
     }
-    span_of(d, &from, &to);
+    span_of(d, &t_begin, &t_end);
     const bool wanted = !isnan(request->window[0]) || !isnan(request->window[1]),
                plane = plot_is_plane(request->kind);
-    const double now = goes_back(d) ? from : to;
+    const double now = goes_back(d) ? t_begin : t_end;
     const bool grows = request->runs == 0 && session_grows(d->session, recording_of(d));
     if (request->follow && !plane) {
-        from = fmin(from, request->until);
-        to = fmax(to, request->until);
+        t_begin = fmin(t_begin, request->t_end);
+        t_end = fmax(t_end, request->t_end);
     }
-    d->total = to - from;
-    d->window[0] = isnan(request->window[0]) ? from : request->window[0];
-    d->window[1] = isnan(request->window[1]) ? to : request->window[1];
+    d->total = t_end - t_begin;
+    d->window[0] = isnan(request->window[0]) ? t_begin : request->window[0];
+    d->window[1] = isnan(request->window[1]) ? t_end : request->window[1];
     const double trail = drawing_trail(d) * d->period,
                  max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !wanted && !request->full && trail < d->total) {
-        d->window[0] = goes_back(d) ? from : to - trail;
+        d->window[0] = goes_back(d) ? t_begin : t_end - trail;
         if (grows) /* the drawn part stays for as long again */
-            d->window[0] = from + floor((d->window[0] - from) / trail) * trail;
-        d->window[1] = grows ? to : d->window[0] + trail;
+            d->window[0] = t_begin + floor((d->window[0] - t_begin) / trail) * trail;
+        d->window[1] = grows ? t_end : d->window[0] + trail;
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
                !wanted && grows) {
-        growing_window(d, from, to, max);
+        growing_window(d, t_begin, t_end, max);
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
                !wanted &&
                (request->span > 0 ||
                 (request->runs > 0 && d->total > max))) { /* nothing is added to a recording */
-        follow_window(d, from, to, now, max);
+        follow_window(d, t_begin, t_end, now, max);
     }
     d->shown = d->window[1] - d->window[0];
 }
@@ -224,8 +225,8 @@ bool session_window(const struct session *session, const struct figure_request *
 struct row_request drawing_rows(const struct drawing *d, const double window[2])
 {
     const struct figure_request *request = d->request;
-    struct row_request rows = {.from = window[0],
-                               .to = window[1],
+    struct row_request rows = {.t_begin = window[0],
+                               .t_end = window[1],
                                .columns = request->width,
                                .period = d->period,
                                .screen = request->follow};

@@ -24,10 +24,10 @@ static inline void sum_add(struct compensated_sum *sum, double x)
 typedef double two __attribute__((vector_size(16)));
 
 /* Both sums at once; what they are after each step is noted. */
-static void add_work(struct energy_tally *tally, struct work_done *done, int from, int to)
+static void add_work(struct energy_tally *tally, struct work_done *done, int begin, int end)
 {
     two high = {tally->work.high, tally->drag.high}, low = {tally->work.low, tally->drag.low};
-    for (int k = from; k < to; k++) {
+    for (int k = begin; k < end; k++) {
         const two x = {done->work[k], done->drag[k]}, total = high + x, part = total - high;
         low += (high - (total - part)) + (x - part);
         high = total;
@@ -39,11 +39,11 @@ static void add_work(struct energy_tally *tally, struct work_done *done, int fro
     tally->drag = (struct compensated_sum){high[1], low[1]};
 }
 
-static void same_work(const struct energy_tally *tally, struct work_done *done, int from, int to)
+static void same_work(const struct energy_tally *tally, struct work_done *done, int begin, int end)
 {
     const double work = tally->work.high + tally->work.low,
                  drag = tally->drag.high + tally->drag.low;
-    for (int k = from; k < to; k++) {
+    for (int k = begin; k < end; k++) {
         done->all_work[k] = work;
         done->all_drag[k] = drag;
     }
@@ -58,10 +58,10 @@ static inline double largest_of_four(const double *x, double min)
 
 /* Uses comparisons, which are false for NaN, since fmax() would be a call. */
 static inline void note_lacks(struct energy_tally *tally, double initial,
-                              const struct work_done *done, int from, int to)
+                              const struct work_done *done, int begin, int end)
 {
     double max = tally->max;
-    for (int k = from; k < to; k++) {
+    for (int k = begin; k < end; k++) {
         const double lack = fabs(done->energy[k] - initial - done->all_work[k]);
         max = lack > max ? lack : max;
     }
@@ -69,12 +69,12 @@ static inline void note_lacks(struct energy_tally *tally, double initial,
 }
 
 CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
-                                   const struct work_done *done, int from, int to)
+                                   const struct work_done *done, int begin, int end)
 {
-    int k = from;
+    int k = begin;
     double first[VECTOR_LANES];
     four max = {0};
-    for (; k + VECTOR_LANES <= to; k += VECTOR_LANES) {
+    for (; k + VECTOR_LANES <= end; k += VECTOR_LANES) {
         const four missing = *(const four *)(const void *)(done->energy + k) - initial -
                              *(const four *)(const void *)(done->all_work + k);
         const four lack = (four)((four_bits)missing & INT64_MAX);
@@ -82,18 +82,18 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
     }
     memcpy(first, &max, sizeof first);
     tally->max = largest_of_four(first, tally->max);
-    note_lacks(tally, initial, done, k, to);
+    note_lacks(tally, initial, done, k, end);
 }
 
 /* The largest energy is the unit where there was none at first. */
 static void note_extremes(struct energy_tally *tally, double initial, const struct work_done *done,
-                          int from, int to)
+                          int begin, int end)
 {
-    if (to - from >= 4 * VECTOR_LANES)
-        note_many_lacks(tally, initial, done, from, to);
+    if (end - begin >= 4 * VECTOR_LANES)
+        note_many_lacks(tally, initial, done, begin, end);
     else
-        note_lacks(tally, initial, done, from, to);
-    for (int k = from; k < to && initial == 0; k++) {
+        note_lacks(tally, initial, done, begin, end);
+    for (int k = begin; k < end && initial == 0; k++) {
         const double size = fabs(done->energy[k]);
         tally->scale = size > tally->scale ? size : tally->scale;
     }
@@ -197,7 +197,7 @@ static int block_done(const struct run *run, struct balance *balance, const stru
     struct work work = {.system = &epoch->system,
                         .factor = p->factor,
                         .count = (int)count,
-                        .before = balance->y,
+                        .initial_state = balance->y,
                         .row = row,
                         .stride = stride,
                         .turns = &run->private_state->turns};
@@ -215,15 +215,16 @@ static int block_done(const struct run *run, struct balance *balance, const stru
     return work.count;
 }
 
-/* Adds steps `from` to `to` of the work done to the balance; `still` means that no work is done at
- * all. */
-static void tally_up(struct balance *balance, bool still, struct work_done *done, int from, int to)
+/* Adds steps `begin` to `end` of the work done to the balance; `still` means that no work is done
+ * at all. */
+static void tally_up(struct balance *balance, bool still, struct work_done *done, int begin,
+                     int end)
 {
     if (still)
-        same_work(&balance->tally, done, from, to);
+        same_work(&balance->tally, done, begin, end);
     else
-        add_work(&balance->tally, done, from, to);
-    note_extremes(&balance->tally, balance->initial, done, from, to);
+        add_work(&balance->tally, done, begin, end);
+    note_extremes(&balance->tally, balance->initial, done, begin, end);
 }
 
 /* Rows of the trace among the steps after `first` get their marks on the way. */
@@ -231,23 +232,23 @@ static void tally_marking(const struct run *run, struct balance *balance, bool s
                           struct work_done *done, int count)
 {
     struct trace *trace = run->trace;
-    int at = 0;
+    int begin = 0;
     /* Only the last row can be among steps that come one by one. */
     const size_t last = trace->count - 1;
     const bool is_search = last > 0 && trace_step(trace, last - 1) > balance->step;
     for (size_t i = is_search ? trace_row_from(trace, balance->step + 1) : last; i <= last; i++) {
         if (trace_step(trace, i) <= balance->step)
             continue;
-        const int64_t to = trace_step(trace, i) - balance->step;
-        if (to > count)
+        const int64_t end = trace_step(trace, i) - balance->step;
+        if (end > count)
             break;
         if (trace_mark(trace, i).scale >= 0) /* inside of the step */
             continue;
-        tally_up(balance, still, done, at, (int)to);
-        at = (int)to;
+        tally_up(balance, still, done, begin, (int)end);
+        begin = (int)end;
         trace_set_mark(trace, i, &balance->tally);
     }
-    tally_up(balance, still, done, at, count);
+    tally_up(balance, still, done, begin, count);
 }
 
 int balance_block(const struct run *run, struct balance *balance, const double *row,
@@ -280,7 +281,7 @@ void balance_extend(const struct run *run, struct balance *balance, double t, co
     struct work work = {.system = &epoch->system,
                         .factor = run->private_state->factor,
                         .count = 1,
-                        .before = balance->y,
+                        .initial_state = balance->y,
                         .row = y,
                         .stride = (size_t)run->system.n,
                         .t = times,

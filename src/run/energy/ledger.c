@@ -22,7 +22,7 @@ static const double *times_of(const struct run *run, const double *row)
     return run->plan.adaptive ? row + run->system.n : NULL;
 }
 
-static bool save(struct run_private *p, size_t index)
+static bool tally_save(struct run_private *p, size_t index)
 {
     if (index == p->save_capacity) {
         const size_t capacity = p->save_capacity ? 2 * p->save_capacity : 16;
@@ -50,16 +50,16 @@ static bool balance_add_rows(const struct run *run)
         size_t count;
         const double *row = trace_rows(trace, (size_t)balance->step + 1, trace->count, &count);
         const int64_t to_save = (int64_t)CHUNK_ROWS - (balance->step & (int64_t)(CHUNK_ROWS - 1));
-        const struct balance before = *balance;
+        const struct balance saved = *balance;
         balance_block(run, balance, row, times_of(run, row), trace->width,
                       (int64_t)count < to_save ? (int64_t)count : to_save, &done, false);
-        if (balance->solved > before.solved && cancelled(run->cancel)) {
-            *balance = before; /* a step may not have been solved to its end */
+        if (balance->solved > saved.solved && cancelled(run->cancel)) {
+            *balance = saved; /* a step may not have been solved to its end */
             return false;
         }
         if ((balance->step & (int64_t)(CHUNK_ROWS - 1)) == 0 &&
             p->saves == (size_t)(balance->step >> CHUNK_SHIFT) - 1)
-            save(p, p->saves);
+            tally_save(p, p->saves);
     }
     return true;
 }
@@ -327,18 +327,18 @@ void ledger_back(struct run *run)
     copy_state(p->balance.y, trace_state(trace, row), run->system.n);
 }
 
-static void rescale(struct energy_tally *tally, double by)
+static void rescale(struct energy_tally *tally, double factor)
 {
     double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high,
                        &tally->drag.low,  &tally->max,      &tally->scale};
     for (size_t i = 0; i < COUNT_OF(value); i++)
-        *value[i] *= by;
+        *value[i] *= factor;
 }
 
 void ledger_rescale(struct run *run, double factor)
 {
     struct run_private *p = run->private_state;
-    const double by = (factor / p->factor) * (factor / p->factor);
+    const double ratio = (factor / p->factor) * (factor / p->factor);
     if (p->factor == factor)
         return;
     p->factor = factor;
@@ -347,11 +347,11 @@ void ledger_rescale(struct run *run, double factor)
         balance_begin(run, &p->balance);
         return;
     }
-    rescale(&p->balance.tally, by);
-    p->balance.initial *= by;
+    rescale(&p->balance.tally, ratio);
+    p->balance.initial *= ratio;
     for (size_t i = 0; i < run->trace->count; i++) {
         struct energy_tally mark = trace_mark(run->trace, i);
-        rescale(&mark, by);
+        rescale(&mark, ratio);
         trace_set_mark(run->trace, i, &mark);
     }
 }

@@ -88,12 +88,13 @@ static double turning_point(struct quintic p)
 }
 
 static void add_part(const struct system *system, bool drags, const struct quintic *p, double t,
-                     double from, double to, double *work, double *drag)
+                     double s_begin, double s_end, double *work, double *drag)
 {
-    const double at[] = {0, LOBATTO_INNER, 1 - LOBATTO_INNER, 1},
+    const double node[] = {0, LOBATTO_INNER, 1 - LOBATTO_INNER, 1},
                  weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
     for (int i = 0; i < 4; i++) {
-        const double s = from + at[i] * (to - from), weighted = weight[i] * (to - from) * p->h;
+        const double s = s_begin + node[i] * (s_end - s_begin),
+                     weighted = weight[i] * (s_end - s_begin) * p->h;
         double y[2];
         quintic_at(p, s, &y[0], &y[1]);
         const struct power power = power_at(system, drags, t + s * p->h, y);
@@ -119,17 +120,17 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
     for (int i = 0; there && i < TURN_STEPS_MAX && step.t != t + p->h; i++) {
         struct sliding sliding = {0};
         struct system frozen;
-        const double from = step.t, q0 = y[0], v0 = y[1];
+        const double t_begin = step.t, q0 = y[0], v0 = y[1];
         double a[2];
         if (method_adapt(method, &step, &controller, t + p->h) != STEP_OK)
             return false;
         const struct system *smooth = method_adapted(system, &controller, &sliding, &frozen);
-        system_acceleration(smooth, from, (const double[]){q0, v0}, &a[0]);
+        system_acceleration(smooth, t_begin, (const double[]){q0, v0}, &a[0]);
         system_acceleration(smooth, step.t, y, &a[1]);
         sliding_free(&sliding);
-        const struct quintic part = {step.t - from, q0, v0, a[0], y[0], y[1], a[1]};
+        const struct quintic part = {step.t - t_begin, q0, v0, a[0], y[0], y[1], a[1]};
         if (part.h != 0)
-            add_part(system, drags, &part, from, 0, 1, work, drag);
+            add_part(system, drags, &part, t_begin, 0, 1, work, drag);
     }
     return there && step.t == t + p->h;
 }
@@ -196,16 +197,16 @@ static bool turn_jumps(const struct system *system, const struct quintic *p, dou
                  still = fmax(fabs(p->v0), fabs(p->v1)) * NEAR_REST, turn = t + s * p->h;
     double q, v, branch[4][LIMIT_SWITCHES], a[2];
     quintic_at(p, s, &q, &v);
-    const double before[] = {q, copysign(still, p->v0)}, after[] = {q, copysign(still, p->v1)};
+    const double incoming[] = {q, copysign(still, p->v0)}, outgoing[] = {q, copysign(still, p->v1)};
     const size_t bytes = (size_t)system->switches * sizeof(double);
     system_branches(system, t, (const double[]){p->q0, p->v0}, branch[0]);
-    system_branches(system, turn, before, branch[1]);
-    system_branches(system, turn, after, branch[2]);
+    system_branches(system, turn, incoming, branch[1]);
+    system_branches(system, turn, outgoing, branch[2]);
     system_branches(system, t + p->h, (const double[]){p->q1, p->v1}, branch[3]);
     if (memcmp(branch[0], branch[1], bytes) != 0 || memcmp(branch[2], branch[3], bytes) != 0)
         return true;
-    system_acceleration(system, turn, before, &a[0]);
-    system_acceleration(system, turn, after, &a[1]);
+    system_acceleration(system, turn, incoming, &a[0]);
+    system_acceleration(system, turn, outgoing, &a[1]);
     return fabs(a[1] - a[0]) > jump_min * (fabs(p->a0) + fabs(p->a1));
 }
 
@@ -218,7 +219,7 @@ bool work_turn(const struct system *system, const struct quintic *p, double t, d
 
 static void scaled_state(const struct work *work, int k, double *y)
 {
-    const double *state = k == 0 ? work->before : work->row + (size_t)(k - 1) * work->stride;
+    const double *state = k == 0 ? work->initial_state : work->row + (size_t)(k - 1) * work->stride;
     for (int i = 0; i < work->system->n; i++)
         y[i] = state[i] * work->factor;
 }
@@ -236,39 +237,45 @@ static void work_of_any(const struct work *work, struct work_done *done)
         p[0] = power_at(system, drags, work_time(work, 0), y[0]);
     }
     for (int k = 0; k < work->count; k++) {
-        const int from = k & 1, to = from ^ 1;
-        scaled_state(work, k + 1, y[to]);
-        done->energy[k] = system_energy(system, y[to]);
+        const int previous = k & 1, current = previous ^ 1;
+        scaled_state(work, k + 1, y[current]);
+        done->energy[k] = system_energy(system, y[current]);
         done->work[k] = done->drag[k] = 0;
         done->jumps[k] = done->coarse[k] = false;
         if (system->conservative)
             continue;
         const double t = work_time(work, k), h = length_of(work, k);
-        system_acceleration(system, work_time(work, k + 1), y[to], a[to]);
-        p[to] = power_at(system, drags, work_time(work, k + 1), y[to]);
+        system_acceleration(system, work_time(work, k + 1), y[current], a[current]);
+        p[current] = power_at(system, drags, work_time(work, k + 1), y[current]);
         if (h == 0)
             continue;
-        if (work_turns(system, y[from][1], y[to][1])) {
-            const struct quintic quintic = {h,        y[from][0], y[from][1], a[from][0],
-                                            y[to][0], y[to][1],   a[to][0]};
+        if (work_turns(system, y[previous][1], y[current][1])) {
+            const struct quintic quintic = {h,
+                                            y[previous][0],
+                                            y[previous][1],
+                                            a[previous][0],
+                                            y[current][0],
+                                            y[current][1],
+                                            a[current][0]};
             done->jumps[k] = work_turn(system, &quintic, t, &done->work[k], &done->drag[k]);
             done->any_jumps |= done->jumps[k];
             continue;
         }
-        inner_states(system->n / 2, h, y[from], a[from], y[to], a[to], first, second);
+        inner_states(system->n / 2, h, y[previous], a[previous], y[current], a[current], first,
+                     second);
         for (int i = 0, half = system->n / 2; i < half; i++)
-            done->coarse[k] |=
-                work_coarse(h, y[from][i + half], y[to][i + half], a[from][i], a[to][i]) != 0;
+            done->coarse[k] |= work_coarse(h, y[previous][i + half], y[current][i + half],
+                                           a[previous][i], a[current][i]) != 0;
         done->any_coarse |= done->coarse[k];
         const double times[] = {t, t + LOBATTO_INNER * h, t + (1 - LOBATTO_INNER) * h,
                                 work_time(work, k + 1)};
         done->jumps[k] =
-            switches_differ(system, times, (double *[]){y[from], first, second, y[to]});
+            switches_differ(system, times, (double *[]){y[previous], first, second, y[current]});
         done->any_jumps |= done->jumps[k];
         const struct power b = power_at(system, drags, t + LOBATTO_INNER * h, first),
                            c = power_at(system, drags, t + (1 - LOBATTO_INNER) * h, second);
-        done->work[k] = h * ((p[from].all + p[to].all) + 5 * (b.all + c.all)) / 12;
-        done->drag[k] = h * ((p[from].drag + p[to].drag) + 5 * (b.drag + c.drag)) / 12;
+        done->work[k] = h * ((p[previous].all + p[current].all) + 5 * (b.all + c.all)) / 12;
+        done->drag[k] = h * ((p[previous].drag + p[current].drag) + 5 * (b.drag + c.drag)) / 12;
     }
 }
 

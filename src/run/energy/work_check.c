@@ -26,13 +26,13 @@ enum { SOLVED_STEPS_MAX = 4000, SOLVED_PART = 10 };
 /* Returns the state after k steps of the block, in the run's own units. */
 static const double *state_after(const struct work *work, int k)
 {
-    return k == 0 ? work->before : work->row + (size_t)(k - 1) * work->stride;
+    return k == 0 ? work->initial_state : work->row + (size_t)(k - 1) * work->stride;
 }
 
 static double energy_after(const struct run *run, const struct work *work,
                            const struct work_done *done, int k)
 {
-    return k == 0 ? balance_energy(run, work->system, work->before) : done->energy[k - 1];
+    return k == 0 ? balance_energy(run, work->system, work->initial_state) : done->energy[k - 1];
 }
 
 /* Returns |E - E before - work| of step k. */
@@ -72,14 +72,14 @@ static void solve_step(const struct run *run, struct balance *balance, const str
     const bool all_drag = memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0,
                allowed = balance->solved < SOLVED_STEPS_MAX ||
                          balance->solved < balance->step / SOLVED_PART;
-    const double *from = state_after(work, k);
-    double to[LIMIT_VARIABLES];
+    const double *y_begin = state_after(work, k);
+    double y_end[LIMIT_VARIABLES];
     /* Marks stay: what a row of a thinned run has done is not left unknown by Ctrl-C. */
     const struct cancel *cancel = trace_marked(run->trace) ? NULL : run->cancel;
     balance->solved++;
     system_turn_at_kinks(&turning);
-    if (allowed && run_solve_cheaply(system, t, from, end, tol, to, cancel))
-        done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
+    if (allowed && run_solve_cheaply(system, t, y_begin, end, tol, y_end, cancel))
+        done->work[k] = balance_energy(run, system, y_end) - energy_after(run, work, done, k);
     else if ((done->any_jumps && done->jumps[k]) ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))
         done->work[k] = NAN;

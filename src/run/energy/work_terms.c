@@ -46,10 +46,14 @@ static ptrdiff_t index_of(const struct system *system, const struct term_row *ro
 {
     const struct term_row *rows =
         (const struct term_row *)(const void *)catalog_row(system->model->terms, 0);
-    const ptrdiff_t at = row - rows;
+    const ptrdiff_t position = row - rows;
     if (system->model == &pendulum_model)
-        return at >= 0 && at < (ptrdiff_t)COUNT_OF(pendulum_index) ? pendulum_index[at] : PLACES;
-    return system->model->terms == &term_catalog && at >= 0 && at < OSCILLATOR_PLACES ? at : PLACES;
+        return position >= 0 && position < (ptrdiff_t)COUNT_OF(pendulum_index)
+                   ? pendulum_index[position]
+                   : PLACES;
+    return system->model->terms == &term_catalog && position >= 0 && position < OSCILLATOR_PLACES
+               ? position
+               : PLACES;
 }
 
 /* Returns the terms of an oscillator or a pendulum, one bit each, or 0 if the system is something
@@ -163,8 +167,8 @@ ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work
 
 ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restrict b)
 {
-    b->q[0] = work->before[0] * work->factor;
-    b->v[0] = work->before[1] * work->factor;
+    b->q[0] = work->initial_state[0] * work->factor;
+    b->v[0] = work->initial_state[1] * work->factor;
     if (work->stride == 2)
         take_rows(work, 2, b);
     else
@@ -289,7 +293,7 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
         }
     }
     const int64_t whole = work->index - (work->index & (WORK_BLOCK - 1));
-    const int at = (int)(work->index - whole);
+    const int base = (int)(work->index - whole);
     const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2],
                  x = fixed_cos(angle), y = fixed_sin(angle);
     const double inner = c[1] * (LOBATTO_INNER * work->h),
@@ -297,8 +301,8 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
     const double cos1 = fixed_cos(inner), sin1 = fixed_sin(inner), cos2 = fixed_cos(outer),
                  sin2 = fixed_sin(outer);
     for (int k = 0; k <= work->count; k++) {
-        const double cosine = x * turns->cosine[at + k] - y * turns->sine[at + k],
-                     sine = y * turns->cosine[at + k] + x * turns->sine[at + k];
+        const double cosine = x * turns->cosine[base + k] - y * turns->sine[base + k],
+                     sine = y * turns->cosine[base + k] + x * turns->sine[base + k];
         b->cosine[0][k] = cosine;
         b->cosine[1][k] = cosine * cos1 - sine * sin1;
         b->cosine[2][k] = cosine * cos2 - sine * sin2;

@@ -19,24 +19,24 @@ static double known_error(const struct run *run, int i)
     return !isnan(opinion->t) && isnan(opinion->lost) ? opinion->end[i] : 0;
 }
 
-int run_below_tolerance(const struct run *run, double *below)
+int run_below_tolerance(const struct run *run, double *magnitude_floor)
 {
     const struct system *system = &run->system;
     const double soon = PASSAGE_FRACTION * fabs(run->t - system->t0),
                  tol = fmax(run->controller.tol, 10 * DBL_EPSILON);
     double slope[LIMIT_VARIABLES];
     int count = 0;
-    memset(below, 0, (size_t)system->n * sizeof *below);
+    memset(magnitude_floor, 0, (size_t)system->n * sizeof *magnitude_floor);
     if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop))
         return 0;
     system_derivative(system, run->t, run->y, slope);
     for (int i = 0; i < system->n; i++) {
         const double size = fmin(run->controller.scale[i], opinion_size(run, i)),
-                     up = ADDED_UP * tol * size, error = known_error(run, i);
-        const double allowed = fmax(up, DIGIT_ERROR_FACTOR * error);
+                     accumulated_error = ADDED_UP * tol * size, error = known_error(run, i);
+        const double allowed = fmax(accumulated_error, DIGIT_ERROR_FACTOR * error);
         if (run->y[i] == 0 || !(fabs(run->y[i]) < allowed && fabs(slope[i]) * soon < allowed))
             continue;
-        below[i] = fmax(up, fabs(run->y[i]) + error);
+        magnitude_floor[i] = fmax(accumulated_error, fabs(run->y[i]) + error);
         count++;
     }
     return count;

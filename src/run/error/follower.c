@@ -67,11 +67,12 @@ void follower_state_changed(struct follower *follower)
     follower->step.warm = follower->step.again = false;
 }
 
-void run_sizes_add(const struct run *run, size_t from, size_t to, double *size)
+void run_sizes_add(const struct run *run, size_t first, size_t end, double *size)
 {
     enum { ROWS_LOOKED = 512 };
-    const size_t by = 1 + (to - from) / ROWS_LOOKED;
-    for (size_t row = from; row < to; row = row + by < to || row + 1 == to ? row + by : to - 1) {
+    const size_t stride = 1 + (end - first) / ROWS_LOOKED;
+    for (size_t row = first; row < end;
+         row = row + stride < end || row + 1 == end ? row + stride : end - 1) {
         const double *y = trace_state(run->trace, row);
         for (int i = 0; i < run->system.n; i++)
             size[i] = fabs(y[i]) > size[i] ? fabs(y[i]) : size[i]; /* fmax() is a call */

@@ -31,9 +31,9 @@ enum follower_end follower_go(struct follower *follower, double t, double max_wo
 /* Tells the method that the state was changed from outside. */
 void follower_state_changed(struct follower *follower);
 
-/* Raises size [n] to the largest values in at most some 512 rows from `from` up to `to`, without
+/* Raises size [n] to the largest values in at most some 512 rows from `first` up to `end`, without
  * it. */
-void run_sizes_add(const struct run *run, size_t from, size_t to, double *size);
+void run_sizes_add(const struct run *run, size_t first, size_t end, double *size);
 
 /* Returns true if an absolute tolerance is set of a variable that is now small next to its largest
  * values: their errors may be all that is left of it. */

@@ -65,11 +65,12 @@ struct distances {
 };
 
 struct second {
-    /* The closed form is used if there is no method; then no member below `at` is used. */
+    /* The closed form is used if there is no method; then no member below `compared_step` is used.
+     */
     struct follower follower;
     struct distances distances;
-    int64_t at;         /* step of the run that it was last compared with */
-    size_t epoch, kick; /* the next ones */
+    int64_t compared_step; /* step of the run that it was last compared with */
+    size_t epoch, kick;    /* the next ones */
     struct saltation saltation;
     /* The error, as in struct opinion, at steps of the run that are apart by the factor
      * OPINION_STEP_RATIO. */
@@ -126,7 +127,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
                     const double *y)
 {
     struct opinion *opinion = &run->opinion;
-    const double by = fabs(t - d->t), way = fabs(t - run->system.t0);
+    const double elapsed = fabs(t - d->t), way = fabs(t - run->system.t0);
     double here = 0;
     for (int i = 0; i < run->system.n; i++) {
         const double distance = fabs(own[i] - y[i]);
@@ -135,16 +136,18 @@ static void compare(struct run *run, struct distances *d, double t, const double
             here = fmax(here, distance / size_of(run, d, i, distance));
     }
     d->t = t;
-    d->sum += by * here;
+    d->sum += elapsed * here;
     if (!isnan(d->lost)) {
-        d->lost_sum += by * here;
+        d->lost_sum += elapsed * here;
     } else if (here >= OPINION_LOST) {
         d->lost = t;
         d->lost_sum = 0;
     }
-    const double since = fabs(t - d->lost);
+    const double lost_duration = fabs(t - d->lost);
     opinion->lost =
-        (since > 0 ? d->lost_sum >= LOST_MEAN_MIN * since : here >= OPINION_LOST) ? d->lost : NAN;
+        (lost_duration > 0 ? d->lost_sum >= LOST_MEAN_MIN * lost_duration : here >= OPINION_LOST)
+            ? d->lost
+            : NAN;
     opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
     opinion->max = fmax(opinion->max, here);
     opinion->t = t;
@@ -153,7 +156,8 @@ static void compare(struct run *run, struct distances *d, double t, const double
 /* The first row that it has not been compared with; the last one at the latest. */
 static size_t next_row(const struct run *run, const struct second *second)
 {
-    const size_t found = second->at > 0 ? trace_row_from(run->trace, second->at + 1) : 1;
+    const size_t found =
+        second->compared_step > 0 ? trace_row_from(run->trace, second->compared_step + 1) : 1;
     const size_t rows = trace_count(run->trace);
     return found < rows ? found : rows - 1;
 }
@@ -195,7 +199,7 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
         return;
     struct second *second = p->second;
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
-    if (second->at == 0) {
+    if (second->compared_step == 0) {
         second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
         second->saltation.lost = NAN;
     }
@@ -211,7 +215,7 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row), exact);
         compare(run, &second->distances, trace_time(trace, row), trace_state(trace, row), exact);
     }
-    second->at = trace_step(trace, trace_count(trace) - 1);
+    second->compared_step = trace_step(trace, trace_count(trace) - 1);
 }
 
 /* ---- the second solution ---- */
@@ -253,21 +257,23 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     second->epoch = 1;
     second->parts = effort == OPINION_BRIEF ? (int)fmin(RUN_PARTS, (double)run->steps) : RUN_PARTS;
     run->private_state->second = second;
-    run->opinion =
-        (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN, .by = method, .tol = tol};
+    run->opinion = (struct opinion){
+        .error = NAN, .max = NAN, .t = NAN, .lost = NAN, .method = method, .tol = tol};
     return true;
 }
 
 /* Returns false if the solver fails or has used up the work that it is allowed. */
-static bool second_go(const struct run *run, struct second *second, double to, double max,
+static bool second_go(const struct run *run, struct second *second, double t_end, double max,
                       const struct cancel *cancel)
 {
     struct follower *follower = &second->follower;
-    const double from = follower->step.t, longest = fabs(run->t - run->system.t0) / second->parts;
-    const int parts =
-        second->system.autonomous ? 1 : (int)fmin(second->parts, 1 + fabs(to - from) / longest);
+    const double t_begin = follower->step.t,
+                 longest = fabs(run->t - run->system.t0) / second->parts;
+    const int parts = second->system.autonomous
+                          ? 1
+                          : (int)fmin(second->parts, 1 + fabs(t_end - t_begin) / longest);
     for (int part = 1; part <= parts; part++) {
-        const double next = part < parts ? from + (to - from) * part / parts : to;
+        const double next = part < parts ? t_begin + (t_end - t_begin) * part / parts : t_end;
         if (follower_go(follower, next, max, cancel) != FOLLOWER_ARRIVED)
             return false;
     }
@@ -327,7 +333,8 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
     struct second *second = run->private_state->second;
     const struct trace *trace = run->trace;
     add_new_rows(run, &second->distances);
-    const size_t found = second->at > 0 ? trace_row_from(trace, second->at) : 1;
+    const size_t found =
+        second->compared_step > 0 ? trace_row_from(trace, second->compared_step) : 1;
     const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
     const size_t rows = trace_count(trace) - first,
                  count = rows < OPINION_ROWS_MAX ? rows : OPINION_ROWS_MAX;
@@ -340,13 +347,13 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
         if (!second_cross(run, second, trace_step(trace, row), max, cancel) ||
             !second_go(run, second, t, max, cancel))
             return false;
-        second->at = trace_step(trace, row);
+        second->compared_step = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row),
                        second->follower.y);
-        if ((double)second->at >= OPINION_STEP_RATIO * (double)second->past[1].step) {
+        if ((double)second->compared_step >= OPINION_STEP_RATIO * (double)second->past[1].step) {
             second->past[0] = second->past[1];
-            second->past[1].step = second->at;
+            second->past[1].step = second->compared_step;
             second->past[1].error = run->opinion.error;
         }
         if (lost && is_lost(run))
@@ -363,12 +370,13 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
  */
 static double extrapolated(const struct run *run, const struct second *second)
 {
-    const double way = (double)second->at, whole = (double)run->steps, error = run->opinion.error;
-    const double since = (double)second->past[0].step, was = second->past[0].error;
+    const double way = (double)second->compared_step, whole = (double)run->steps,
+                 error = run->opinion.error;
+    const double earlier_step = (double)second->past[0].step, was = second->past[0].error;
     if (!(was > 0) || !(error > was))
         return error * whole / way;
-    const double growth = fixed_log(error / was), power = growth / fixed_log(way / since);
-    return error * (power > POWER_MAX ? fixed_exp(growth * (whole - way) / (way - since))
+    const double growth = fixed_log(error / was), power = growth / fixed_log(way / earlier_step);
+    return error * (power > POWER_MAX ? fixed_exp(growth * (whole - way) / (way - earlier_step))
                                       : fixed_pow(whole / way, fmax(power, 1)));
 }
 
@@ -382,7 +390,7 @@ static double first_budget(const struct run *run, enum opinion_effort effort)
         return fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
     return fmax(OPINION_BRIEF_MIN, OPINION_BRIEF_SHARE * own) *
            solver_evaluation_price(&run->system, run->method, true) /
-           solver_evaluation_price(&run->system, run->opinion.by, true);
+           solver_evaluation_price(&run->system, run->opinion.method, true);
 }
 
 /* Follows the run as far as its budget allows, and again with the other method if the first one
@@ -417,7 +425,8 @@ static void against_second(struct run *run, enum opinion_effort effort, const st
         return;
     const struct second *second = run->private_state->second;
     const bool is_brief = effort == OPINION_BRIEF, spent = follower_work(&second->follower) > max,
-               tells = !is_brief || BRIEF_TELLS * (double)second->at > (double)run->steps;
+               tells =
+                   !is_brief || BRIEF_TELLS * (double)second->compared_step > (double)run->steps;
     const double doubtful = is_brief ? OPINION_LOST : OPINION_WRONG * run->controller.tol;
     if (spent && tells && extrapolated(run, second) > doubtful)
         second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true,
@@ -457,9 +466,9 @@ bool run_opinion_known(const struct run *run)
     const struct burst *missed = &run->missed;
     const bool known = isfinite(opinion->error) && !isnan(opinion->t);
     const bool passed =
-        missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
+        missed->t_begin != missed->t_end && (missed->t_begin < run->t) == (run->system.t0 < run->t);
     const bool blind =
-        opinion->by && passed && !(opinion->error > OPINION_WRONG * run->controller.tol);
+        opinion->method && passed && !(opinion->error > OPINION_WRONG * run->controller.tol);
     return known && !blind && isnan(run_opinion_sunk(run));
 }
 

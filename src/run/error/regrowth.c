@@ -55,7 +55,7 @@ struct regrowth {
     double rest_width[LIMIT_VARIABLES]; /* uncertainty of the rest position */
     double size[LIMIT_VARIABLES];       /* the largest values of the run */
     /* initial distance of the two, in sizes along the run, and the last one that was seen */
-    double displacement, before;
+    double displacement, previous_distance;
     /* Set where variables came to rest: they are large, and most runs need none. */
     struct system system;
     struct follower base, displaced;
@@ -63,7 +63,7 @@ struct regrowth {
 
 /* Size of a variable along the run, as step control had it at each row (struct controller). */
 struct scale_mean {
-    double sum, before; /* [s] integral of the fourth root of the size; time of the last row */
+    double sum, previous_t; /* [s] integral of the fourth root of the size; time of the last row */
 };
 
 static double scale_add(struct scale_mean *mean, const struct run *run, size_t row, int i)
@@ -72,8 +72,8 @@ static double scale_add(struct scale_mean *mean, const struct run *run, size_t r
                  t = trace_time(run->trace, row), way = fabs(t - run->system.t0);
     if (run->system.atol[i] > 0)
         return run->system.atol[i] / run->controller.tol;
-    mean->sum += fabs(t - mean->before) * (y > min ? sqrt(sqrt(y / min)) : 1);
-    mean->before = t;
+    mean->sum += fabs(t - mean->previous_t) * (y > min ? sqrt(sqrt(y / min)) : 1);
+    mean->previous_t = t;
     const double root = mean->sum / way,
                  scale = way > 0 ? min * ((root * root) * (root * root)) : min;
     return isfinite(scale) ? scale : min;
@@ -111,12 +111,12 @@ static void find_rest(struct regrowth *r, int i)
 {
     const struct trace *trace = r->run->trace;
     const size_t rows = trace_count(trace), first = run_own_start(r->run),
-                 by = 1 + (rows - first) / rows_looked(r->run);
+                 stride = 1 + (rows - first) / rows_looked(r->run);
     const double min_time = REST_RUN_SHARE * fabs(r->run->t - trace_time(trace, first));
-    struct scale_mean mean = {.before = r->run->system.t0};
+    struct scale_mean mean = {.previous_t = r->run->system.t0};
     struct rest zero = {0}, any = {.value = trace_state(trace, first)[i]};
     double min = any.value, max = any.value;
-    for (size_t row = first; row < rows; row += by) {
+    for (size_t row = first; row < rows; row += stride) {
         const double y = trace_state(trace, row)[i];
         min = y < min ? y : min; /* fmin() is a call */
         max = y > max ? y : max;
@@ -159,10 +159,10 @@ static double distance(const struct regrowth *r)
 static void displace(struct regrowth *r)
 {
     for (int i = 0; i < r->run->system.n; i++) {
-        const double base = r->base.y[i], by = r->displaced.y[i] - base,
+        const double base = r->base.y[i], displacement = r->displaced.y[i] - base,
                      min = r->displacement * r->size[i];
-        if (r->resting[i] && fabs(by) < min)
-            r->displaced.y[i] = base + copysign(min, by != 0 ? by : base);
+        if (r->resting[i] && fabs(displacement) < min)
+            r->displaced.y[i] = base + copysign(min, displacement != 0 ? displacement : base);
     }
 }
 
@@ -206,18 +206,18 @@ static size_t jacobians_looked(const struct run *run)
  * -HUGE_VAL where nothing is left. Destroys a; work has 2 n^2 doubles. */
 static double exponential_apply(int n, double *a, double *v, double *work)
 {
-    double result[LIMIT_VARIABLES], before = 0, size = 0;
+    double result[LIMIT_VARIABLES], initial_size = 0, size = 0;
     const double power = matrix_exponential(n, a, work);
     for (int i = 0; i < n; i++) {
         result[i] = 0;
         for (int j = 0; j < n; j++)
             result[i] += a[i * n + j] * v[j];
-        before = fmax(before, fabs(v[i]));
+        initial_size = fmax(initial_size, fabs(v[i]));
         size = fmax(size, fabs(result[i]));
     }
     for (int i = 0; i < n && size > 0; i++)
         v[i] = result[i] / size;
-    return size > 0 ? power * fixed_log(2) + fixed_log(size / before) : -HUGE_VAL;
+    return size > 0 ? power * fixed_log(2) + fixed_log(size / initial_size) : -HUGE_VAL;
 }
 
 /* Takes v [n], in sizes along the run, on by dt with the Jacobian of a row. Returns the logarithm
@@ -288,8 +288,8 @@ static bool run_agrees(const struct regrowth *r, const double *own)
 {
     double apart = 0, grown = 0;
     for (int i = 0; i < r->run->system.n && !r->follows_jumps; i++) {
-        const double by = fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i];
-        if (!r->resting[i] || by < GROWTH_AGREEMENT * r->before)
+        const double difference = fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i];
+        if (!r->resting[i] || difference < GROWTH_AGREEMENT * r->previous_distance)
             continue;
         apart = fmax(apart, fabs(own[i] - r->base.y[i]) / r->size[i]);
         grown = fmax(grown, (fabs(own[i] - r->rest[i]) - r->rest_width[i]) / r->size[i]);
@@ -307,7 +307,7 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
         copy_state(r->displaced.y, r->base.y, r->run->system.n);
     } else {
         now = distance(r);
-        growth_add(growth, t, now > 0 ? fixed_log(now / r->before) : -HUGE_VAL,
+        growth_add(growth, t, now > 0 ? fixed_log(now / r->previous_distance) : -HUGE_VAL,
                    r->base.controller.tol);
     }
     if (now > DISPLACEMENT_GROWTH_MAX * r->displacement)
@@ -315,7 +315,7 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
     rescale_displacement(r, own, factor);
     if (growth->log <= 0 || now == 0)
         displace(r);
-    r->before = distance(r);
+    r->previous_distance = distance(r);
     follower_state_changed(&r->base);
     follower_state_changed(&r->displaced);
 }
@@ -382,7 +382,7 @@ static bool follow_both(struct regrowth *r, struct growth *growth, double max,
     copy_state(r->size, r->scale, r->run->system.n);
     run_sizes_add(r->run, 0, trace_count(r->run->trace), r->size);
     displace(r);
-    r->before = distance(r);
+    r->previous_distance = distance(r);
     return regrowth_follow(r, growth, max, cancel);
 }
 
@@ -422,7 +422,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     struct growth growth = {.lost = NAN};
     const int n = run->system.n;
     struct opinion *opinion = &run->opinion;
-    if (!opinion->by || isnan(opinion->t) || !isnan(opinion->lost) || !find_resting(&r, run))
+    if (!opinion->method || isnan(opinion->t) || !isnan(opinion->lost) || !find_resting(&r, run))
         return;
     struct run_private *p = run->private_state;
     r.follows_jumps = p->kicks > 0 || p->epochs > 1;

@@ -26,20 +26,20 @@ static double spectral_radius(const double *jacobian, int n)
     for (int i = 0; i < n; i++)
         v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
     for (int round = 0; round < POWER_ITERATIONS; round++) {
-        double before = 0, after = 0;
+        double old_square = 0, new_square = 0;
         for (int i = 0; i < n; i++) {
             w[i] = 0;
             for (int j = 0; j < n; j++)
                 w[i] += jacobian[i * n + j] * v[j];
-            before += v[i] * v[i];
-            after += w[i] * w[i];
+            old_square += v[i] * v[i];
+            new_square += w[i] * w[i];
         }
-        if (after == 0)
+        if (new_square == 0)
             return 0;
         if (round >= POWER_ITERATIONS - POWER_ITERATIONS_COUNTED)
-            grown *= after / before;
+            grown *= new_square / old_square;
         for (int i = 0; i < n; i++)
-            v[i] = w[i] / sqrt(after);
+            v[i] = w[i] / sqrt(new_square);
     }
     return fixed_exp(fixed_log(grown) / (2 * POWER_ITERATIONS_COUNTED));
 }

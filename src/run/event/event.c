@@ -100,9 +100,9 @@ bool events_begin(struct run *run, const struct segment *segment)
             watched->departs = false;
             watched->sign = watch->left[i].sign;
         }
-        if (i == watch->until && run->stop == STOP_CONDITION)
+        if (i == watch->stop_event && run->stop == STOP_CONDITION)
             depart_from_condition(watch, watched);
-        else if (i == watch->until && watched->value == 0) {
+        else if (i == watch->stop_event && watched->value == 0) {
             watched->departs = false;
             watched->sign =
                 watch->or_equal ? watched->event->direction : -watched->event->direction;
@@ -121,12 +121,12 @@ struct event_search {
     struct event_watch *watch;
     struct watched *watched;
     int event;
-    double until; /* an event that stops the run is there: what comes after does not happen */
+    double stop_theta; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
     double largest; /* larger of the values at both ends of the interval that is searched */
     /* Fraction of the step at which it is so close to 0 that a touch can be neither proved nor
      * excluded; NAN if there is none. */
-    double near;
+    double doubtful_theta;
     /* Fraction of the step at which an event that would have stopped the run nearly happened; NAN
      * if there is none. */
     double miss;
@@ -135,7 +135,7 @@ struct event_search {
 
 static bool is_until(const struct event_search *look)
 {
-    return look->event == look->watch->until;
+    return look->event == look->watch->stop_event;
 }
 
 static double look_value(void *context, double theta)
@@ -166,12 +166,12 @@ static bool is_same_touch(const struct event_search *look, double theta, double 
 {
     const struct step_path *path = &look->watch->path;
     const double touched = look->watched->touched;
-    const double since = (touched - path->inside.t) / path->inside.h;
+    const double touch_theta = (touched - path->inside.t) / path->inside.h;
     if (fabs(path_time(path, theta) - touched) <= TOUCH_SEPARATION * fabs(path->inside.h))
         return true;
-    bool same = since >= 0 && since < theta;
+    bool same = touch_theta >= 0 && touch_theta < theta;
     for (int k = 1; same && k < TOUCH_LOOKS; k++)
-        same = is_zero(look, since + (theta - since) * k / TOUCH_LOOKS, fraction);
+        same = is_zero(look, touch_theta + (theta - touch_theta) * k / TOUCH_LOOKS, fraction);
     return same;
 }
 
@@ -181,9 +181,10 @@ static bool look_touches(void *context, double theta)
     const struct run *run = look->watch->path.inside.run;
     if (is_zero(look, theta, error_fraction(run)))
         return true;
-    if (!is_until(look) && isnan(look->near) && is_zero(look, theta, doubt_fraction(run)) &&
+    if (!is_until(look) && isnan(look->doubtful_theta) &&
+        is_zero(look, theta, doubt_fraction(run)) &&
         !is_same_touch(look, theta, doubt_fraction(run)))
-        look->near = theta;
+        look->doubtful_theta = theta;
     return false;
 }
 
@@ -215,13 +216,13 @@ static bool crossing_add(struct event_watch *watch, const struct event_crossing 
 static bool is_pole(struct event_search *look, double theta)
 {
     /* fractions of the step, from far to near */
-    static const double far = 1e-4, near = 1e-10, grows = 30;
+    static const double far = 1e-4, inner_distance = 1e-10, grows = 30;
     if (look->watched->right || !(fabs(look_value(look, theta)) > grows * look->largest))
         return false;
     bool pole = true;
     for (int side = -1; side <= 1; side += 2)
         if (theta + side * far >= 0 && theta + side * far <= 1)
-            pole = pole && fabs(look_value(look, theta + side * near)) >
+            pole = pole && fabs(look_value(look, theta + side * inner_distance)) >
                                grows * fabs(look_value(look, theta + side * far));
     return pole;
 }
@@ -250,7 +251,7 @@ static bool look_found(void *context, double theta, int sign)
     const struct event_crossing crossing = {theta, path_time(path, theta), look->event, direction};
     look->failed = look->failed || !crossing_add(look->watch, &crossing);
     if (event->stop)
-        look->until = fmin(look->until, theta);
+        look->stop_theta = fmin(look->stop_theta, theta);
     return !look->failed && !event->stop && look->watch->count <= LIMIT_EVENT_RECORDS;
 }
 
@@ -296,7 +297,7 @@ static double depart(struct event_search *look, double *value)
  * Returns the sign just beyond a step's end, where the value is 0: that of the slope, or of the
  * second derivative where it only touches, or of the value a little later on the same polynomials.
  */
-static int sign_beyond(const struct event_search *look, int before)
+static int sign_beyond(const struct event_search *look, int previous_sign)
 {
     static const double probe = 0x1p-10; /* fraction of the step */
     const struct step_path *path = &look->watch->path;
@@ -309,7 +310,7 @@ static int sign_beyond(const struct event_search *look, int before)
     path_estimate(path, 1 + probe, y);
     const int sign = sign_of(
         events_watch_value(look->watch, look->watched, path->end_t + probe * path->inside.h, y));
-    return sign != 0 ? sign : before;
+    return sign != 0 ? sign : previous_sign;
 }
 
 /* Returns true if an event is due within the rounding of the sums that led to the end of the
@@ -321,24 +322,24 @@ static bool is_due(const struct event_search *look, const struct run_target *tar
     if (run->t != target->t || watched->sign == 0 || watched->value == 0)
         return false;
     const struct interval slope = events_watch_bounds(look->watch, watched, 1, 1).slope;
-    const double mean = slope.lo + (slope.hi - slope.lo) / 2, after = -watched->value / mean;
+    const double mean = slope.lo + (slope.hi - slope.lo) / 2, time_ahead = -watched->value / mean;
     const double size = fmax(fabs(run->t), fabs(run->t - run->system.t0));
-    return after > 0 && after * fabs(look->watch->path.inside.h) <=
-                            (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON * size;
+    return time_ahead > 0 && time_ahead * fabs(look->watch->path.inside.h) <=
+                                 (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON * size;
 }
 
-static void doubt(struct run *run, const struct event_search *look, double from, bool near)
+static void doubt(struct run *run, const struct event_search *look, double theta, bool is_close)
 {
     struct event_doubt *doubt =
         &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
     const struct step_path *path = &look->watch->path;
-    doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
-    doubt->to = path->end_t;
+    doubt->t_first = doubt->steps == 0 ? path_time(path, theta) : doubt->t_first;
+    doubt->t_last = path->end_t;
     doubt->steps++;
-    doubt->near = near && (doubt->near || doubt->steps == 1);
+    doubt->is_close = is_close && (doubt->is_close || doubt->steps == 1);
 }
 
-static void search(struct event_search *look, double from, double value, double to)
+static void search(struct event_search *look, double theta_begin, double value, double theta_end)
 {
     struct watched *watched = look->watched;
     struct event_watch *watch = look->watch;
@@ -359,21 +360,21 @@ static void search(struct event_search *look, double from, double value, double 
     if (misses)
         roots.touches = look_misses;
     if (roots.touches && !is_until(look))
-        roots.near = events_watch_error(watch, watched, path->end_t, path->end,
-                                        doubt_fraction(path->inside.run));
-    const double end = to < 1 ? look_value(look, to) : watched->value;
-    look->near = look->miss = NAN;
+        roots.touch_tolerance = events_watch_error(watch, watched, path->end_t, path->end,
+                                                   doubt_fraction(path->inside.run));
+    const double end = theta_end < 1 ? look_value(look, theta_end) : watched->value;
+    look->doubtful_theta = look->miss = NAN;
     look->roots = &roots;
     look->largest = fmax(fabs(value), fabs(end));
-    roots_find(&roots, from, value, to, end);
+    roots_find(&roots, theta_begin, value, theta_end, end);
     look->roots = NULL;
     watched->sign = roots.sign;
-    if (!isnan(look->miss) && !(look->until < 1))
+    if (!isnan(look->miss) && !(look->stop_theta < 1))
         look->failed |= !responses_add_miss(watch->run, look->event, look->miss);
     if ((roots.unsure || !path->resolved) && roots.nonzero)
-        doubt(watch->run, look, roots.unsure ? roots.unsure_from : from, false);
-    else if (!isnan(look->near))
-        doubt(watch->run, look, look->near, true);
+        doubt(watch->run, look, roots.unsure ? roots.unsure_from : theta_begin, false);
+    else if (!isnan(look->doubtful_theta))
+        doubt(watch->run, look, look->doubtful_theta, true);
     if (roots.unsure)
         watched->budget = watched->budget / 2 + 8;
     else if (watched->budget < 1000)
@@ -385,17 +386,18 @@ static void look_at(struct event_search *look, const struct run_target *target)
 {
     struct watched *watched = look->watched;
     const struct step_path *path = &look->watch->path;
-    double from = 0, value = watched->value;
-    const double near = TIME_EQUAL_ULPS * DBL_EPSILON *
-                        fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
-    const double to = fmin(look->until + near, 1);
+    double theta_begin = 0, value = watched->value;
+    const double theta_tolerance = TIME_EQUAL_ULPS * DBL_EPSILON *
+                                   fmax(fabs(path->inside.t), fabs(path->end_t)) /
+                                   fabs(path->inside.h);
+    const double theta_end = fmin(look->stop_theta + theta_tolerance, 1);
     watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
     if (watched->departs)
-        from = depart(look, &value);
-    const size_t before = look->watch->count;
-    if (from < to)
-        search(look, from, value, to);
-    if (to < 1 || look->until < 1)
+        theta_begin = depart(look, &value);
+    const size_t old_count = look->watch->count;
+    if (theta_begin < theta_end)
+        search(look, theta_begin, value, theta_end);
+    if (theta_end < 1 || look->stop_theta < 1)
         return;
     const int sign = watched->sign;
     if (is_until(look) &&
@@ -411,7 +413,7 @@ static void look_at(struct event_search *look, const struct run_target *target)
         if (watched->sign != sign)
             look_found(look, 1, watched->sign);
     } else if (is_due(look, target) &&
-               (look->watch->count == before || look->watch->found[before].theta < 1)) {
+               (look->watch->count == old_count || look->watch->found[old_count].theta < 1)) {
         watched->sign = -sign;
         look_found(look, 1, -sign);
     }
@@ -433,19 +435,19 @@ static void put_in_order(struct event_watch *watch)
     struct event_crossing *found = watch->found;
     qsort(found, watch->count, sizeof *found, by_time);
     for (size_t i = 1, first = 0; i < watch->count; i++) {
-        const double near =
+        const double t_tolerance =
             TIME_EQUAL_ULPS * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
-        if (fabs(found[i].t - found[first].t) > near) {
+        if (fabs(found[i].t - found[first].t) > t_tolerance) {
             first = i;
             continue;
         }
         struct event_crossing moved = found[i];
         moved.theta = found[first].theta;
         moved.t = found[first].t;
-        size_t at = i;
-        for (; at > first && found[at - 1].event > moved.event; at--)
-            found[at] = found[at - 1];
-        found[at] = moved;
+        size_t slot = i;
+        for (; slot > first && found[slot - 1].event > moved.event; slot--)
+            found[slot] = found[slot - 1];
+        found[slot] = moved;
     }
     for (size_t i = 0; i < watch->count; i++)
         if (i > 0 && found[i].theta == found[i - 1].theta)
@@ -470,7 +472,7 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
 {
     struct event_watch *watch = run->private_state->watch;
     const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
-    struct event_search look = {.watch = watch, .until = 1, .largest = HUGE_VAL};
+    struct event_search look = {.watch = watch, .stop_theta = 1, .largest = HUGE_VAL};
     path_begin(&watch->path, &inside);
     watch->count = 0;
     note_sizes(watch, run->y);

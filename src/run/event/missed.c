@@ -42,8 +42,9 @@ static size_t row_beyond(const struct trace *trace, size_t first, double t)
 /* A recorded state inside, of those from row `first` on. */
 static bool is_seen(const struct trace *trace, size_t first, const struct burst *burst)
 {
-    const double low = fmin(burst->from, burst->to), high = fmax(burst->from, burst->to);
-    const size_t row = row_beyond(trace, first, burst->from);
+    const double low = fmin(burst->t_begin, burst->t_end),
+                 high = fmax(burst->t_begin, burst->t_end);
+    const size_t row = row_beyond(trace, first, burst->t_begin);
     return row < trace_count(trace) && trace_time(trace, row) > low &&
            trace_time(trace, row) < high;
 }
@@ -56,8 +57,9 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
     const struct system *system = &run->system;
     for (int i = 1; i <= BURST_SUBSTEPS; i++) {
         const double next = i < BURST_SUBSTEPS ? t + (end - t) * i / BURST_SUBSTEPS : end,
-                     from = t + (end - t) * (i - 1) / BURST_SUBSTEPS;
-        if (from != next && !run_solve_cheaply(system, from, y, next, SOLVE_TOL, y, run->cancel))
+                     piece_begin = t + (end - t) * (i - 1) / BURST_SUBSTEPS;
+        if (piece_begin != next &&
+            !run_solve_cheaply(system, piece_begin, y, next, SOLVE_TOL, y, run->cancel))
             return false;
     }
     return true;
@@ -67,11 +69,12 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
  * variables. */
 static double distance_of_step(const struct run *run, size_t i, const double *y)
 {
-    const double *from = trace_state(run->trace, i), *to = trace_state(run->trace, i + 1);
+    const double *y_begin = trace_state(run->trace, i), *y_end = trace_state(run->trace, i + 1);
     double max = 0;
     for (int k = 0; k < run->system.n; k++) {
-        const double size = fmax(run->system.scale[k] * SIZE_MIN, fmax(fabs(from[k]), fabs(to[k])));
-        max = fmax(max, fabs(to[k] - y[k]) / size);
+        const double size =
+            fmax(run->system.scale[k] * SIZE_MIN, fmax(fabs(y_begin[k]), fabs(y_end[k])));
+        max = fmax(max, fabs(y_end[k] - y[k]) / size);
     }
     return max;
 }
@@ -95,33 +98,36 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
 {
     const int n = run->system.n;
     const double t = trace_time(run->trace, i), end = trace_time(run->trace, i + 1),
-                 length = burst->to - burst->from;
-    double with[LIMIT_VARIABLES], without[LIMIT_VARIABLES], slope[LIMIT_VARIABLES],
-        after[LIMIT_VARIABLES];
-    system_derivative(&run->system, burst->from + length / 2, trace_state(run->trace, i), slope);
+                 length = burst->t_end - burst->t_begin;
+    double y_solved[LIMIT_VARIABLES], y_extrapolated[LIMIT_VARIABLES], slope[LIMIT_VARIABLES],
+        end_slope[LIMIT_VARIABLES];
+    system_derivative(&run->system, burst->t_begin + length / 2, trace_state(run->trace, i), slope);
     for (int k = 0; k < n; k++)
         if (!isfinite(slope[k]))
             return false;
-    if (fabs(length) < BURST_MIN_ULPS * DBL_EPSILON * fabs(burst->from))
+    if (fabs(length) < BURST_MIN_ULPS * DBL_EPSILON * fabs(burst->t_begin))
         return false;
-    copy_state(with, trace_state(run->trace, i), n);
-    if (!solve_pieces(run, t, with, burst->from))
+    copy_state(y_solved, trace_state(run->trace, i), n);
+    if (!solve_pieces(run, t, y_solved, burst->t_begin))
         return true;
-    copy_state(without, with, n);
-    const double before = burst->from - length * BURST_MARGIN;
-    system_derivative(&run->system, (before - t) * length > 0 ? before : t, without, slope);
+    copy_state(y_extrapolated, y_solved, n);
+    const double slope_time = burst->t_begin - length * BURST_MARGIN;
+    system_derivative(&run->system, (slope_time - t) * length > 0 ? slope_time : t, y_extrapolated,
+                      slope);
     for (int k = 0; k < n; k++)
-        without[k] += length * slope[k];
-    if (!solve_pieces(run, burst->from, with, burst->to) ||
-        !solve_pieces(run, burst->to, with, end) || !solve_pieces(run, burst->to, without, end))
+        y_extrapolated[k] += length * slope[k];
+    if (!solve_pieces(run, burst->t_begin, y_solved, burst->t_end) ||
+        !solve_pieces(run, burst->t_end, y_solved, end) ||
+        !solve_pieces(run, burst->t_end, y_extrapolated, end))
         return true;
-    if (!(distance_of_step(run, i, with) >
-          BURST_DISTANCE_RATIO * distance_of_step(run, i, without)))
+    if (!(distance_of_step(run, i, y_solved) >
+          BURST_DISTANCE_RATIO * distance_of_step(run, i, y_extrapolated)))
         return false;
     /* A jump is no burst: the next steps see what it leads to. */
-    const int k = most_different(&run->system, with, without);
-    system_derivative(&run->system, burst->to + length * BURST_MARGIN, with, after);
-    return fabs(after[k] - slope[k]) <= fabs(with[k] - without[k]) / fabs(length) / 2;
+    const int k = most_different(&run->system, y_solved, y_extrapolated);
+    system_derivative(&run->system, burst->t_end + length * BURST_MARGIN, y_solved, end_slope);
+    return fabs(end_slope[k] - slope[k]) <=
+           fabs(y_solved[k] - y_extrapolated[k]) / fabs(length) / 2;
 }
 
 /*
@@ -133,9 +139,9 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
                         int64_t *allowed, struct burst *there)
 {
     const struct trace *trace = run->trace;
-    const size_t beyond = row_beyond(trace, first, found->from);
-    const size_t end = row_beyond(trace, first, found->to);
-    for (size_t i = beyond > first ? beyond - 1 : first; i <= end && i + 1 < trace_count(trace);
+    const size_t next_row = row_beyond(trace, first, found->t_begin);
+    const size_t end = row_beyond(trace, first, found->t_end);
+    for (size_t i = next_row > first ? next_row - 1 : first; i <= end && i + 1 < trace_count(trace);
          i++) {
         const double t[2] = {trace_time(trace, i), trace_time(trace, i + 1)};
         struct burst burst[SEGMENT_BURSTS_MAX];
@@ -151,9 +157,10 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
         *there = burst[0];
         for (int k = 1; k < count; k++) {
             const bool forward = t[1] > t[0];
-            there->from =
-                forward ? fmin(there->from, burst[k].from) : fmax(there->from, burst[k].from);
-            there->to = forward ? fmax(there->to, burst[k].to) : fmin(there->to, burst[k].to);
+            there->t_begin = forward ? fmin(there->t_begin, burst[k].t_begin)
+                                     : fmax(there->t_begin, burst[k].t_begin);
+            there->t_end =
+                forward ? fmax(there->t_end, burst[k].t_end) : fmin(there->t_end, burst[k].t_end);
         }
         if (is_seen(trace, first, there))
             continue;
@@ -183,9 +190,9 @@ static bool look_through(struct burst_search *search, double open, struct burst 
     for (int i = 0; i < search->count; i++) {
         const struct burst burst = search->burst[i];
         struct burst there = burst;
-        if (burst.to == open) {
+        if (burst.t_end == open) {
             search->burst[left++] = burst;
-        } else if ((first == 0 || burst.from != trace_time(trace, first)) &&
+        } else if ((first == 0 || burst.t_begin != trace_time(trace, first)) &&
                    is_on_steps(search->run, first, &burst, &search->allowed_steps, &there)) {
             *missed = there;
             return true;
@@ -196,15 +203,15 @@ static bool look_through(struct burst_search *search, double open, struct burst 
 }
 
 /* Searches a way, with its part of the looks that are left for `ways` of them. */
-static void search_way(struct burst_search *search, const double t[2], const double *from,
-                       const double *to, size_t ways)
+static void search_way(struct burst_search *search, const double t[2], const double *y_begin,
+                       const double *y_end, size_t ways)
 {
     const int64_t part = search->allowed / (int64_t)ways * LOOKS_A_WAY,
                   given = part > LOOKS_ONE_WAY ? part : LOOKS_ONE_WAY,
                   allowed = given < search->allowed ? given : search->allowed;
     int64_t left = allowed;
-    search->count = bursts_within(&search->run->system, t, from, to, true, &left, search->burst,
-                                  search->count, SEGMENT_BURSTS_MAX);
+    search->count = bursts_within(&search->run->system, t, y_begin, y_end, true, &left,
+                                  search->burst, search->count, SEGMENT_BURSTS_MAX);
     search->allowed -= allowed - left;
 }
 
@@ -234,11 +241,12 @@ bool run_missed_burst(struct run *run, struct burst *missed)
                                   .allowed_steps = allowed + LOOKS_A_SOLUTION * SEGMENT_BURSTS_MAX};
     p->searched = all;
     for (size_t k = 0; k < ways && search.allowed > 0 && !cancelled(run->cancel); k++) {
-        const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;
-        const double t[2] = {trace_time(trace, from), trace_time(trace, to)};
+        const size_t row_begin = first + k * steps / ways, row_end = first + (k + 1) * steps / ways;
+        const double t[2] = {trace_time(trace, row_begin), trace_time(trace, row_end)};
         if (t[0] == t[1])
             continue;
-        search_way(&search, t, trace_state(trace, from), trace_state(trace, to), ways - k);
+        search_way(&search, t, trace_state(trace, row_begin), trace_state(trace, row_end),
+                   ways - k);
         if (look_through(&search, t[1], missed))
             return true;
     }

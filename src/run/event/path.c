@@ -12,9 +12,9 @@
 
 /* Values at even shares of a stretch, degree + 1 of them: the polynomial c about its middle, in its
  * length (Newton). */
-static void fit(const double *value, size_t stride, int degree, double *c, size_t apart)
+static void polynomial_fit(const double *value, size_t stride, int degree, double *c, size_t apart)
 {
-    double difference[DENSE_DEGREE + 1], out[DENSE_DEGREE + 1] = {0};
+    double difference[DENSE_DEGREE + 1], coefficient[DENSE_DEGREE + 1] = {0};
     for (int i = 0; i <= degree; i++)
         difference[i] = value[(size_t)i * stride];
     for (int k = 1; k <= degree; k++)
@@ -23,25 +23,25 @@ static void fit(const double *value, size_t stride, int degree, double *c, size_
     for (int k = degree; k >= 0; k--) {
         const double shift = degree / 2. - k;
         for (int i = degree - k; i > 0; i--)
-            out[i] = degree * out[i - 1] + shift * out[i];
-        out[0] = shift * out[0] + difference[k];
+            coefficient[i] = degree * coefficient[i - 1] + shift * coefficient[i];
+        coefficient[0] = shift * coefficient[0] + difference[k];
     }
     for (int i = 0; i <= degree; i++)
-        c[(size_t)i * apart] = out[i];
+        c[(size_t)i * apart] = coefficient[i];
 }
 
 /* sum c_k s^k about s = 0, where |s| <= r: even powers are above 0. */
 static struct interval range(const double *c, int degree, double r)
 {
-    struct interval out = {c[0], c[0]};
+    struct interval bounds = {c[0], c[0]};
     double power = 1;
     for (int k = 1; k <= degree; k++) {
         power *= r;
         const double max = c[k] * power;
-        out.lo += k % 2 ? -fabs(max) : fmin(max, 0);
-        out.hi += k % 2 ? fabs(max) : fmax(max, 0);
+        bounds.lo += k % 2 ? -fabs(max) : fmin(max, 0);
+        bounds.hi += k % 2 ? fabs(max) : fmax(max, 0);
     }
-    return out;
+    return bounds;
 }
 
 static void differentiate(double *c, int degree)
@@ -75,7 +75,7 @@ static struct jet bounds(double *c, int degree, double r, double error, int piec
 struct jet path_fit(const double *value, int degree, double a, double b)
 {
     double c[DENSE_DEGREE + 1] = {0}, sum = 0, power = 1;
-    fit(value, 1, degree, c, 1);
+    polynomial_fit(value, 1, degree, c, 1);
     double tail = 0;
     for (int k = 0; k <= degree; k++, power /= 2) {
         sum += fabs(c[k]) * power;
@@ -104,20 +104,20 @@ void path_begin(struct step_path *path, const struct inside *inside)
 static void through_ends(struct step_path *path)
 {
     const struct inside *inside = &path->inside;
-    const double *before = inside->run->private_state->before, h = inside->h;
+    const double *y_begin = inside->run->private_state->previous_state, h = inside->h;
     struct sliding sliding = {0};
     struct system frozen;
     const struct step last = inside_step(inside, &sliding, &frozen);
     double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES];
-    system_derivative(last.system, last.t - last.h, before, f0);
+    system_derivative(last.system, last.t - last.h, y_begin, f0);
     system_derivative(last.system, last.t, path->end, f1);
     sliding_free(&sliding);
     path->degree = 3;
     path->pieces = 1;
     for (int i = 0; i < inside->run->system.n; i++) {
-        const double rise = path->end[i] - before[i], bent = h * (f1[i] - f0[i]),
+        const double rise = path->end[i] - y_begin[i], bent = h * (f1[i] - f0[i]),
                      sum = h * (f0[i] + f1[i]);
-        path->piece->c[0][i] = (before[i] + path->end[i]) / 2 - bent / 8;
+        path->piece->c[0][i] = (y_begin[i] + path->end[i]) / 2 - bent / 8;
         path->piece->c[1][i] = 1.5 * rise - sum / 4;
         path->piece->c[2][i] = bent / 2;
         path->piece->c[3][i] = sum - 2 * rise;
@@ -150,7 +150,8 @@ static void through_samples(struct step_path *path, int degree)
     path->degree = degree;
     path->pieces = 1;
     for (int i = 0; i < path->inside.run->system.n; i++)
-        fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->piece->c[0][i], LIMIT_VARIABLES);
+        polynomial_fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->piece->c[0][i],
+                       LIMIT_VARIABLES);
     set_rounding(path);
 }
 
@@ -201,14 +202,14 @@ static bool through_middle(struct step_path *path)
     path->degree = 4;
     for (int i = 0; i < path->inside.run->system.n; i++) {
         struct path_piece *piece = path->piece;
-        const double off = middle[i] - piece->c[0][i]; /* times (1 - 4 s^2)^2 */
-        fine = fine && !(fabs(off) > resolved * terms_size(piece, i, 1, 3, 0.5) +
-                                         POLYNOMIAL_ROUNDING * fabs(piece->c[0][i]));
-        piece->c[0][i] += off;
-        piece->c[2][i] -= 8 * off;
-        piece->c[4][i] = 16 * off;
+        const double deviation = middle[i] - piece->c[0][i]; /* times (1 - 4 s^2)^2 */
+        fine = fine && !(fabs(deviation) > resolved * terms_size(piece, i, 1, 3, 0.5) +
+                                               POLYNOMIAL_ROUNDING * fabs(piece->c[0][i]));
+        piece->c[0][i] += deviation;
+        piece->c[2][i] -= 8 * deviation;
+        piece->c[4][i] = 16 * deviation;
         piece->error[i] =
-            fabs(off) + POLYNOMIAL_ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
+            fabs(deviation) + POLYNOMIAL_ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
     }
     return fine && is_followed(path, 0, 1, resolved);
 }
@@ -231,7 +232,8 @@ static bool fit_piece(struct step_path *path, int k, int pieces)
     for (int j = 0; j <= DENSE_DEGREE; j++)
         path_state(path, length * (k + (double)j / DENSE_DEGREE), sample[j]);
     for (int i = 0; i < path->inside.run->system.n; i++) {
-        fit(&sample[0][i], LIMIT_VARIABLES, DENSE_DEGREE, &piece->c[0][i], LIMIT_VARIABLES);
+        polynomial_fit(&sample[0][i], LIMIT_VARIABLES, DENSE_DEGREE, &piece->c[0][i],
+                       LIMIT_VARIABLES);
         double power = 1;
         for (int j = 0; j <= DENSE_DEGREE; j++, power *= pieces)
             piece->c[j][i] *= power;
@@ -283,7 +285,7 @@ void path_state(const struct step_path *path, double theta, double *y)
 {
     const struct run *run = path->inside.run;
     if (theta <= 0 || theta >= 1)
-        copy_state(y, theta <= 0 ? run->private_state->before : path->end, run->system.n);
+        copy_state(y, theta <= 0 ? run->private_state->previous_state : path->end, run->system.n);
     else
         inside_state(&path->inside, theta, y);
 }
@@ -320,7 +322,7 @@ static struct jet piece_jet(const struct step_path *path, int k, int variable, d
     return bounds(c, degree, (b - a) / 2, path->piece[k].error[variable], path->pieces);
 }
 
-static struct interval hull(struct interval a, struct interval b)
+static struct interval path_interval_hull(struct interval a, struct interval b)
 {
     return (struct interval){fmin(a.lo, b.lo), fmax(a.hi, b.hi)};
 }
@@ -334,10 +336,11 @@ struct jet path_jet(const struct step_path *path, int variable, double a, double
         return piece_jet(path, first, variable, a, b);
     struct jet all = piece_jet(path, first, variable, a, (first + 1.) / pieces);
     for (int k = first + 1; k <= last; k++) {
-        const double from = (double)k / pieces, to = fmin((k + 1.) / pieces, b);
-        const struct jet jet = piece_jet(path, k, variable, from, fmax(from, to));
-        all = (struct jet){hull(all.value, jet.value), hull(all.slope, jet.slope),
-                           hull(all.bend, jet.bend)};
+        const double s_begin = (double)k / pieces, s_end = fmin((k + 1.) / pieces, b);
+        const struct jet jet = piece_jet(path, k, variable, s_begin, fmax(s_begin, s_end));
+        all = (struct jet){path_interval_hull(all.value, jet.value),
+                           path_interval_hull(all.slope, jet.slope),
+                           path_interval_hull(all.bend, jet.bend)};
     }
     return all;
 }

@@ -10,10 +10,10 @@ static bool event_record_add(struct run *run, const struct event_crossing *cross
     if (all->count == LIMIT_EVENT_RECORDS)
         return false;
     size_t capacity = all->capacity;
-    if (!array_reserve(&all->at, sizeof *all->at, all->count, &capacity) ||
+    if (!array_reserve(&all->record, sizeof *all->record, all->count, &capacity) ||
         !array_reserve(&all->state, n * sizeof *all->state, all->count, &all->capacity))
         return false;
-    all->at[all->count] =
+    all->record[all->count] =
         (struct event_record){crossing->event, crossing->direction, run->steps, crossing->t};
     memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
     return true;
@@ -25,7 +25,7 @@ bool events_until(const struct run *run, double *theta)
     bool stopped = false; /* another event came earlier */
     for (size_t i = 0; i < watch->count; i++) {
         const struct event_crossing *crossing = &watch->found[i];
-        if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {
+        if (crossing->event == watch->stop_event && (!stopped || crossing->theta == *theta)) {
             *theta = crossing->theta;
             return true;
         }
@@ -51,8 +51,8 @@ void events_until_at(struct run *run, double theta)
     const struct event_watch *watch = run->private_state->watch;
     for (size_t i = 0; i < watch->count; i++) {
         struct event_crossing *crossing = &watch->found[i];
-        const bool before = (run->t - crossing->t) * watch->path.inside.h > 0;
-        if (crossing->theta > theta || (crossing->theta < theta && before))
+        const bool is_earlier = (run->t - crossing->t) * watch->path.inside.h > 0;
+        if (crossing->theta > theta || (crossing->theta < theta && is_earlier))
             continue;
         crossing->t = run->t;
         copy_state(watch->state + i * (size_t)run->system.n, run->y, run->system.n);
@@ -68,7 +68,7 @@ bool events_keep(struct run *run, const struct segment *segment, double h, bool 
         const double *state = watch->state + i * (size_t)n;
         if ((crossing->t - run->t) * h > 0)
             break;
-        if (crossing->event == watch->until)
+        if (crossing->event == watch->stop_event)
             continue;
         if (!event_record_add(run, crossing, state))
             return false;
@@ -94,7 +94,7 @@ void event_records_truncate(struct run *run, double ahead)
 {
     struct event_records *all = &run->private_state->event_records;
     for (; all->count > 0; all->count--) {
-        const struct event_record *last = &all->at[all->count - 1];
+        const struct event_record *last = &all->record[all->count - 1];
         if (last->step < run->steps ||
             (last->step == run->steps && (last->t - run->t) * ahead <= 0))
             break;
@@ -108,7 +108,7 @@ size_t run_event_records(const struct run *run)
 
 const struct event_record *run_event_record(const struct run *run, size_t i)
 {
-    return &run->private_state->event_records.at[i];
+    return &run->private_state->event_records.record[i];
 }
 
 const double *run_event_record_state(const struct run *run, size_t i)

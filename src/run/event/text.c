@@ -3,67 +3,70 @@
 #include <hooke/scene/formula.h>
 #include "run/private.h"
 
-static size_t blanks(struct text text, size_t at)
+static size_t blanks(struct text text, size_t position)
 {
-    while (at < text.len && (text.at[at] == ' ' || text.at[at] == '\t'))
-        at++;
-    return at;
+    while (position < text.len && (text.data[position] == ' ' || text.data[position] == '\t'))
+        position++;
+    return position;
 }
 
-static struct text from(struct text text, size_t at)
+static struct text event_text_tail(struct text text, size_t position)
 {
-    return (struct text){text.at + at, text.len - at};
+    return (struct text){text.data + position, text.len - position};
 }
 
-/* An expression at text[*at]. */
-static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
-                               struct arena *arena, struct error *error)
+/* An expression at text[*position]. */
+static const struct expr *event_side_compile(struct text text, size_t *position,
+                                             const struct expr_scope *scope, struct arena *arena,
+                                             struct error *error)
 {
     size_t used;
-    const struct expr *expr = expr_compile(from(text, *at), scope, arena, &used, error);
-    *at = expr ? blanks(text, *at + used) : *at;
+    const struct expr *expr =
+        expr_compile(event_text_tail(text, *position), scope, arena, &used, error);
+    *position = expr ? blanks(text, *position + used) : *position;
     return expr;
 }
 
-/* The word at text[*at], if it is there. */
-static bool take_word(struct text text, size_t *at, struct text word)
+/* The word at text[*position], if it is there. */
+static bool take_word(struct text text, size_t *position, struct text word)
 {
-    const struct text rest = from(text, *at);
+    const struct text rest = event_text_tail(text, *position);
     if (!text_starts(rest, word) ||
-        (rest.len > word.len && rest.at[word.len] != ' ' && rest.at[word.len] != '\t'))
+        (rest.len > word.len && rest.data[word.len] != ' ' && rest.data[word.len] != '\t'))
         return false;
-    *at += word.len;
+    *position += word.len;
     return true;
 }
 
 bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                    struct event *event, size_t *used, struct error *error)
 {
-    size_t at = 0;
-    struct event made = {.left = side(text, &at, scope, arena, error), .scope = scope};
+    size_t position = 0;
+    struct event made = {.left = event_side_compile(text, &position, scope, arena, error),
+                         .scope = scope};
     if (!made.left)
         return false;
-    if (at < text.len && (text.at[at] == '<' || text.at[at] == '>')) {
-        made.direction = text.at[at] == '<' ? -1 : 1;
-        at++;
-        at += at < text.len && text.at[at] == '=';
-        made.right = side(text, &at, scope, arena, error);
+    if (position < text.len && (text.data[position] == '<' || text.data[position] == '>')) {
+        made.direction = text.data[position] == '<' ? -1 : 1;
+        position++;
+        position += position < text.len && text.data[position] == '=';
+        made.right = event_side_compile(text, &position, scope, arena, error);
         if (!made.right || !expr_compare(made.left, &made.right, arena, error))
             return false;
     }
-    const size_t word = at;
-    const int direction = take_word(text, &at, TEXT("rising"))    ? 1
-                          : take_word(text, &at, TEXT("falling")) ? -1
-                                                                  : 0;
-    made.touching = direction == 0 && take_word(text, &at, TEXT("touching"));
+    const size_t word = position;
+    const int direction = take_word(text, &position, TEXT("rising"))    ? 1
+                          : take_word(text, &position, TEXT("falling")) ? -1
+                                                                        : 0;
+    made.touching = direction == 0 && take_word(text, &position, TEXT("touching"));
     if ((direction != 0 || made.touching) && made.right)
-        return error_at(error, (struct text){text.at + word, at - word},
+        return error_at(error, (struct text){text.data + word, position - word},
                         "a comparison happens where it becomes true; rising, falling and touching "
                         "are for expressions");
     made.direction = direction != 0 ? direction : made.direction;
     memcpy(made.name, event->name, sizeof made.name);
     made.stop = event->stop;
     *event = made;
-    *used = at;
+    *used = position;
     return true;
 }

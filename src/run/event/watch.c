@@ -64,11 +64,11 @@ bool events_watch_begin(struct event_watch *watch, struct run *run, const struct
     watch->failed = false;
     watch->run = run;
     watch->events = target->events + (target->condition != NULL);
-    watch->until = target->condition ? target->events : -1;
+    watch->stop_event = target->condition ? target->events : -1;
     if (target->condition)
         take_condition(watch, target);
     for (int i = 0; i < watch->events && !watch->failed; i++) {
-        const struct event *event = i == watch->until ? &watch->condition : &target->event[i];
+        const struct event *event = i == watch->stop_event ? &watch->condition : &target->event[i];
         watch->scope = event->scope;
         struct watched made = {
             .event = event, .budget = EVENT_BOUNDS_MAX, .touched = NAN, .passed = NAN};
@@ -156,9 +156,10 @@ static struct jet event_value_jet(const struct event_watch *watch, const struct 
 
 static struct jet time_jet(const struct step_path *path, double a, double b)
 {
-    const double from = path_time(path, a), to = path_time(path, b), h = path->inside.h;
-    const double near = 2 * DBL_EPSILON * fmax(fabs(from), fabs(to));
-    return (struct jet){{fmin(from, to) - near, fmax(from, to) + near}, {h, h}, {0, 0}};
+    const double t_begin = path_time(path, a), t_end = path_time(path, b), h = path->inside.h;
+    const double rounding = 2 * DBL_EPSILON * fmax(fabs(t_begin), fabs(t_end));
+    return (struct jet){
+        {fmin(t_begin, t_end) - rounding, fmax(t_begin, t_end) + rounding}, {h, h}, {0, 0}};
 }
 
 /* Bounds a function of the state by a polynomial through its values, which proves nothing. */
@@ -166,13 +167,13 @@ static struct jet other_jet(struct event_watch *watch, const struct watched *wat
                             double a, double b)
 {
     double y[LIMIT_VARIABLES], value[COLUMN_SAMPLES + 1];
-    const double apart = fmax(b - a, 1e-9), from = fmin(a, 1 - apart);
+    const double apart = fmax(b - a, 1e-9), begin = fmin(a, 1 - apart);
     for (int k = 0; k <= COLUMN_SAMPLES; k++) {
-        const double theta = from + apart * k / COLUMN_SAMPLES;
+        const double theta = begin + apart * k / COLUMN_SAMPLES;
         path_estimate(&watch->path, theta, y);
         value[k] = load_other(watch, watched, slot, path_time(&watch->path, theta), y);
     }
-    return path_fit(value, COLUMN_SAMPLES, from, from + apart);
+    return path_fit(value, COLUMN_SAMPLES, begin, begin + apart);
 }
 
 struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,
@@ -206,8 +207,8 @@ static struct interval value_within(struct event_watch *watch, const struct watc
         const double size = column->kind == MOVING_STATE
                                 ? fmax(fabs(value), watch->size[column->index])
                                 : fabs(value);
-        const double off = size * (column->kind == MOVING_TIME ? 16 * DBL_EPSILON : error);
-        watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
+        const double margin = size * (column->kind == MOVING_TIME ? 16 * DBL_EPSILON : error);
+        watch->jet[i] = (struct jet){{value - margin, value + margin}, {0, 0}, {0, 0}};
     }
     return event_value_jet(watch, watched).value;
 }

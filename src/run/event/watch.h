@@ -77,10 +77,10 @@ struct event_watch {
     } left[LIMIT_EVENTS + 1];
     int64_t left_step;
     double left_t;
-    /* number of events, with the condition, if there is one, as the last; `until` is its index,
-     * else -1 */
+    /* number of events, with the condition, if there is one, as the last; `stop_event` is its
+     * index, else -1 */
     int events;
-    int until;
+    int stop_event;
     struct event condition;
     bool or_equal;
     struct step_path path;

@@ -41,7 +41,7 @@ int64_t run_follow_steps(double evals)
 static void follow_row(const struct run *run, size_t row, double end, int64_t steps_max,
                        struct followed *followed)
 {
-    static const double tol = 1e-7, beyond = 1.01;
+    static const double tol = 1e-7, overshoot = 1.01;
     const struct trace *trace = run->trace;
     const size_t start = run_own_start(run);
     const double t_start = trace_time(trace, start);
@@ -53,7 +53,7 @@ static void follow_row(const struct run *run, size_t row, double end, int64_t st
         followed->fate = SOLUTION_UNKNOWN;
     if (followed->fate == SOLUTION_ENDS &&
         run_solve_cheaply(&run->system, t_start, trace_state(trace, start),
-                          t_start + beyond * (followed->t - t_start), tol, ignored, run->cancel))
+                          t_start + overshoot * (followed->t - t_start), tol, ignored, run->cancel))
         followed->fate = SOLUTION_GOES_ON;
 }
 
@@ -132,37 +132,38 @@ static void diagnose_failure(struct run *run)
 
 /* Returns true if the derivative `ahead` of where a solution got is undefined, or that of the
  * steepest variable leads back: y' = -1/y ends at 0, y' = -1/sqrt(|y|) goes on. */
-static bool turns_back(const struct system *system, const struct followed *at, double ahead)
+static bool turns_back(const struct system *system, const struct followed *point, double ahead)
 {
-    double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES], beyond[LIMIT_VARIABLES];
+    double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES], slope_ahead[LIMIT_VARIABLES];
     bool defined = true;
     int steepest = 0;
-    system_derivative(system, at->t, at->y, slope);
+    system_derivative(system, point->t, point->y, slope);
     for (int i = 0; i < system->n; i++) {
-        y[i] = at->y[i] + ahead * slope[i];
+        y[i] = point->y[i] + ahead * slope[i];
         if (fabs(slope[i]) > fabs(slope[steepest]))
             steepest = i;
     }
-    system_derivative(system, at->t + ahead, y, beyond);
+    system_derivative(system, point->t + ahead, y, slope_ahead);
     for (int i = 0; i < system->n; i++)
-        defined = defined && isfinite(beyond[i]);
+        defined = defined && isfinite(slope_ahead[i]);
     for (int i = 0; i < system->n; i++)
-        y[i] = i == steepest ? y[i] : at->y[i];
-    system_derivative(system, at->t, y, beyond);
-    return !defined || slope[steepest] * beyond[steepest] < 0;
+        y[i] = i == steepest ? y[i] : point->y[i];
+    system_derivative(system, point->t, y, slope_ahead);
+    return !defined || slope[steepest] * slope_ahead[steepest] < 0;
 }
 
 /* Returns true if a solution followed for `way` still ends if it is followed from there, with times
  * as fine as may be. One that is only steep does not: y' = 1/(y^2 + 1e-8). */
-static bool ends_for_sure(const struct run *run, const struct followed *at, double way)
+static bool ends_for_sure(const struct run *run, const struct followed *point, double way)
 {
-    static const double span = 1e-6, beyond = 100; /* parts of the way; of the time to the end */
-    const double t = run->system.autonomous ? 0 : at->t;
+    static const double span = 1e-6,
+                        span_factor = 100; /* parts of the way; of the time to the end */
+    const double t = run->system.autonomous ? 0 : point->t;
     struct followed again;
-    run_follow(&run->system, t, at->y, t + span * way, run_follow_steps(0), run->cancel, &again);
+    run_follow(&run->system, t, point->y, t + span * way, run_follow_steps(0), run->cancel, &again);
     return again.fate == SOLUTION_ENDS &&
-           (!at->finite ||
-            (run->system.autonomous && turns_back(&run->system, at, beyond * (again.t - t))));
+           (!point->finite || (run->system.autonomous &&
+                               turns_back(&run->system, point, span_factor * (again.t - t))));
 }
 
 /* Returns the length of the adaptive step to a recorded row. */
@@ -178,7 +179,8 @@ static double step_before(const struct trace *trace, size_t row)
 static void find_end_passed(struct run *run)
 {
     enum { FEW = 32, SHARE = 8 }; /* rows; of all rows, new ones for a look */
-    static const double shrunk = 0.01, loose = 0.01, beyond = 1.5; /* a run may end too early */
+    static const double shrunk = 0.01, loose = 0.01,
+                        span_factor = 1.5; /* a run may end too early */
     struct run_private *p = run->private_state;
     const struct trace *trace = run->trace;
     const size_t last = trace->count - 1, start = run_own_start(run);
@@ -188,32 +190,34 @@ static void find_end_passed(struct run *run)
         return;
     p->looked = last;
     double least = INFINITY, longest = 0, t_before = trace_row(trace, first)[trace->width - 1];
-    size_t from = last, to = last;
+    size_t row_begin = last, row_end = last;
     for (size_t row = first + 1; row < last; row++) {
         const double t = trace_row(trace, row)[trace->width - 1], h = fabs(t - t_before);
         t_before = t;
         longest = h > longest ? h : longest;
         if (h < least && h < shrunk * longest) {
             least = h;
-            from = row;
+            row_begin = row;
         }
     }
-    if (from < last) {
-        to = from + 1;
-        while (from > first + 1 && step_before(trace, from - 1) >= step_before(trace, from))
-            from--;
-        from--;
+    if (row_begin < last) {
+        row_end = row_begin + 1;
+        while (row_begin > first + 1 &&
+               step_before(trace, row_begin - 1) >= step_before(trace, row_begin))
+            row_begin--;
+        row_begin--;
     } else if (last - first <= FEW && run->settings.tol >= loose) {
-        from = first;
+        row_begin = first;
     } else {
         return;
     }
-    const double t = trace_time(trace, from), way = beyond * (trace_time(trace, to) - t),
+    const double t = trace_time(trace, row_begin),
+                 way = span_factor * (trace_time(trace, row_end) - t),
                  t_end = fabs(way) < fabs(run->t - t) ? t + way : run->t;
     struct followed followed;
-    if (!run_seems_to_end(&run->system, t, trace_state(trace, from), t_end, run->cancel))
+    if (!run_seems_to_end(&run->system, t, trace_state(trace, row_begin), t_end, run->cancel))
         return;
-    run_follow_from(run, from, run->t, run_follow_steps((double)run->cost.evals), &followed);
+    run_follow_from(run, row_begin, run->t, run_follow_steps((double)run->cost.evals), &followed);
     if (followed.fate == SOLUTION_ENDS &&
         ends_for_sure(run, &followed, followed.t - trace_time(trace, start)))
         run_end_singular(run, &followed);

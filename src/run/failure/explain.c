@@ -315,12 +315,12 @@ static void explain_stall(const struct run *run, struct buffer *text)
 
 static void explain_singularity(const struct run *run, struct buffer *text)
 {
-    const bool beyond =
+    const bool is_past_singularity =
         fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0);
     buffer_format(text, "the solution itself %s at t = ", singularity_text(&run->singular));
     put_time(text, run->singular.t, 6);
     buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
-    if (beyond)
+    if (is_past_singularity)
         buffer_put(text, TEXT("what the method gives beyond means nothing"));
     else if (run->singular.finite && !run->system.autonomous)
         buffer_put(text, TEXT("it may go on beyond, but no step gets past it"));

@@ -17,10 +17,10 @@ enum solution_fate {
 
 /* ---- follow.c ---- */
 
-/* Goes from y [n] at t to `end` by an accurate method, into `to` [n]. Returns false if it does not
- * get there, would take too long, or is cancelled. */
+/* Goes from y [n] at t to `end` by an accurate method, into `y_end` [n]. Returns false if it does
+ * not get there, would take too long, or is cancelled. */
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
-                       double tol, double *to, const struct cancel *cancel);
+                       double tol, double *y_end, const struct cancel *cancel);
 /* State and time that an accurate solution reached. */
 struct followed {
     enum solution_fate fate;

@@ -56,7 +56,7 @@ static double shrinking_power(const struct shrinking *s)
 /* ---- following ---- */
 
 struct pursuit {
-    const char *by;
+    const char *method_name;
     double tol;
     int64_t steps_max;
     /* Part of the way: shorter steps make no progress, though steps to a switch may be shorter. */
@@ -91,7 +91,7 @@ static void pursue(const struct system *system, double t, const double *y, doubl
                    struct followed *followed)
 {
     static const double power_min = 0.3, finite_max = 0.95; /* |y'| may be integrated up to there */
-    const struct method *method = method_find(pursuit->by);
+    const struct method *method = method_find(pursuit->method_name);
     double *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work) : NULL;
     struct step step = {.system = system, .y = followed->y, .work = work, .t = t};
     struct controller controller = {.tol = pursuit->tol};
@@ -101,13 +101,13 @@ static void pursue(const struct system *system, double t, const double *y, doubl
     for (int64_t steps = 0; moves && step.t != end && !is_large(system, followed->y); steps++) {
         if ((stopped = steps == pursuit->steps_max || cancelled(cancel)))
             break;
-        const double from = step.t;
-        double before[LIMIT_VARIABLES];
-        copy_state(before, followed->y, system->n);
+        const double previous_t = step.t;
+        double previous_y[LIMIT_VARIABLES];
+        copy_state(previous_y, followed->y, system->n);
         moves = method_adapt(method, &step, &controller, end) == STEP_OK &&
-                fabs(step.t - from) >= pursuit->creep * fabs(step.t - t);
-        if (step.t != from)
-            shrinking_add(&shrinking, fabs(step.t - from), system, from, before);
+                fabs(step.t - previous_t) >= pursuit->creep * fabs(step.t - t);
+        if (step.t != previous_t)
+            shrinking_add(&shrinking, fabs(step.t - previous_t), system, previous_t, previous_y);
     }
     free(work);
     const double power = shrinking_power(&shrinking);
@@ -150,12 +150,12 @@ bool run_seems_to_end(const struct system *system, double t, const double *y, do
 }
 
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
-                       double tol, double *to, const struct cancel *cancel)
+                       double tol, double *y_end, const struct cancel *cancel)
 {
     struct followed followed;
     run_follow_cheaply(system, t, y, end, tol, cancel, &followed);
     if (followed.t == end)
-        copy_state(to, followed.y, system->n);
+        copy_state(y_end, followed.y, system->n);
     return followed.t == end;
 }
 

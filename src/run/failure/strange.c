@@ -16,13 +16,13 @@
 static bool looks_strange(double h, double y, double slope, double middle_slope, double end,
                           double end_slope, double natural)
 {
-    static const double off = 0.1, negligible = 1e-6;
+    static const double deviation_max = 0.1, negligible = 1e-6;
     const double size = fmax(fabs(y), fabs(end)), mean = (slope + end_slope) / 2,
                  slopes = fmax(fmax(fabs(slope), fabs(middle_slope)), fabs(end_slope));
     if (fmax(size, fabs(h) * slopes) < negligible * natural)
         return false;
-    return !(fabs(end - y - h * mean) <= off * size) ||
-           !(fabs(h * (middle_slope - mean)) <= off * size);
+    return !(fabs(end - y - h * mean) <= deviation_max * size) ||
+           !(fabs(h * (middle_slope - mean)) <= deviation_max * size);
 }
 
 /* The step from row i to the next. */
@@ -184,12 +184,12 @@ void run_find_strange_steps(struct run *run)
     bool picks;
     const size_t max = run_rows_looked_max(&run->system, run->method, (double)run->cost.evals,
                                            (double)(rows - first), &picks),
-                 by = 1 + (rows - first) / max;
-    picks &= by >= VECTOR_LANES;
+                 stride = 1 + (rows - first) / max;
+    picks &= stride >= VECTOR_LANES;
     size_t strange = rows; /* the last one, if it was not looked into */
     p->looked = rows - 1;
-    for (size_t block = first, count = by; block + 1 < rows; block += count, count = by) {
-        if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
+    for (size_t block = first, count = stride; block + 1 < rows; block += count, count = stride) {
+        if (block % (stride * LOOK_EACH) < stride && cancelled(run->cancel)) {
             p->looked = block; /* the rest next time */
             return;
         }

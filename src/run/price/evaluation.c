@@ -27,15 +27,15 @@ static double text_price(struct text text, double an_operator)
 {
     double price = 0;
     for (size_t i = 0; i < text.len; i++) {
-        const char c = text.at[i];
+        const char c = text.data[i];
         if (c == '+' || c == '-' || c == '*' || c == '/' || c == '^')
             price += an_operator;
         size_t begin = i;
-        while (c == '(' && begin > 0 && isalnum((unsigned char)text.at[begin - 1]))
+        while (c == '(' && begin > 0 && isalnum((unsigned char)text.data[begin - 1]))
             begin--;
         if (begin < i)
             price +=
-                is_cheap((struct text){text.at + begin, i - begin}) ? an_operator : per_function;
+                is_cheap((struct text){text.data + begin, i - begin}) ? an_operator : per_function;
     }
     return price;
 }

@@ -199,7 +199,7 @@ static void put_wrapped(const char *heading, struct text words, struct buffer *t
     for (size_t i = 0; i < words.len;) {
         size_t end = i;
         while (end < words.len &&
-               (words.at[end] != ' ' || (end + 1 < words.len && words.at[end + 1] == '%')))
+               (words.data[end] != ' ' || (end + 1 < words.len && words.data[end + 1] == '%')))
             end++;
         if (column > INDENT && column + 1 + end - i > COLUMNS) {
             buffer_format(text, "\n%-*s", INDENT, "");
@@ -208,7 +208,7 @@ static void put_wrapped(const char *heading, struct text words, struct buffer *t
             buffer_char(text, ' ');
             column++;
         }
-        buffer_put(text, (struct text){words.at + i, end - i});
+        buffer_put(text, (struct text){words.data + i, end - i});
         column += end - i;
         i = end + 1;
     }

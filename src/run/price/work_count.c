@@ -34,7 +34,7 @@ static void count_second(const struct run_scenario *s, struct run *trial, double
     run_second_opinion(trial, s->opinion == 2 ? OPINION_WHOLE : OPINION_BRIEF, s->cancel);
     work->second_evals = scale * trial->opinion.work;
     work->rest_evals = trial->private_state->regrowth_work;
-    work->second = trial->opinion.by;
+    work->second = trial->opinion.method;
 }
 
 static void try_steps(const struct run_scenario *s, struct run_work *work)

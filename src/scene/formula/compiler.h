@@ -17,7 +17,7 @@ struct pending {
 
 struct compiler {
     struct text text;
-    size_t at, end; /* next byte; behind the last word that belongs to the expression */
+    size_t position, end; /* next byte; behind the last word that belongs to the expression */
     const struct expr_scope *scope;
     struct arena *arena;
     struct error *error;
@@ -32,9 +32,9 @@ struct compiler {
     enum { LAST_NAME, LAST_NUMBER, LAST_UNIT } last;
 };
 
-static inline struct text compiler_slice(const struct compiler *c, size_t from, size_t len)
+static inline struct text compiler_slice(const struct compiler *c, size_t begin, size_t len)
 {
-    return (struct text){c->text.at + from, len};
+    return (struct text){c->text.data + begin, len};
 }
 
 /* A value goes onto the stack; an operation takes the last `arity` of them. */

@@ -2,20 +2,21 @@
 /* Comparisons of two expressions. */
 #include "scene/formula/expr.h"
 
-static void skip_blanks(struct text text, size_t *at)
+static void skip_blanks(struct text text, size_t *position)
 {
-    while (*at < text.len && (text.at[*at] == ' ' || text.at[*at] == '\t'))
-        ++*at;
+    while (*position < text.len && (text.data[*position] == ' ' || text.data[*position] == '\t'))
+        ++*position;
 }
 
-/* One side, from text[*at]. */
-static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
-                               struct arena *arena, struct error *error)
+/* One side, from text[*position]. */
+static const struct expr *condition_side_compile(struct text text, size_t *position,
+                                                 const struct expr_scope *scope,
+                                                 struct arena *arena, struct error *error)
 {
     size_t used;
-    const struct expr *expr =
-        expr_compile((struct text){text.at + *at, text.len - *at}, scope, arena, &used, error);
-    *at += expr ? used : 0;
+    const struct expr *expr = expr_compile(
+        (struct text){text.data + *position, text.len - *position}, scope, arena, &used, error);
+    *position += expr ? used : 0;
     return expr;
 }
 
@@ -24,35 +25,35 @@ static bool no_comparison(struct text text, struct text sign, struct error *erro
     error_at(error, sign, "a condition needs <, <=, > or >=");
     if (!text_is(sign, "="))
         return false;
-    const struct text left = text_trim((struct text){text.at, (size_t)(sign.at - text.at)});
-    struct text right = {sign.at + 1, text.len - (size_t)(sign.at + 1 - text.at)};
+    const struct text left = text_trim((struct text){text.data, (size_t)(sign.data - text.data)});
+    struct text right = {sign.data + 1, text.len - (size_t)(sign.data + 1 - text.data)};
     while (text_starts(right, TEXT("=")))
-        right = (struct text){right.at + 1, right.len - 1};
+        right = (struct text){right.data + 1, right.len - 1};
     right = text_trim(right);
-    return error_hint(error, "steps pass it: '%.*s >= %.*s'", (int)left.len, left.at,
-                      (int)right.len, right.at);
+    return error_hint(error, "steps pass it: '%.*s >= %.*s'", (int)left.len, left.data,
+                      (int)right.len, right.data);
 }
 
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error)
 {
-    size_t at = 0;
-    struct condition made = {.left = side(text, &at, scope, arena, error)};
+    size_t position = 0;
+    struct condition made = {.left = condition_side_compile(text, &position, scope, arena, error)};
     if (!made.left)
         return false;
-    skip_blanks(text, &at);
-    struct text sign = {text.at + at, at < text.len};
+    skip_blanks(text, &position);
+    struct text sign = {text.data + position, position < text.len};
     if (!text_is(sign, "<") && !text_is(sign, ">"))
         return no_comparison(text, sign, error);
     made.less = text_is(sign, "<");
-    at++;
-    made.or_equal = at < text.len && text.at[at] == '=';
-    at += made.or_equal;
-    made.right = side(text, &at, scope, arena, error);
+    position++;
+    made.or_equal = position < text.len && text.data[position] == '=';
+    position += made.or_equal;
+    made.right = condition_side_compile(text, &position, scope, arena, error);
     if (!made.right || !expr_compare(made.left, &made.right, arena, error))
         return false;
     *condition = made;
-    *used = at;
+    *used = position;
     return true;
 }
 

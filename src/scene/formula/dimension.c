@@ -64,7 +64,7 @@ struct dimension dimension_of_unit(const struct unit *unit)
 }
 
 /* Returns a dimension with the powers of a, and with what users typed in either operand. */
-static struct dimension both(const struct dimension *a, const struct dimension *b)
+static struct dimension dimension_merge(const struct dimension *a, const struct dimension *b)
 {
     struct dimension made = *a;
     made.unit = a->unit ? a->unit : b->unit;
@@ -77,7 +77,7 @@ static struct dimension both(const struct dimension *a, const struct dimension *
 struct dimension dimension_product(const struct dimension *a, const struct dimension *b,
                                    bool divides)
 {
-    struct dimension made = both(a, b);
+    struct dimension made = dimension_merge(a, b);
     made.is_product = true;
     if (a->kind == DIMENSION_MIXED || b->kind == DIMENSION_MIXED)
         made.kind = DIMENSION_MIXED;
@@ -193,7 +193,7 @@ bool dimension_sum(const struct dimension *a, const struct dimension *b, struct 
                    int *turns)
 {
     *turns = 0;
-    *sum = both(a, b);
+    *sum = dimension_merge(a, b);
     const bool takes_b =
         a->kind != DIMENSION_KNOWN || (b->kind == DIMENSION_KNOWN && !has_angle(a) && has_angle(b));
     if (takes_b && (b->kind == DIMENSION_KNOWN || a->kind == DIMENSION_BARE)) {

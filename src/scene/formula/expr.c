@@ -32,24 +32,24 @@ static const struct sign {
     {"^", OP_POW, POWER, true},
 };
 
-static bool is_digit(char c)
+static bool is_expr_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-static bool is_letter(char c)
+static bool is_expr_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-static char peek(const struct compiler *c, size_t ahead)
+static char compiler_peek(const struct compiler *c, size_t ahead)
 {
-    return ahead < c->text.len - c->at ? c->text.at[c->at + ahead] : '\0';
+    return ahead < c->text.len - c->position ? c->text.data[c->position + ahead] : '\0';
 }
 
 static bool too_deep(struct compiler *c)
 {
-    return error_at(c->error, compiler_slice(c, c->at, c->at < c->text.len),
+    return error_at(c->error, compiler_slice(c, c->position, c->position < c->text.len),
                     "the expression is nested deeper than %d levels", LIMIT_EXPR_DEPTH);
 }
 
@@ -57,7 +57,7 @@ static struct op *new_op(struct compiler *c)
 {
     struct expr *expr = c->expr;
     if (expr->count == LIMIT_EXPR_SIZE) {
-        error_at(c->error, compiler_slice(c, 0, c->at),
+        error_at(c->error, compiler_slice(c, 0, c->position),
                  "the expression has more than %d operations", LIMIT_EXPR_SIZE);
         return NULL;
     }
@@ -130,20 +130,20 @@ static bool reduce(struct compiler *c, int precedence)
 }
 
 /* Reads `length` bytes as an operator, a parenthesis or a call that waits. */
-static bool push(struct compiler *c, struct pending pending, size_t length)
+static bool pending_push(struct compiler *c, struct pending pending, size_t length)
 {
     if (c->depth == LIMIT_EXPR_DEPTH)
         return too_deep(c);
-    pending.where = compiler_slice(c, c->at, length);
+    pending.where = compiler_slice(c, c->position, length);
     c->pending[c->depth++] = pending;
-    c->at += length;
+    c->position += length;
     return true;
 }
 
 static void skip_blanks(struct compiler *c)
 {
-    while (peek(c, 0) == ' ' || peek(c, 0) == '\t')
-        c->at++;
+    while (compiler_peek(c, 0) == ' ' || compiler_peek(c, 0) == '\t')
+        c->position++;
 }
 
 /* A number or a name. */
@@ -167,14 +167,14 @@ static bool number_operand_read(struct compiler *c)
     double value;
     size_t used;
     enum real_status status =
-        real_scan(compiler_slice(c, c->at, c->text.len - c->at), '.', &value, &used);
+        real_scan(compiler_slice(c, c->position, c->text.len - c->position), '.', &value, &used);
     if (used == 0)
-        return error_at(c->error, compiler_slice(c, c->at, 1), "malformed number");
-    struct text word = compiler_slice(c, c->at, used);
+        return error_at(c->error, compiler_slice(c, c->position, 1), "malformed number");
+    struct text word = compiler_slice(c, c->position, used);
     if (status == REAL_OVERFLOW)
         return error_at(c->error, word, "the number %.*s is too large", used < 40 ? (int)used : 40,
-                        word.at);
-    c->at += used;
+                        word.data);
+    c->position += used;
     c->last = LAST_NUMBER;
     return emit_typed(c, (struct op){.kind = OP_NUMBER, .number = value}, word);
 }
@@ -182,7 +182,7 @@ static bool number_operand_read(struct compiler *c)
 static bool unknown_name(struct compiler *c, struct text name)
 {
     int shown = name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME;
-    error_at(c->error, name, "unknown name '%.*s'", shown, name.at);
+    error_at(c->error, name, "unknown name '%.*s'", shown, name.data);
     c->error->unknown = "name";
     struct suggestion suggestion = {.wanted = name};
     if (c->scope && c->scope->offer)
@@ -194,12 +194,12 @@ static bool unknown_name(struct compiler *c, struct text name)
     return false;
 }
 
-/* Length of the word of letters, digits and underscores, `from` bytes ahead. */
-static size_t word_end(const struct compiler *c, size_t from)
+/* Length of the word of letters, digits and underscores, `position` bytes ahead. */
+static size_t word_end(const struct compiler *c, size_t position)
 {
-    while (is_letter(peek(c, from)) || is_digit(peek(c, from)))
-        from++;
-    return from;
+    while (is_expr_letter(compiler_peek(c, position)) || is_expr_digit(compiler_peek(c, position)))
+        position++;
+    return position;
 }
 
 /*
@@ -211,44 +211,45 @@ static bool read_name(struct compiler *c)
 {
     size_t length[LIMIT_NAME], count = 0;
     length[0] = word_end(c, 0);
-    length[0] += peek(c, length[0]) == '\'';
+    length[0] += compiler_peek(c, length[0]) == '\'';
     count++;
-    while (length[count - 1] < LIMIT_NAME && peek(c, length[count - 1]) == '-' &&
-           is_letter(peek(c, length[count - 1] + 1))) {
+    while (length[count - 1] < LIMIT_NAME && compiler_peek(c, length[count - 1]) == '-' &&
+           is_expr_letter(compiler_peek(c, length[count - 1] + 1))) {
         length[count] = word_end(c, length[count - 1] + 1);
         count++;
     }
-    struct text word = compiler_slice(c, c->at, length[0]);
+    struct text word = compiler_slice(c, c->position, length[0]);
     struct op op = {.kind = OP_NAME};
     if (text_is(word, "pi")) {
         op = (struct op){.kind = OP_NUMBER, .number = 3.14159265358979323846};
         count = 1;
     } else {
         while (count > 0 &&
-               !(c->scope && c->scope->find(c->scope->context,
-                                            compiler_slice(c, c->at, length[count - 1]), &op.slot)))
+               !(c->scope &&
+                 c->scope->find(c->scope->context,
+                                compiler_slice(c, c->position, length[count - 1]), &op.slot)))
             count--;
         if (count == 0)
             return unknown_name(c, word);
     }
     word.len = length[count - 1];
-    c->at += word.len;
+    c->position += word.len;
     c->last = op.kind == OP_NAME ? LAST_NAME : LAST_NUMBER;
     return emit_typed(c, op, word);
 }
 
 static bool read_word(struct compiler *c)
 {
-    struct text word = compiler_slice(c, c->at, word_end(c, 0));
+    struct text word = compiler_slice(c, c->position, word_end(c, 0));
     const struct row *row = catalog_find(&function_catalog, word);
     size_t paren = word.len;
-    while (peek(c, paren) == ' ')
+    while (compiler_peek(c, paren) == ' ')
         paren++;
-    if (row && peek(c, paren) == '(')
-        return push(c,
-                    (struct pending){.what = WAIT_CALL, .function = (const struct function *)row},
-                    paren + 1);
-    if (!row && peek(c, word.len) == '(') {
+    if (row && compiler_peek(c, paren) == '(')
+        return pending_push(
+            c, (struct pending){.what = WAIT_CALL, .function = (const struct function *)row},
+            paren + 1);
+    if (!row && compiler_peek(c, word.len) == '(') {
         catalog_unknown(&function_catalog, word, c->error);
         c->error->where = word;
         return false;
@@ -265,21 +266,22 @@ static bool wrong_count(struct compiler *c, const struct pending *call)
 {
     int arity = function_arity(call->function);
     return error_at(
-        c->error, (struct text){call->where.at, (size_t)(c->text.at + c->at - call->where.at)},
+        c->error,
+        (struct text){call->where.data, (size_t)(c->text.data + c->position - call->where.data)},
         "%s takes %d argument%s", call->function->row.name, arity, arity == 1 ? "" : "s");
 }
 
 static bool missing_operand(struct compiler *c)
 {
-    struct text where = compiler_slice(c, c->at, c->at < c->text.len);
+    struct text where = compiler_slice(c, c->position, c->position < c->text.len);
     const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
     if (top)
         error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len,
-                 top->where.at);
+                 top->where.data);
     else
         error_at(c->error, where, "a number or a name is missing");
-    const unsigned char first = (unsigned char)peek(c, 0);
-    if (first == '*' && top && top->op == OP_MUL && top->where.at + 1 == where.at)
+    const unsigned char first = (unsigned char)compiler_peek(c, 0);
+    if (first == '*' && top && top->op == OP_MUL && top->where.data + 1 == where.data)
         return error_hint(c->error, "a power is written with ^: 2^3");
     return first >= 0xC2 && first <= 0xF4 && /* first byte of a letter in UTF-8 */
            error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
@@ -289,27 +291,27 @@ static bool missing_operand(struct compiler *c)
  * operator may follow. */
 static bool read_operand(struct compiler *c, bool *complete)
 {
-    char next = peek(c, 0);
-    *complete = is_digit(next) || next == '.';
+    char next = compiler_peek(c, 0);
+    *complete = is_expr_digit(next) || next == '.';
     if (*complete)
         return number_operand_read(c);
-    if (is_letter(next)) {
+    if (is_expr_letter(next)) {
         size_t depth = c->depth;
         bool fine = read_word(c);
         *complete = c->depth == depth; /* else a call was opened */
         return fine;
     }
     if (next == '(')
-        return push(c, (struct pending){.what = WAIT_PARENTHESIS}, 1);
+        return pending_push(c, (struct pending){.what = WAIT_PARENTHESIS}, 1);
     if (next == '-')
-        return push(c, (struct pending){.op = OP_NEG, .precedence = SIGN}, 1);
-    if (next == '+' && peek(c, 1) != '-') {
-        c->at++;
+        return pending_push(c, (struct pending){.op = OP_NEG, .precedence = SIGN}, 1);
+    if (next == '+' && compiler_peek(c, 1) != '-') {
+        c->position++;
         return true;
     }
     const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
     if (next == ')' && top && top->what == WAIT_CALL && top->arguments == 0) {
-        c->at++;
+        c->position++;
         return wrong_count(c, top);
     }
     return missing_operand(c);
@@ -327,7 +329,7 @@ static struct pending *innermost(struct compiler *c)
 /* Returns the operator, or NULL if there is none, as at "+-" of an uncertainty. */
 static const struct sign *next_operator(const struct compiler *c)
 {
-    struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
+    struct text rest = compiler_slice(c, c->position, c->text.len - c->position);
     for (size_t i = 0; i < COUNT_OF(operators); i++)
         if (text_starts(rest, text_of(operators[i].sign)) && !text_starts(rest, TEXT("+-")))
             return &operators[i];
@@ -337,11 +339,11 @@ static const struct sign *next_operator(const struct compiler *c)
 /*
  * Reads an operator where one may be. A comparison is part of the expression only inside of
  * parentheses; elsewhere it is that of a condition. Sets *complete if ')' has just closed an
- * operand, and *over if the expression ends here.
+ * operand, and *is_finished if the expression ends here.
  */
-static bool read_operator(struct compiler *c, bool *complete, bool *over)
+static bool read_operator(struct compiler *c, bool *complete, bool *is_finished)
 {
-    char next = peek(c, 0);
+    char next = compiler_peek(c, 0);
     *complete = next == ')';
     struct pending *open = innermost(c);
     const struct sign *sign = next_operator(c);
@@ -351,26 +353,27 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
         const struct pending *last = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
         size_t length = strlen(sign->sign);
         if (sign->precedence == COMPARISON && last && last->what == WAIT_OPERATOR)
-            return error_at(c->error, compiler_slice(c, c->at, length),
+            return error_at(c->error, compiler_slice(c, c->position, length),
                             "comparisons do not chain: for a < b < c write (a < b)*(b < c)");
-        return push(c, (struct pending){.op = sign->op, .precedence = sign->precedence}, length);
+        return pending_push(c, (struct pending){.op = sign->op, .precedence = sign->precedence},
+                            length);
     }
     if (next == ',' && open && open->what == WAIT_CALL) {
-        c->at++;
+        c->position++;
         return ++open->arguments < function_arity(open->function) ? reduce(c, 0)
                                                                   : wrong_count(c, open);
     }
     if (next != ')' || !open) {
-        *over = true;
+        *is_finished = true;
         return true;
     }
     if (!reduce(c, 0))
         return false;
-    c->at++;
+    c->position++;
     c->depth--;
     c->last = LAST_NUMBER;
     if (open->what == WAIT_PARENTHESIS) {
-        units_of_parenthesis(c, open->where.at);
+        units_of_parenthesis(c, open->where.data);
         return true;
     }
     if (open->arguments + 1 < function_arity(open->function))
@@ -383,12 +386,13 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
  * after the number, or before an operator, a closing parenthesis or the end of the text. */
 static bool is_unit_wanted(const struct compiler *c)
 {
-    if (!c->operand || c->last != LAST_NUMBER || !is_letter(peek(c, 0)))
+    if (!c->operand || c->last != LAST_NUMBER || !is_expr_letter(compiler_peek(c, 0)))
         return false;
-    size_t next = unit_word(compiler_slice(c, c->at, c->text.len - c->at)).len;
-    while (peek(c, next) == ' ' || peek(c, next) == '\t')
+    size_t next = unit_word(compiler_slice(c, c->position, c->text.len - c->position)).len;
+    while (compiler_peek(c, next) == ' ' || compiler_peek(c, next) == '\t')
         next++;
-    return c->end == c->at || c->at + next == c->text.len || strchr(")+-*/^,<>", peek(c, next));
+    return c->end == c->position || c->position + next == c->text.len ||
+           strchr(")+-*/^,<>", compiler_peek(c, next));
 }
 
 /* Emits what waits where the text of the expression ends. */
@@ -403,14 +407,16 @@ static bool close_expression(struct compiler *c)
                                        : QUANTITY_OTHER;
     if (!open && reduce(c, 0))
         return true;
-    const struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
+    const struct text rest = compiler_slice(c, c->position, c->text.len - c->position);
     if (is_unit_wanted(c))
         return refuse_unit_word(c->scope, unit_word(rest), number, quantity, c->error);
     if (!open)
         return false;
-    error_at(c->error, open->where, "missing ')' for '%.*s'", (int)open->where.len, open->where.at);
-    return c->operand && is_letter(peek(c, 0)) &&
-           error_hint(c->error, "'%.*s' is no unit", (int)word_end(c, 0), c->text.at + c->at);
+    error_at(c->error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
+             open->where.data);
+    return c->operand && is_expr_letter(compiler_peek(c, 0)) &&
+           error_hint(c->error, "'%.*s' is no unit", (int)word_end(c, 0),
+                      c->text.data + c->position);
 }
 
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
@@ -424,14 +430,14 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
         return NULL;
     }
     bool complete = false;
-    for (bool over = false; !over; c->end = over ? c->end : c->at) {
+    for (bool is_finished = false; !is_finished; c->end = is_finished ? c->end : c->position) {
         skip_blanks(c);
-        const size_t at = c->at;
+        const size_t begin = c->position;
         if (complete && c->operand && !units_read(c))
             return NULL;
-        if (c->at > at)
+        if (c->position > begin)
             continue;
-        if (!(complete ? read_operator(c, &complete, &over) : read_operand(c, &complete)))
+        if (!(complete ? read_operator(c, &complete, &is_finished) : read_operand(c, &complete)))
             return NULL;
     }
     if (!close_expression(c))

@@ -45,7 +45,7 @@ double function_sign(double x);
 double function_step(double x);
 
 /* 1 or 0; NaN where an argument is. */
-static inline double less(double a, double b)
+static inline double less_than(double a, double b)
 {
     double holds = a < b;
     return a != a || b != b ? NAN : holds;

@@ -18,10 +18,10 @@ static inline double *operation_value(const struct op *op, double *top)
         top[-1] = -top[-1];
         return top;
     case OP_LESS:
-        top[-2] = less(top[-2], top[-1]);
+        top[-2] = less_than(top[-2], top[-1]);
         return top - 1;
     case OP_GREATER:
-        top[-2] = less(top[-1], top[-2]);
+        top[-2] = less_than(top[-1], top[-2]);
         return top - 1;
     case OP_LESS_EQUAL:
         top[-2] = less_equal(top[-2], top[-1]);
@@ -81,7 +81,7 @@ double expr_value(const struct expr *expr, const struct expr_scope *scope)
 
 /* ---- linearity ---- */
 
-static bool among(int wanted, const int *slot, int count)
+static bool is_slot_listed(int wanted, const int *slot, int count)
 {
     for (int i = 0; i < count; i++)
         if (slot[i] == wanted)
@@ -96,7 +96,7 @@ bool expr_linear(const struct expr *expr, const int *slot, int count)
     int stack[STACK_BOTTOM + LIMIT_EXPR_DEPTH] = {0}, *top = stack + STACK_BOTTOM;
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
         if (op->kind == OP_NUMBER || op->kind == OP_NAME) {
-            *top++ = op->kind == OP_NAME && among(op->slot, slot, count);
+            *top++ = op->kind == OP_NAME && is_slot_listed(op->slot, slot, count);
             continue;
         }
         int arity = op_arity(op);

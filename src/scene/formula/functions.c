@@ -18,7 +18,7 @@ double function_max(double a, double b)
 
 double function_sign(double x)
 {
-    return less(0, x) - less(x, 0);
+    return less_than(0, x) - less_than(x, 0);
 }
 
 double function_step(double x)

@@ -56,9 +56,9 @@ static double known(double bound, double result, double largest)
 /* The bounds of results that were rounded to nearest, of which 0 is exact. */
 static struct interval rounded(double lo, double hi)
 {
-    const double below = lo == 0 ? 0 : lower(lo, rounding),
-                 above = hi == 0 ? 0 : upper(hi, rounding);
-    return (struct interval){known(below, lo, DBL_MAX), known(above, hi, -DBL_MAX)};
+    const double lo_rounded = lo == 0 ? 0 : lower(lo, rounding),
+                 hi_rounded = hi == 0 ? 0 : upper(hi, rounding);
+    return (struct interval){known(lo_rounded, lo, DBL_MAX), known(hi_rounded, hi, -DBL_MAX)};
 }
 
 static bool exact(struct interval a)
@@ -127,11 +127,11 @@ struct interval interval_square(struct interval a)
 
 static double power(double x, int n)
 {
-    double out = 1;
+    double product = 1;
     for (; n > 0; n /= 2, x *= x)
         if (n & 1)
-            out *= x;
-    return out;
+            product *= x;
+    return product;
 }
 
 struct interval interval_power(struct interval a, int n)
@@ -146,6 +146,6 @@ struct interval interval_power(struct interval a, int n)
     const double p = power(a.lo, n), q = power(a.hi, n), units = n == 2 ? rounding : n;
     if (n % 2 == 1)
         return interval_wide(p, q, units);
-    const struct interval out = interval_wide(fmin(p, q), fmax(p, q), units);
-    return (struct interval){interval_has(a, 0) ? 0 : fmax(out.lo, 0), out.hi};
+    const struct interval bounds = interval_wide(fmin(p, q), fmax(p, q), units);
+    return (struct interval){interval_has(a, 0) ? 0 : fmax(bounds.lo, 0), bounds.hi};
 }

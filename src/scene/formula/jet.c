@@ -99,7 +99,7 @@ static struct jet either(const struct jet *a, const struct jet *b, double lo, do
     return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
 }
 
-static struct jet min(struct jet a, struct jet b)
+static struct jet jet_min(struct jet a, struct jet b)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
         return jet_jump(NAN, NAN);
@@ -110,20 +110,20 @@ static struct jet min(struct jet a, struct jet b)
 
 static struct jet square(struct jet a)
 {
-    struct jet out = jet_mul(a, a);
+    struct jet result = jet_mul(a, a);
     const struct interval bend = interval_mul(a.value, a.bend);
-    out.value = interval_square(a.value);
-    out.bend = interval_add(interval_square(a.slope), bend);
-    out.bend = interval_add(out.bend, out.bend);
-    return out;
+    result.value = interval_square(a.value);
+    result.bend = interval_add(interval_square(a.slope), bend);
+    result.bend = interval_add(result.bend, result.bend);
+    return result;
 }
 
 static struct jet length(struct jet a, struct jet b)
 {
-    struct jet out = jet_one(sqrt, jet_add(square(a), square(b)));
-    if (!(out.value.hi < HUGE_VAL) && !interval_empty(out.value))
-        out.value = (struct interval){0, HUGE_VAL};
-    return out;
+    struct jet result = jet_one(sqrt, jet_add(square(a), square(b)));
+    if (!(result.value.hi < HUGE_VAL) && !interval_empty(result.value))
+        result.value = (struct interval){0, HUGE_VAL};
+    return result;
 }
 
 /* The angle of (x, y): its slope is (x y' - y x')/(x^2 + y^2) wherever it does not jump, at y = 0
@@ -133,17 +133,17 @@ static struct jet angle(struct jet y, struct jet x)
     if (interval_empty(y.value) || interval_empty(x.value))
         return jet_jump(NAN, NAN);
     const struct jet quarter = jet_number(M_PI_2);
-    struct jet out;
+    struct jet result;
     if (x.value.lo > 0)
         return jet_one(fixed_atan, jet_div(y, x));
     if (y.value.lo > 0)
-        out = jet_sub(quarter, jet_one(fixed_atan, jet_div(x, y)));
+        result = jet_sub(quarter, jet_one(fixed_atan, jet_div(x, y)));
     else if (y.value.hi < 0)
-        out = jet_neg(jet_add(quarter, jet_one(fixed_atan, jet_div(x, y))));
+        result = jet_neg(jet_add(quarter, jet_one(fixed_atan, jet_div(x, y))));
     else
         return jet_jump(-4, 4);
-    out.value = interval_wide(out.value.lo, out.value.hi, 4);
-    return out;
+    result.value = interval_wide(result.value.lo, result.value.hi, 4);
+    return result;
 }
 
 static struct jet modulo(struct jet a, struct jet b)
@@ -206,9 +206,9 @@ static struct jet jet_two(double (*function)(double, double), struct jet a, stru
     if (function == function_power)
         return to_power(a, b);
     if (function == function_min)
-        return min(a, b);
+        return jet_min(a, b);
     if (function == function_max)
-        return jet_neg(min(jet_neg(a), jet_neg(b)));
+        return jet_neg(jet_min(jet_neg(a), jet_neg(b)));
     if (function == function_mod)
         return modulo(a, b);
     if (function == (double (*)(double, double))fixed_hypot)
@@ -271,13 +271,14 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet)
 /* value and centre + slope [-half, half] are both true, so that what they share is. */
 static void narrow(struct jet *a, struct interval centre, double half)
 {
-    const struct interval by = interval_mul(a->slope, (struct interval){-half, half});
-    const struct interval about = interval_add(centre, by);
+    const struct interval change = interval_mul(a->slope, (struct interval){-half, half});
+    const struct interval enclosure = interval_add(centre, change);
     /* no numbers */
-    if (!(about.lo <= about.hi && about.lo <= a->value.hi && about.hi >= a->value.lo))
+    if (!(enclosure.lo <= enclosure.hi && enclosure.lo <= a->value.hi &&
+          enclosure.hi >= a->value.lo))
         return;
-    a->value.lo = fmax(a->value.lo, about.lo);
-    a->value.hi = fmin(a->value.hi, about.hi);
+    a->value.lo = fmax(a->value.lo, enclosure.lo);
+    a->value.hi = fmin(a->value.hi, enclosure.hi);
 }
 
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,

@@ -11,7 +11,7 @@ struct interval_jet {
     struct interval f, first, second;
 };
 
-static struct interval one(void)
+static struct interval interval_one(void)
 {
     return interval_point(1);
 }
@@ -27,7 +27,7 @@ static struct interval rising(double (*function)(double), struct interval x)
 }
 
 /* Square roots are rounded once. */
-static struct interval root(struct interval x)
+static struct interval interval_sqrt(struct interval x)
 {
     const struct interval wide = interval_wide(sqrt(x.lo), sqrt(x.hi), 0.5);
     return (struct interval){fmax(wide.lo, 0), wide.hi};
@@ -57,14 +57,14 @@ static struct interval_jet somewhere(struct interval f)
  * that cannot be excluded. */
 static bool meets(struct interval x, double shift, int part)
 {
-    const double near = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
+    const double tolerance = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
     const double period = part == 2 ? M_PI : 2 * M_PI,
                  first = (part == 1 ? shift + 1 : shift) * M_PI;
-    return floor((x.hi + near - first) / period) >= ceil((x.lo - near - first) / period);
+    return floor((x.hi + tolerance - first) / period) >= ceil((x.lo - tolerance - first) / period);
 }
 
 /* The function has its maxima at (2 k + shift) pi. */
-static struct interval wave(double (*function)(double), struct interval x, double shift)
+static struct interval interval_wave(double (*function)(double), struct interval x, double shift)
 {
     if (!(x.hi - x.lo < 2 * M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40)
         return (struct interval){-1, 1};
@@ -77,21 +77,23 @@ static struct interval wave(double (*function)(double), struct interval x, doubl
 
 static struct interval_jet series_sin(struct interval x)
 {
-    const struct interval f = wave(fixed_sin, x, 0.5);
-    return (struct interval_jet){f, wave(fixed_cos, x, 0), interval_neg(f)};
+    const struct interval f = interval_wave(fixed_sin, x, 0.5);
+    return (struct interval_jet){f, interval_wave(fixed_cos, x, 0), interval_neg(f)};
 }
 
 static struct interval_jet series_cos(struct interval x)
 {
-    const struct interval f = wave(fixed_cos, x, 0);
-    return (struct interval_jet){f, interval_neg(wave(fixed_sin, x, 0.5)), interval_neg(f)};
+    const struct interval f = interval_wave(fixed_cos, x, 0);
+    return (struct interval_jet){f, interval_neg(interval_wave(fixed_sin, x, 0.5)),
+                                 interval_neg(f)};
 }
 
 static struct interval_jet series_tan(struct interval x)
 {
     if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
         return somewhere(interval_all);
-    const struct interval f = rising(fixed_tan, x), first = interval_add(one(), interval_square(f));
+    const struct interval f = rising(fixed_tan, x),
+                          first = interval_add(interval_one(), interval_square(f));
     return (struct interval_jet){f, first, interval_scaled(2, interval_mul(f, first))};
 }
 
@@ -102,10 +104,11 @@ static struct interval_jet series_asin(struct interval x)
     if (interval_empty(x))
         return unknown;
     const struct interval f = rising(fixed_asin, x);
-    const struct interval rest = interval_mul(interval_sub(one(), x), interval_add(one(), x));
+    const struct interval rest =
+        interval_mul(interval_sub(interval_one(), x), interval_add(interval_one(), x));
     if (!whole || !(rest.lo > 0))
         return somewhere(f);
-    const struct interval first = interval_div(one(), root(rest));
+    const struct interval first = interval_div(interval_one(), interval_sqrt(rest));
     return (struct interval_jet){f, first, interval_div(interval_mul(x, first), rest)};
 }
 
@@ -121,7 +124,8 @@ static struct interval_jet series_acos(struct interval x)
 
 static struct interval_jet series_atan(struct interval x)
 {
-    const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
+    const struct interval first =
+        interval_div(interval_one(), interval_add(interval_one(), interval_square(x)));
     return (struct interval_jet){rising(fixed_atan, x), first,
                                  interval_scaled(-2, interval_mul(x, interval_square(first)))};
 }
@@ -149,7 +153,7 @@ static struct interval_jet series_cosh(struct interval x)
 static struct interval_jet series_tanh(struct interval x)
 {
     const struct interval f = rising(fixed_tanh, x),
-                          first = interval_div(one(), interval_square(cosh_of(x)));
+                          first = interval_div(interval_one(), interval_square(cosh_of(x)));
     return (struct interval_jet){f, first, interval_scaled(-2, interval_mul(f, first))};
 }
 
@@ -190,7 +194,7 @@ static struct interval_jet series_sqrt(struct interval x)
     const bool whole = clipped(&x, 0, HUGE_VAL);
     if (interval_empty(x))
         return unknown;
-    const struct interval f = root(x);
+    const struct interval f = interval_sqrt(x);
     if (!whole || !(x.lo > 0))
         return somewhere(f);
     const struct interval first = interval_div(interval_point(0.5), f);
@@ -200,7 +204,8 @@ static struct interval_jet series_sqrt(struct interval x)
 static struct interval_jet series_cbrt(struct interval x)
 {
     const struct interval f = rising(fixed_cbrt, x);
-    const struct interval first = interval_div(one(), interval_scaled(3, interval_square(f)));
+    const struct interval first =
+        interval_div(interval_one(), interval_scaled(3, interval_square(f)));
     return (struct interval_jet){
         f, first, interval_div(interval_scaled(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
 }

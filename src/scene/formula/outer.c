@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/formula/outer.h"
 
-struct outer outer_interval(struct interval of)
+struct outer outer_interval(struct interval interval)
 {
-    return (struct outer){of, false};
+    return (struct outer){interval, false};
 }
 
 static struct outer anything(void)
@@ -14,72 +14,74 @@ static struct outer anything(void)
 /* All up to lo and from hi on, rounded outwards; without a gap, everything. */
 static struct outer with_gap(double lo, double hi)
 {
-    const struct interval below = interval_wide(lo, lo, 2), above = interval_wide(hi, hi, 2);
-    if (!(below.hi < above.lo))
+    const struct interval gap_begin = interval_wide(lo, lo, 2), gap_end = interval_wide(hi, hi, 2);
+    if (!(gap_begin.hi < gap_end.lo))
         return anything();
-    return (struct outer){{below.hi, above.lo}, true};
+    return (struct outer){{gap_begin.hi, gap_end.lo}, true};
 }
 
 static struct outer negated(struct outer a)
 {
-    return (struct outer){interval_neg(a.of), a.has_gap};
+    return (struct outer){interval_neg(a.interval), a.has_gap};
 }
 
 struct outer outer_add(struct outer a, struct outer b)
 {
     if (!a.has_gap && !b.has_gap)
-        return outer_interval(interval_add(a.of, b.of));
+        return outer_interval(interval_add(a.interval, b.interval));
     if (a.has_gap && b.has_gap)
         return anything();
     const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
-    if (interval_empty(plain.of))
+    if (interval_empty(plain.interval))
         return plain;
-    return with_gap(gap.of.lo + plain.of.hi, gap.of.hi + plain.of.lo);
+    return with_gap(gap.interval.lo + plain.interval.hi, gap.interval.hi + plain.interval.lo);
 }
 
 /* Of numbers with a gap and those of an interval above 0. */
-static struct outer stretched(struct interval gap, struct interval by)
+static struct outer stretched(struct interval gap, struct interval factor)
 {
-    return with_gap(gap.lo * (gap.lo <= 0 ? by.lo : by.hi), gap.hi * (gap.hi >= 0 ? by.lo : by.hi));
+    return with_gap(gap.lo * (gap.lo <= 0 ? factor.lo : factor.hi),
+                    gap.hi * (gap.hi >= 0 ? factor.lo : factor.hi));
 }
 
 static bool has_zero_in_gap(struct outer a)
 {
-    return a.has_gap && a.of.lo < 0 && a.of.hi > 0;
+    return a.has_gap && a.interval.lo < 0 && a.interval.hi > 0;
 }
 
 static struct outer multiplied(struct outer a, struct outer b)
 {
     if (!a.has_gap && !b.has_gap)
-        return outer_interval(interval_mul(a.of, b.of));
+        return outer_interval(interval_mul(a.interval, b.interval));
     if (a.has_gap && b.has_gap) {
         if (!has_zero_in_gap(a) || !has_zero_in_gap(b))
             return anything();
-        return with_gap(fmax(a.of.hi * b.of.lo, a.of.lo * b.of.hi),
-                        fmin(a.of.hi * b.of.hi, a.of.lo * b.of.lo));
+        return with_gap(fmax(a.interval.hi * b.interval.lo, a.interval.lo * b.interval.hi),
+                        fmin(a.interval.hi * b.interval.hi, a.interval.lo * b.interval.lo));
     }
     const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
-    if (interval_empty(plain.of))
+    if (interval_empty(plain.interval))
         return plain;
-    if (plain.of.lo > 0)
-        return stretched(gap.of, plain.of);
-    if (plain.of.hi < 0)
-        return negated(stretched(gap.of, interval_neg(plain.of)));
+    if (plain.interval.lo > 0)
+        return stretched(gap.interval, plain.interval);
+    if (plain.interval.hi < 0)
+        return negated(stretched(gap.interval, interval_neg(plain.interval)));
     return anything();
 }
 
 /* 1/0 is at an end of what 1/a comes near, so that infinity is one, too. */
 static struct outer inverse(struct outer a)
 {
-    if (!a.has_gap && !interval_has(a.of, 0))
-        return outer_interval(interval_div(interval_point(1), a.of));
+    if (!a.has_gap && !interval_has(a.interval, 0))
+        return outer_interval(interval_div(interval_point(1), a.interval));
     if (!a.has_gap)
-        return a.of.lo == 0 && a.of.hi == 0 ? anything()
-                                            : with_gap(a.of.lo < 0 ? 1 / a.of.lo : -HUGE_VAL,
-                                                       a.of.hi > 0 ? 1 / a.of.hi : HUGE_VAL);
+        return a.interval.lo == 0 && a.interval.hi == 0
+                   ? anything()
+                   : with_gap(a.interval.lo < 0 ? 1 / a.interval.lo : -HUGE_VAL,
+                              a.interval.hi > 0 ? 1 / a.interval.hi : HUGE_VAL);
     if (!has_zero_in_gap(a))
         return anything();
-    return outer_interval(interval_wide(1 / a.of.lo, 1 / a.of.hi, 2));
+    return outer_interval(interval_wide(1 / a.interval.lo, 1 / a.interval.hi, 2));
 }
 
 static struct outer powered(struct outer a, int n)
@@ -87,19 +89,19 @@ static struct outer powered(struct outer a, int n)
     if (n < 0)
         return inverse(powered(a, -n));
     if (!a.has_gap)
-        return outer_interval(interval_power(a.of, n));
-    struct outer out = outer_interval(interval_point(1));
+        return outer_interval(interval_power(a.interval, n));
+    struct outer product = outer_interval(interval_point(1));
     for (int k = 0; k < n; k++)
-        out = multiplied(out, a);
-    return out;
+        product = multiplied(product, a);
+    return product;
 }
 
 /* Only its value counts, but what a function does may depend on whether an argument is a number. */
-static struct jet hull(struct outer a)
+static struct jet outer_hull(struct outer a)
 {
-    if (!a.has_gap && a.of.lo == a.of.hi)
-        return jet_number(a.of.lo);
-    return (struct jet){a.has_gap ? interval_all : a.of, interval_all, interval_all};
+    if (!a.has_gap && a.interval.lo == a.interval.hi)
+        return jet_number(a.interval.lo);
+    return (struct jet){a.has_gap ? interval_all : a.interval, interval_all, interval_all};
 }
 
 static struct outer outer_of_operation(const struct op *op, const struct outer *x)
@@ -118,8 +120,8 @@ static struct outer outer_of_operation(const struct op *op, const struct outer *
     case OP_DIV:
         return multiplied(x[0], inverse(x[1]));
     case OP_POW: {
-        const double n = x[1].of.lo;
-        if (!x[1].has_gap && n == x[1].of.hi && n == floor(n) && fabs(n) <= 8)
+        const double n = x[1].interval.lo;
+        if (!x[1].has_gap && n == x[1].interval.hi && n == floor(n) && fabs(n) <= 8)
             return powered(x[0], (int)n);
         break;
     }
@@ -128,7 +130,7 @@ static struct outer outer_of_operation(const struct op *op, const struct outer *
     }
     struct jet jet[3];
     for (int i = 0; i < op_arity(op); i++)
-        jet[i] = hull(x[i]);
+        jet[i] = outer_hull(x[i]);
     return outer_interval(jet_apply(op, jet).value);
 }
 
@@ -136,7 +138,7 @@ bool outer_excludes_zero(struct outer a)
 {
     if (a.has_gap)
         return has_zero_in_gap(a);
-    return a.of.lo > 0 || a.of.hi < 0 || interval_empty(a.of);
+    return a.interval.lo > 0 || a.interval.hi < 0 || interval_empty(a.interval);
 }
 
 struct outer expr_outer(const struct expr *expr, const struct jet *jet)

@@ -8,11 +8,11 @@
 /* The numbers of an interval; or, if has_gap, all up to its lower end and all from its upper end
  * on. */
 struct outer {
-    struct interval of;
+    struct interval interval;
     bool has_gap;
 };
 
-struct outer outer_interval(struct interval of);
+struct outer outer_interval(struct interval interval);
 struct outer outer_add(struct outer a, struct outer b);
 /* Returns true if 0 is none of the numbers. */
 bool outer_excludes_zero(struct outer a);

@@ -40,9 +40,9 @@ double root_between(double (*value)(void *context, double x), void *context, dou
 {
     double x = b, f = fb, other = a, f_other = fa, t = 0.5; /* the root is between x and other */
     for (int i = 0; i < 200 && f != 0; i++) {
-        const double at = x + t * (other - x), now = value(context, at);
+        const double trial = x + t * (other - x), now = value(context, trial);
         double last = x, f_last = f;
-        if (!((at > x && at < other) || (at < x && at > other)))
+        if (!((trial > x && trial < other) || (trial < x && trial > other)))
             break;
         if ((now < 0) != (f < 0) || now == 0) {
             last = other;
@@ -50,7 +50,7 @@ double root_between(double (*value)(void *context, double x), void *context, dou
             other = x;
             f_other = f;
         }
-        x = at;
+        x = trial;
         f = now;
         const double width = fabs(other - x), fraction = width > 0 ? min / (2 * width) : 1;
         if (fraction > 0.5)
@@ -74,14 +74,14 @@ static double locate(const struct root_search *roots, const struct root_interval
 }
 
 /* Its sign changes once at most. */
-static void pass(struct root_search *roots, const struct root_interval *s)
+static void root_interval_pass(struct root_search *roots, const struct root_interval *s)
 {
-    const int after = sign_of(s->fb);
-    if (after == 0)
+    const int end_sign = sign_of(s->fb);
+    if (end_sign == 0)
         return;
-    if (roots->sign != 0 && after != roots->sign)
-        found(roots, locate(roots, s), after);
-    roots->sign = after;
+    if (roots->sign != 0 && end_sign != roots->sign)
+        found(roots, locate(roots, s), end_sign);
+    roots->sign = end_sign;
 }
 
 static void touch(struct root_search *roots, double x)
@@ -112,8 +112,8 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
                          double bend, double *x)
 {
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
-    const double max = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * max / bend;
-    double a = fmax(s->a, *x - off), b = fmin(s->b, *x + off);
+    const double max = fmax(fabs(slope.lo), fabs(slope.hi)), radius = 2 * max / bend;
+    double a = fmax(s->a, *x - radius), b = fmin(s->b, *x + radius);
     double p = a + GOLDEN_SECTION * (b - a), q = b - GOLDEN_SECTION * (b - a);
     double fp = roots->sign * root_value(roots, p), fq = roots->sign * root_value(roots, q);
     if (roots->sign * root_value(roots, *x) > max * max / bend)
@@ -151,13 +151,14 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
     if (ga >= 0 || gb <= 0)
         return roots->sign * root_value(roots, *x) < 0;
     for (int i = 0; i < 100 && b - a > roots->min; i++) {
-        double at = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
-        if (!(at > a && at < b))
-            at = a + (b - a) / 2;
-        if (!(at > a && at < b))
+        double trial = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
+        if (!(trial > a && trial < b))
+            trial = a + (b - a) / 2;
+        if (!(trial > a && trial < b))
             break;
-        *x = at;
-        const double f = roots->sign * root_value(roots, at), g = roots->sign * slope_at(roots, at);
+        *x = trial;
+        const double f = roots->sign * root_value(roots, trial),
+                     g = roots->sign * slope_at(roots, trial);
         if (f < 0)
             return true;
         if (!roots->touches && f > fabs(g) * (b - a) &&
@@ -166,11 +167,11 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
         if (g == 0)
             return false;
         if (g < 0) {
-            a = at;
+            a = trial;
             ga = g;
             gb /= 2;
         } else {
-            b = at;
+            b = trial;
             gb = g;
             ga /= 2;
         }
@@ -184,37 +185,37 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
  */
 static bool leaves_zero(struct root_search *roots, const struct root_interval *s, int bend)
 {
-    const int before = roots->sign;
+    const int previous_sign = roots->sign;
     double x;
     if (s->fa != 0 || sign_of(s->fb) != bend || !(bend * slope_at(roots, s->a) < 0))
         return false;
     roots->sign = bend;
     const bool dips = reaches(roots, s, &x);
-    roots->sign = before;
+    roots->sign = previous_sign;
     if (!dips)
         return false;
     const double fx = root_value(roots, x);
-    pass(roots, &(struct root_interval){s->a, x, 0, fx});
-    pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
+    root_interval_pass(roots, &(struct root_interval){s->a, x, 0, fx});
+    root_interval_pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
     return true;
 }
 
 /* Searches a stretch on which the second derivative has one sign. */
-static void bent(struct root_search *roots, const struct root_interval *s,
-                 const struct interval *second)
+static void bent_interval_search(struct root_search *roots, const struct root_interval *s,
+                                 const struct interval *second)
 {
-    const int after = sign_of(s->fb);
-    const bool up = second->lo > 0;
-    if (leaves_zero(roots, s, up ? 1 : -1))
+    const int end_sign = sign_of(s->fb);
+    const bool is_convex = second->lo > 0;
+    if (leaves_zero(roots, s, is_convex ? 1 : -1))
         return;
-    if (roots->sign == 0 || after == -roots->sign || (roots->sign > 0) != up) {
-        pass(roots, s);
+    if (roots->sign == 0 || end_sign == -roots->sign || (roots->sign > 0) != is_convex) {
+        root_interval_pass(roots, s);
         return;
     }
     double x;
-    const bool beyond = reaches(roots, s, &x) ||
-                        reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
-    if (!beyond) {
+    const bool crosses_zero = reaches(roots, s, &x) ||
+                              reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
+    if (!crosses_zero) {
         touch(roots, x);
         return;
     }
@@ -223,20 +224,20 @@ static void bent(struct root_search *roots, const struct root_interval *s,
         return;
     }
     const double fx = root_value(roots, x);
-    pass(roots, &(struct root_interval){s->a, x, s->fa, fx});
-    pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
+    root_interval_pass(roots, &(struct root_interval){s->a, x, s->fa, fx});
+    root_interval_pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
 }
 
 /* The bounds of the value that follow from its ends and its slope, too. */
 static struct interval value_bounds(const struct jet *jet, const struct root_interval *s)
 {
     struct interval value = jet->value;
-    const double w = s->b - s->a, down = -jet->slope.lo, up = jet->slope.hi;
-    if (!(down > 0 && up > 0 && down + up < HUGE_VAL))
+    const double w = s->b - s->a, fall_rate = -jet->slope.lo, rise_rate = jet->slope.hi;
+    if (!(fall_rate > 0 && rise_rate > 0 && fall_rate + rise_rate < HUGE_VAL))
         return value;
-    const double sum = down + up, max = down * up * w;
-    const double lo = (s->fa * up + s->fb * down - max) / sum,
-                 hi = (s->fa * down + s->fb * up + max) / sum;
+    const double sum = fall_rate + rise_rate, max = fall_rate * rise_rate * w;
+    const double lo = (s->fa * rise_rate + s->fb * fall_rate - max) / sum,
+                 hi = (s->fa * fall_rate + s->fb * rise_rate + max) / sum;
     const double slack = BOUND_ROUNDING * (fabs(s->fa) + fabs(s->fb) + max / sum);
     if (lo - slack > value.lo)
         value.lo = lo - slack;
@@ -248,10 +249,10 @@ static struct interval value_bounds(const struct jet *jet, const struct root_int
 /* Takes the sign with which the stretch begins. */
 static void enter(struct root_search *roots, const struct root_interval *s)
 {
-    const int before = sign_of(s->fa);
-    if (before != 0 && roots->sign != 0 && before != roots->sign)
-        found(roots, s->a, before);
-    roots->sign = before != 0 ? before : roots->sign;
+    const int begin_sign = sign_of(s->fa);
+    if (begin_sign != 0 && roots->sign != 0 && begin_sign != roots->sign)
+        found(roots, s->a, begin_sign);
+    roots->sign = begin_sign != 0 ? begin_sign : roots->sign;
 }
 
 /* Handles adjacent stretches that no bound decides as one: their values differ by errors only, so
@@ -261,9 +262,9 @@ static void pass_undecided(struct root_search *roots, struct root_interval *all)
     if (!(all->b > all->a))
         return;
     enter(roots, all);
-    const int before = roots->sign;
-    pass(roots, all);
-    if (roots->sign == before)
+    const int previous_sign = roots->sign;
+    root_interval_pass(roots, all);
+    if (roots->sign == previous_sign)
         touch(roots, all->a + (all->b - all->a) / 2);
     all->b = all->a;
 }
@@ -310,17 +311,17 @@ static bool decided(struct root_search *roots, const struct root_interval *s,
     const struct jet jet = roots->bounds(roots->context, s->a, s->b);
     roots->used++;
     const struct interval value = value_bounds(&jet, s);
-    const bool empty = interval_empty(jet.value), one = value.lo > roots->near ||
-                                                        value.hi < -roots->near ||
+    const bool empty = interval_empty(jet.value), one = value.lo > roots->touch_tolerance ||
+                                                        value.hi < -roots->touch_tolerance ||
                                                         jet.slope.lo >= 0 || jet.slope.hi <= 0;
     if (!empty && !one && !excludes_zero(&jet.bend))
         return false;
     pass_undecided(roots, undecided);
     enter(roots, s);
     if (!empty && one)
-        pass(roots, s);
+        root_interval_pass(roots, s);
     else if (!empty)
-        bent(roots, s, &jet.bend);
+        bent_interval_search(roots, s, &jet.bend);
     return true;
 }
 

@@ -11,12 +11,12 @@ struct text unit_word(struct text text)
 {
     struct text word = peek_word(text, "+-*()<>=,:");
     for (size_t i = 0; i + 1 < word.len; i++) {
-        const char next = word.at[i + 1];
+        const char next = word.data[i + 1];
         const bool digit = next >= '0' && next <= '9';
-        if ((word.at[i] == '/' && !is_name_start(next)) || (word.at[i] == '^' && !digit))
+        if ((word.data[i] == '/' && !is_name_start(next)) || (word.data[i] == '^' && !digit))
             word.len = i;
     }
-    if (word.len > 0 && strchr("/^", word.at[word.len - 1]))
+    if (word.len > 0 && strchr("/^", word.data[word.len - 1]))
         word.len--;
     return word;
 }
@@ -24,11 +24,11 @@ struct text unit_word(struct text text)
 /* The unit that is spelled out, or shortened in another way: grams, sec. */
 static const struct unit *spelled_unit(struct text word)
 {
-    const size_t len = word.len - (word.len > 3 && word.at[word.len - 1] == 's');
+    const size_t len = word.len - (word.len > 3 && word.data[word.len - 1] == 's');
     for (size_t i = 0; i < unit_catalog.count; i++) {
         const struct row *row = catalog_row(&unit_catalog, i);
         if (len >= 3 && !strchr(row->brief, ' ') &&
-            text_starts(text_of(row->brief), (struct text){word.at, len}))
+            text_starts(text_of(row->brief), (struct text){word.data, len}))
             return unit_from(row);
     }
     return NULL;
@@ -50,26 +50,26 @@ bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct t
     const bool factor = is_factor(scope, word);
     const int shown = (int)(number.len < 80 ? number.len : 80), length = (int)word.len;
     if (known && word.len == strlen(known->row.name)) {
-        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", length, word.at,
+        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", length, word.data,
                  quantity_name(known->quantity));
         return known->quantity == QUANTITY_TIME &&
-               error_hint(error, "'run %.*s %.*s' goes on for a time", shown, number.at, length,
-                          word.at);
+               error_hint(error, "'run %.*s %.*s' goes on for a time", shown, number.data, length,
+                          word.data);
     }
     catalog_unknown(&unit_catalog, word, error);
     if (spelled || factor)
         error->hint[0] = '\0';
     if (spelled)
-        error_hint(error, "write %.*s %s", shown, number.at, spelled->row.name);
+        error_hint(error, "write %.*s %s", shown, number.data, spelled->row.name);
     else if (factor)
-        error_hint(error, "write %.*s*%.*s: a product has its sign", shown, number.at, length,
-                   word.at);
+        error_hint(error, "write %.*s*%.*s: a product has its sign", shown, number.data, length,
+                   word.data);
     struct buffer units = {0};
     quantity_units(quantity, &units);
-    const enum hint_kind before = error->hint_kind;
+    const enum hint_kind previous_kind = error->hint_kind;
     if (units.len > 0)
         error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
-    error->hint_kind = before == HINT_NONE ? HINT_LIST : before;
+    error->hint_kind = previous_kind == HINT_NONE ? HINT_LIST : previous_kind;
     buffer_free(&units);
     return false;
 }

@@ -13,14 +13,14 @@ static int shown_length(struct text text)
     return (int)(text.len < 60 ? text.len : 60);
 }
 
-static struct text text_between(const char *from, const char *to)
+static struct text text_between(const char *begin, const char *end)
 {
-    return text_trim((struct text){from, (size_t)(to - from)});
+    return text_trim((struct text){begin, (size_t)(end - begin)});
 }
 
 static const char *text_end(struct text text)
 {
-    return text.at + text.len;
+    return text.data + text.len;
 }
 
 bool units_of_value(struct compiler *c, struct text typed, struct dimension dimension)
@@ -44,7 +44,7 @@ void units_of_parenthesis(struct compiler *c, const char *open)
     if (!c->operand)
         return;
     struct typed_operand *operand = &c->operand[c->values - 1];
-    operand->text = text_between(open, c->text.at + c->at);
+    operand->text = text_between(open, c->text.data + c->position);
     operand->number = operand->unit = (struct text){NULL, 0};
 }
 
@@ -53,14 +53,15 @@ void units_of_parenthesis(struct compiler *c, const char *open)
 /* `1/30 s` is read as 1/(30 s). */
 static bool hint_readings(const struct typed_operand *operand, struct error *error)
 {
-    if (operand->unit.len == 0 || operand->number.at == operand->text.at)
+    if (operand->unit.len == 0 || operand->number.data == operand->text.data)
         return false;
-    const struct text before = {operand->text.at, (size_t)(operand->number.at - operand->text.at)};
-    const struct text whole = text_between(operand->text.at, text_end(operand->number));
+    const struct text prefix = {operand->text.data,
+                                (size_t)(operand->number.data - operand->text.data)};
+    const struct text whole = text_between(operand->text.data, text_end(operand->number));
     return error_hint(error, "it is read as %.*s(%.*s %.*s); the other reading is (%.*s) %.*s",
-                      shown_length(before), before.at, shown_length(operand->number),
-                      operand->number.at, (int)operand->unit.len, operand->unit.at,
-                      shown_length(whole), whole.at, (int)operand->unit.len, operand->unit.at);
+                      shown_length(prefix), prefix.data, shown_length(operand->number),
+                      operand->number.data, (int)operand->unit.len, operand->unit.data,
+                      shown_length(whole), whole.data, (int)operand->unit.len, operand->unit.data);
 }
 
 /* Refuses a pair of operands; verb is "add" or "compare". */
@@ -68,33 +69,33 @@ static bool refuse_pair(struct error *error, const char *verb, const struct type
                         const struct typed_operand *b)
 {
     struct buffer left = {0}, right = {0};
-    const struct text all = text_between(a->text.at, text_end(b->text));
+    const struct text all = text_between(a->text.data, text_end(b->text));
     dimension_put(&a->dimension, &left);
     dimension_put(&b->dimension, &right);
     error_at(error, all,
              "'%.*s' (%s) and '%.*s' (%s) do not %s: a unit belongs to the number "
              "before it",
-             shown_length(a->text), a->text.at, buffer_view(&left), shown_length(b->text),
-             b->text.at, buffer_view(&right), verb);
+             shown_length(a->text), a->text.data, buffer_view(&left), shown_length(b->text),
+             b->text.data, buffer_view(&right), verb);
     buffer_free(&left);
     buffer_free(&right);
     const struct typed_operand pair = {.text = all, .number = b->number, .unit = b->unit};
     const struct dimension *other = &b->dimension;
     const bool adds = strcmp(verb, "add") == 0;
     if (adds && a->dimension.kind == DIMENSION_BARE && b->unit.len > 0) {
-        const struct text whole = text_between(all.at, text_end(b->number)),
-                          behind = text_between(text_end(a->text), text_end(b->text));
+        const struct text whole = text_between(all.data, text_end(b->number)),
+                          right_text = text_between(text_end(a->text), text_end(b->text));
         struct buffer unit = {0};
         dimension_put_unit(other, &unit);
-        error_hint(error, "write (%.*s) %.*s, or %.*s %s %.*s", shown_length(whole), whole.at,
-                   (int)b->unit.len, b->unit.at, shown_length(a->text), a->text.at,
-                   buffer_view(&unit), shown_length(behind), behind.at);
+        error_hint(error, "write (%.*s) %.*s, or %.*s %s %.*s", shown_length(whole), whole.data,
+                   (int)b->unit.len, b->unit.data, shown_length(a->text), a->text.data,
+                   buffer_view(&unit), shown_length(right_text), right_text.data);
         buffer_free(&unit);
         return false;
     }
     if (adds && b->dimension.kind == DIMENSION_BARE && a->dimension.unit)
         return error_hint(error, "write %.*s %s: a number beside one with a unit has one, too",
-                          shown_length(all), all.at, a->dimension.unit->row.name);
+                          shown_length(all), all.data, a->dimension.unit->row.name);
     return adds && hint_readings(&pair, error);
 }
 
@@ -132,7 +133,7 @@ static bool is_pure(struct compiler *c, const char *what, const struct typed_ope
     struct buffer name = {0};
     dimension_put(dimension, &name);
     error_at(c->error, a->text, "%s takes a number, not '%.*s' (%s)", what, shown_length(a->text),
-             a->text.at, buffer_view(&name));
+             a->text.data, buffer_view(&name));
     buffer_free(&name);
     return false;
 }
@@ -141,7 +142,7 @@ static bool raise(struct compiler *c, const struct typed_operand *a, struct dime
 {
     const struct typed_operand *exponent = a + 1;
     const struct op *last = &c->expr->op[c->expr->count - 1];
-    const struct typed_operand pair = {.text = text_between(a->text.at, text_end(exponent->text)),
+    const struct typed_operand pair = {.text = text_between(a->text.data, text_end(exponent->text)),
                                        .number = exponent->number,
                                        .unit = exponent->unit};
     if (!is_pure(c, "an exponent", exponent)) {
@@ -174,8 +175,8 @@ static struct dimension number_of(const struct typed_operand *a, size_t arity)
     return made;
 }
 
-static bool call(struct compiler *c, const struct function *function, const struct typed_operand *a,
-                 size_t arity, struct dimension *made)
+static bool call_dimension(struct compiler *c, const struct function *function,
+                           const struct typed_operand *a, size_t arity, struct dimension *made)
 {
     const char *name = function->row.name;
     const enum function_dimension rule = function->dimension;
@@ -190,9 +191,9 @@ static bool call(struct compiler *c, const struct function *function, const stru
     }
     if (rule == FUNCTION_ANGLE && dimension_counts_cycles(&a->dimension)) {
         error_at(c->error, a->text, "%s takes radians, '%.*s' counts cycles", name,
-                 shown_length(a->text), a->text.at);
+                 shown_length(a->text), a->text.data);
         return error_hint(c->error, "%s(2*pi*%.*s) is of as many cycles", name,
-                          shown_length(a->text), a->text.at);
+                          shown_length(a->text), a->text.data);
     }
     if (rule == FUNCTION_PURE || rule == FUNCTION_ANGLE) {
         for (size_t i = 0; i < arity; i++)
@@ -216,7 +217,7 @@ static bool call(struct compiler *c, const struct function *function, const stru
 bool units_of_operation(struct compiler *c, const struct op *operation, size_t arity)
 {
     struct typed_operand *a = &c->operand[c->values - arity];
-    struct typed_operand made = {.text = text_between(a->text.at, text_end(a[arity - 1].text)),
+    struct typed_operand made = {.text = text_between(a->text.data, text_end(a[arity - 1].text)),
                                  .number = a[arity - 1].number,
                                  .unit = a[arity - 1].unit};
     struct dimension *dimension = &made.dimension;
@@ -239,9 +240,9 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
         break;
     case OP_CALL:
         /* the call was just closed: its name waited where the stack of those ended */
-        made.text = text_between(c->pending[c->depth].where.at, c->text.at + c->at);
+        made.text = text_between(c->pending[c->depth].where.data, c->text.data + c->position);
         made.number = made.unit = (struct text){NULL, 0};
-        if (!call(c, operation->function, a, arity, dimension))
+        if (!call_dimension(c, operation->function, a, arity, dimension))
             return false;
         break;
     default: /* comparisons; numbers and names are no operations */
@@ -272,25 +273,25 @@ static const struct unit *powered_unit(const char *name)
  * but for its blanks. */
 static bool refuse_glued(struct compiler *c, const struct unit *unit)
 {
-    const struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
+    const struct text rest = compiler_slice(c, c->position, c->text.len - c->position);
     size_t sign = strlen(unit->row.name), next;
-    const bool glued = sign < rest.len && strchr("*/^", rest.at[sign]);
-    while (sign < rest.len && strchr(" \t", rest.at[sign]))
+    const bool glued = sign < rest.len && strchr("*/^", rest.data[sign]);
+    while (sign < rest.len && strchr(" \t", rest.data[sign]))
         sign++;
-    if (sign == rest.len || !strchr("*/^", rest.at[sign]))
+    if (sign == rest.len || !strchr("*/^", rest.data[sign]))
         return true;
     next = sign + 1;
-    while (next < rest.len && strchr(" \t", rest.at[next]))
+    while (next < rest.len && strchr(" \t", rest.data[next]))
         next++;
-    const struct text other = {rest.at + next, rest.len - next};
+    const struct text other = {rest.data + next, rest.len - next};
     const size_t word = peek_word(other, "+-*/^()<>=,:").len;
-    const bool power = rest.at[sign] == '^';
-    if (!power && word < other.len && other.at[word] == '(')
+    const bool power = rest.data[sign] == '^';
+    if (!power && word < other.len && other.data[word] == '(')
         return true; /* a call, as of min() */
     char whole[LIMIT_NAME];
     struct buffer name = {0};
-    buffer_format(&name, "%s%c%.*s", unit->row.name, rest.at[sign], (int)(word < 16 ? word : 16),
-                  other.at);
+    buffer_format(&name, "%s%c%.*s", unit->row.name, rest.data[sign], (int)(word < 16 ? word : 16),
+                  other.data);
     const bool fits = name.len < sizeof whole, exists = unit_find(buffer_text(&name)) != NULL;
     memcpy(whole, buffer_view(&name), fits ? name.len + 1 : 1);
     whole[fits ? name.len : 0] = '\0';
@@ -299,7 +300,7 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
         !(glued && next == sign + 1 && (unit_match(other) || powered_unit(whole))))
         return true;
     const struct typed_operand *operand = &c->operand[c->values - 1];
-    const struct text typed = {rest.at, next + word};
+    const struct text typed = {rest.data, next + word};
     const struct unit *meant = glued ? powered_unit(whole) : NULL;
     if (meant) {
         error_at(c->error, typed, "unknown unit '%s'", whole);
@@ -311,8 +312,8 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
     error_at(c->error, typed, "unknown unit '%s': %s is one", whole, unit->row.name);
     c->error->unknown = "unit";
     return power ? error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
-                              shown_length(operand->text), operand->text.at, unit->row.name,
-                              (int)(word < 16 ? word : 16), other.at)
+                              shown_length(operand->text), operand->text.data, unit->row.name,
+                              (int)(word < 16 ? word : 16), other.data)
                  : error_hint(c->error, "for a name that %s is too, write it with blanks",
                               unit_match(other)->row.name);
 }
@@ -320,27 +321,27 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
 static bool refuse_unit(struct compiler *c, const struct unit *unit)
 {
     const struct typed_operand *operand = &c->operand[c->values - 1];
-    const struct text typed = compiler_slice(c, c->at, strlen(unit->row.name));
+    const struct text typed = compiler_slice(c, c->position, strlen(unit->row.name));
     size_t begin = 0;
     for (size_t i = c->depth; i > 0 && begin == 0; i--)
         if (c->pending[i - 1].what != WAIT_OPERATOR)
-            begin = (size_t)(text_end(c->pending[i - 1].where) - c->text.at);
-    const struct text whole = text_between(c->text.at + begin, c->text.at + c->at);
+            begin = (size_t)(text_end(c->pending[i - 1].where) - c->text.data);
+    const struct text whole = text_between(c->text.data + begin, c->text.data + c->position);
     if (c->last == LAST_NAME) {
         error_at(c->error, typed, "a unit stands after a number or a parenthesis, not after '%.*s'",
-                 shown_length(operand->text), operand->text.at);
+                 shown_length(operand->text), operand->text.data);
         return error_hint(c->error, "a name has its SI unit; the number %.*s in %s is (%.*s) %s",
-                          shown_length(whole), whole.at, unit->row.name, shown_length(whole),
-                          whole.at, unit->row.name);
+                          shown_length(whole), whole.data, unit->row.name, shown_length(whole),
+                          whole.data, unit->row.name);
     }
     return error_at(c->error, typed, "a value has one unit: '%.*s' has %s",
-                    shown_length(operand->text), operand->text.at,
+                    shown_length(operand->text), operand->text.data,
                     operand->dimension.unit->row.name);
 }
 
 bool units_read(struct compiler *c)
 {
-    const struct unit *unit = unit_match(compiler_slice(c, c->at, c->text.len - c->at));
+    const struct unit *unit = unit_match(compiler_slice(c, c->position, c->text.len - c->position));
     struct typed_operand *operand = &c->operand[c->values - 1];
     struct op *last = &c->expr->op[c->expr->count - 1];
     if (!unit || c->last == LAST_UNIT)
@@ -351,8 +352,8 @@ bool units_read(struct compiler *c)
         return false;
     struct typed_operand made = {.dimension = dimension_of_unit(unit),
                                  .number = operand->text,
-                                 .unit = compiler_slice(c, c->at, strlen(unit->row.name))};
-    made.text = text_between(operand->text.at, text_end(made.unit));
+                                 .unit = compiler_slice(c, c->position, strlen(unit->row.name))};
+    made.text = text_between(operand->text.data, text_end(made.unit));
     made.dimension.power[BASE_PI] = operand->dimension.power[BASE_PI];
     if (last->kind == OP_NUMBER) {
         unit_convert(unit, unit->quantity, last->number, &last->number);
@@ -367,7 +368,7 @@ bool units_read(struct compiler *c)
             return false;
     }
     c->operand[c->values - 1] = made;
-    c->at += made.unit.len;
+    c->position += made.unit.len;
     c->last = LAST_UNIT;
     return true;
 }
@@ -399,8 +400,8 @@ bool expr_compare(const struct expr *left, const struct expr **right, struct are
         dimension_put(&a->dimension, &is);
         dimension_put(&b->dimension, &other);
         error_at(error, b->text, "'%.*s' (%s) cannot be compared with '%.*s' (%s)",
-                 shown_length(a->text), a->text.at, buffer_view(&is), shown_length(b->text),
-                 b->text.at, buffer_view(&other));
+                 shown_length(a->text), a->text.data, buffer_view(&is), shown_length(b->text),
+                 b->text.data, buffer_view(&other));
         buffer_free(&is);
         buffer_free(&other);
         if (!hint_readings(b, error))

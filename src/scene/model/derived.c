@@ -32,7 +32,7 @@ static bool typed_motion(const struct scene *scene, struct system *system)
 }
 
 /* A parameter of the oscillator, which this is or what was typed rests on. */
-static double own(const struct scene *scene, enum param index)
+static double oscillator_param(const struct scene *scene, enum param index)
 {
     return typed_base(scene->model) == &oscillator_model ? scene->value[index] : NAN;
 }
@@ -42,14 +42,15 @@ static double omega0(const struct scene *scene)
     struct system system;
     if (typed_motion(scene, &system))
         return system.oscillator.stiffness > 0 ? sqrt(system.oscillator.stiffness) : NAN;
-    double k = own(scene, P_k);
+    double k = oscillator_param(scene, P_k);
     return k > 0 ? sqrt(k) / sqrt(scene->value[P_m]) : NAN;
 }
 
 static double damping(const struct scene *scene)
 {
     struct system system;
-    return typed_motion(scene, &system) ? system.oscillator.damping : own(scene, P_gamma);
+    return typed_motion(scene, &system) ? system.oscillator.damping
+                                        : oscillator_param(scene, P_gamma);
 }
 
 static double T0(const struct scene *scene)
@@ -97,9 +98,10 @@ static double equilibrium(const struct scene *scene)
         return system.oscillator.stiffness != 0
                    ? -system.oscillator.gravity / system.oscillator.stiffness
                    : NAN;
-    double k = own(scene, P_k), weight = own(scene, P_m) * own(scene, P_g);
+    double k = oscillator_param(scene, P_k),
+           weight = oscillator_param(scene, P_m) * oscillator_param(scene, P_g);
     /* or the root of a cubic */
-    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k : NAN;
+    return k != 0 && (weight == 0 || oscillator_param(scene, P_k3) == 0) ? -weight / k : NAN;
 }
 
 /* hypot neither overflows nor underflows on the way. */
@@ -108,7 +110,8 @@ static double amplitude(const struct scene *scene)
     struct system system;
     if (typed_motion(scene, &system))
         return fixed_hypot(system.start[0] - equilibrium(scene), system.start[1] / omega0(scene));
-    return fixed_hypot(own(scene, P_y0) - equilibrium(scene), own(scene, P_v0) / omega0(scene));
+    return fixed_hypot(oscillator_param(scene, P_y0) - equilibrium(scene),
+                       oscillator_param(scene, P_v0) / omega0(scene));
 }
 
 double scene_start_energy(const struct scene *scene)
@@ -143,10 +146,10 @@ struct measured scene_propagate(const struct scene *scene, double (*value)(const
         if (!(u > 0))
             continue;
         double step = 1e-5 * fmax(fabs(x), u);
-        struct scene up = *scene, down = *scene;
-        up.value[i] = x + step;
-        down.value[i] = x - step;
-        double part = (value(&up) - value(&down)) / (up.value[i] - down.value[i]) * u;
+        struct scene raised = *scene, lowered = *scene;
+        raised.value[i] = x + step;
+        lowered.value[i] = x - step;
+        double part = (value(&raised) - value(&lowered)) / (raised.value[i] - lowered.value[i]) * u;
         variance += part * part;
     }
     return (struct measured){value(scene), sqrt(variance)};

@@ -35,7 +35,7 @@ struct exponentials {
     int count;
     struct {
         node z, value;
-    } of[4];
+    } entry[4];
 };
 
 /* exp(z), held below overflow, still growing with the real part: growth ends as inf and not as a
@@ -44,19 +44,19 @@ static node exponential(struct exponentials *known, node z)
 {
     const real max = LDBL_MAX_EXP / 2;
     for (int i = 0; i < known->count; i++) {
-        if (known->of[i].z == z)
-            return known->of[i].value;
-        if (known->of[i].z == conjl(z))
-            return conjl(known->of[i].value);
+        if (known->entry[i].z == z)
+            return known->entry[i].value;
+        if (known->entry[i].z == conjl(z))
+            return conjl(known->entry[i].value);
     }
     node held = z;
     real x = creall(z);
     if (x > max)
         held += max * (1.1L - 0.1L * max / x) - x;
     const node value = cexpl(held);
-    if (known->count < (int)COUNT_OF(known->of)) {
-        known->of[known->count].z = z;
-        known->of[known->count++].value = value;
+    if (known->count < (int)COUNT_OF(known->entry)) {
+        known->entry[known->count].z = z;
+        known->entry[known->count++].value = value;
     }
     return value;
 }
@@ -253,7 +253,7 @@ struct exact_table {
         real response; /* response to a constant force from rest */
         /* response to a drive that is 1 at the base, and the turn of its phase */
         node p, p_rate, turn;
-    } at[TABLE_MAX];
+    } entry[TABLE_MAX];
     bool known; /* the base */
     double t;
     real q, v;
@@ -283,11 +283,12 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
     for (int i = 0; i < table->count; i++) {
         const real time = (real)i * (real)h;
         struct exponentials known = {0};
-        table->at[i].flow = flow_over(&known, &z, time);
-        table->at[i].response = o->gravity != 0 ? creall(divided3(&known, z.a, z.b, 0, time)) : 0;
+        table->entry[i].flow = flow_over(&known, &z, time);
+        table->entry[i].response =
+            o->gravity != 0 ? creall(divided3(&known, z.a, z.b, 0, time)) : 0;
         if (o->drive != 0) {
-            table->at[i].p = answer(&known, &z, c, time, &table->at[i].p_rate);
-            table->at[i].turn = cexpl(c * time);
+            table->entry[i].p = answer(&known, &z, c, time, &table->entry[i].p_rate);
+            table->entry[i].turn = cexpl(c * time);
         }
     }
     return table;
@@ -315,23 +316,23 @@ void exact_table_at(struct exact_table *table, double t, double *y)
         return;
     }
     const int i = (int)ratio;
-    const real off = elapsed - (real)i * (real)table->h;
-    if (!(fabsl(off) * table->fast <= (real)TABLE_OFF)) {
+    const real offset = elapsed - (real)i * (real)table->h;
+    if (!(fabsl(offset) * table->fast <= (real)TABLE_OFF)) {
         system_exact(table->system, table->t0, table->start, t, y, NULL);
         return;
     }
     /* As oscillator_solve() from the base, and to first order in the rounding of t. */
-    const struct flow *flow = &table->at[i].flow;
+    const struct flow *flow = &table->entry[i].flow;
     const real w2 = table->roots.w2, gravity = (real)o->gravity;
-    real q = table->q * flow->g + table->v * flow->h - gravity * table->at[i].response,
+    real q = table->q * flow->g + table->v * flow->h - gravity * table->entry[i].response,
          force = -gravity;
     real v = table->v * flow->h_rate - (w2 * table->q + gravity) * flow->h;
     if (o->drive != 0) {
-        q += creall(table->drive * table->at[i].p);
-        v += creall(table->drive * table->at[i].p_rate);
-        force += creall(table->drive * table->at[i].turn);
+        q += creall(table->drive * table->entry[i].p);
+        v += creall(table->drive * table->entry[i].p_rate);
+        force += creall(table->drive * table->entry[i].turn);
     }
     const real a = force - w2 * q - table->roots.gamma * v;
-    y[0] = (double)(q + v * off);
-    y[1] = (double)(v + a * off);
+    y[0] = (double)(q + v * offset);
+    y[1] = (double)(v + a * offset);
 }

@@ -31,7 +31,8 @@ bool dry_has_exact(const struct system *system)
 }
 
 /* Moves from `start` over a time, in the direction `side`. */
-static void move(const struct oscillator *o, double side, const double *start, real time, double *y)
+static void dry_motion_advance(const struct oscillator *o, double side, const double *start,
+                               real time, double *y)
 {
     struct oscillator branch = *o;
     branch.gravity += side * o->friction;
@@ -60,10 +61,10 @@ static real turning_time(const struct oscillator *o, real omega, const double *s
     const real pull = side * (force + (real)o->damping * (real)start[1] / 2);
     if (omega > 0)
         return (atan2l(speed * omega, pull) - (forward < 0 ? PI : 0)) / omega;
-    const real against = forward * pull, ratio = speed * -omega / against;
-    if (!(against > 0) || !(ratio < 1))
+    const real deceleration = forward * pull, ratio = speed * -omega / deceleration;
+    if (!(deceleration > 0) || !(ratio < 1))
         return forward * HUGE_VALL;
-    return forward * (omega < 0 ? atanhl(ratio) / -omega : speed / against);
+    return forward * (omega < 0 ? atanhl(ratio) / -omega : speed / deceleration);
 }
 
 /* A_n */
@@ -82,18 +83,18 @@ static real sticking(const struct oscillator *o, real omega, real first, real ma
     const real phi = (real)o->friction / (real)o->stiffness;
     if (!(max >= 1) || amplitude(o, omega, first, max) > phi)
         return max + 1;
-    real above = 0, below = max;
-    while (below - above > 1) {
-        const real middle = floorl((above + below) / 2);
+    real lower = 0, upper = max;
+    while (upper - lower > 1) {
+        const real middle = floorl((lower + upper) / 2);
         if (amplitude(o, omega, first, middle) > phi)
-            above = middle;
+            lower = middle;
         else
-            below = middle;
+            upper = middle;
     }
-    return below;
+    return upper;
 }
 
-static void stay(double q, double *y)
+static void resting_state_set(double q, double *y)
 {
     y[0] = q;
     y[1] = 0;
@@ -105,7 +106,7 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
     const double force = -(o->stiffness * q + o->gravity), away = force > 0 ? 1 : -1;
     const double start[2] = {q, 0};
     if (!(omega > 0)) {
-        move(o, time < 0 ? -away : away, start, time, y);
+        dry_motion_advance(o, time < 0 ? -away : away, start, time, y);
         return;
     }
     const real middle = -(real)o->gravity / (real)o->stiffness, half = PI / omega,
@@ -114,11 +115,12 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
                stuck = time > 0 ? sticking(o, omega, first, whole) : whole + 1;
     const real n = time > 0 ? fminl(whole, stuck) : -whole;
     const real side = (fmodl(fabsl(n), 2) == 1 ? -1 : 1) * ((real)q > middle ? 1 : -1);
-    const double at[2] = {(double)(middle + side * amplitude(o, omega, first, n)), 0};
+    const double turning_state[2] = {(double)(middle + side * amplitude(o, omega, first, n)), 0};
     if (stuck <= whole)
-        stay(at[0], y);
+        resting_state_set(turning_state[0], y);
     else
-        move(o, (double)(time > 0 ? -side : side), n == 0 ? start : at, time - n * half, y);
+        dry_motion_advance(o, (double)(time > 0 ? -side : side), n == 0 ? start : turning_state,
+                           time - n * half, y);
 }
 
 void dry_exact(const struct system *system, double t0, const double *start, double t, double *y,
@@ -129,16 +131,16 @@ void dry_exact(const struct system *system, double t0, const double *start, doub
     const real turn = start[1] != 0 ? turning_time(o, omega, start, forward) : 0;
     const double first[2] = {start[0], start[1]};
     if (start[1] != 0 && fabsl(turn) >= fabsl(time)) {
-        move(o, start[1] > 0 ? 1 : -1, first, time, y);
+        dry_motion_advance(o, start[1] > 0 ? 1 : -1, first, time, y);
     } else {
-        double at[2] = {first[0], 0};
+        double turning_state[2] = {first[0], 0};
         if (start[1] != 0)
-            move(o, start[1] > 0 ? 1 : -1, first, turn, at);
-        if (fabs(o->stiffness * at[0] + o->gravity) <= o->friction &&
+            dry_motion_advance(o, start[1] > 0 ? 1 : -1, first, turn, turning_state);
+        if (fabs(o->stiffness * turning_state[0] + o->gravity) <= o->friction &&
             (forward > 0 || start[1] == 0))
-            stay(at[0], y);
+            resting_state_set(turning_state[0], y);
         else
-            swing(o, omega, at[0], time - turn, y);
+            swing(o, omega, turning_state[0], time - turn, y);
     }
     if (!floor)
         return;

@@ -24,7 +24,7 @@ typedef long double real;
 
 struct matrix {
     int n;
-    real at[MATRIX_SIDE_MAX][MATRIX_SIDE_MAX];
+    real entry[MATRIX_SIDE_MAX][MATRIX_SIDE_MAX];
 };
 
 /* [A b; 0 0] */
@@ -37,8 +37,8 @@ static void coefficients(const struct system *system, struct matrix *x)
     x->n = n + 1;
     for (int i = 0; i <= n; i++) {
         for (int j = 0; j < n; j++)
-            x->at[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : (real)NAN;
-        x->at[i][n] = i < n ? (real)b[i] : 0;
+            x->entry[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : (real)NAN;
+        x->entry[i][n] = i < n ? (real)b[i] : 0;
     }
     free(jac);
 }
@@ -51,7 +51,7 @@ bool linear_has_exact(const struct system *system)
         coefficients(system, &x);
     for (int i = 0; fine && i < x.n; i++)
         for (int j = 0; fine && j < x.n; j++)
-            fine = isfinite(x.at[i][j]);
+            fine = isfinite(x.entry[i][j]);
     return fine;
 }
 
@@ -68,15 +68,15 @@ static void balance(struct matrix *x, real *d)
         for (int i = 0; i < n; i++) {
             real row = 0, column = 0;
             for (int j = 0; j < n; j++) {
-                row += j != i ? fabsl(x->at[i][j]) : 0;
-                column += j != i ? fabsl(x->at[j][i]) : 0;
+                row += j != i ? fabsl(x->entry[i][j]) : 0;
+                column += j != i ? fabsl(x->entry[j][i]) : 0;
             }
             const int power = row > 0 && column > 0 ? (ilogbl(row) - ilogbl(column)) / 2 : 0;
             changed = changed || power != 0;
             d[i] = scalbnl(d[i], power);
             for (int j = 0; power != 0 && j <= n; j++) {
-                x->at[i][j] = scalbnl(x->at[i][j], -power);
-                x->at[j][i] = scalbnl(x->at[j][i], power);
+                x->entry[i][j] = scalbnl(x->entry[i][j], -power);
+                x->entry[j][i] = scalbnl(x->entry[j][i], power);
             }
         }
     }
@@ -84,22 +84,22 @@ static void balance(struct matrix *x, real *d)
     real max = 0, shift = 0;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
-            max = fmaxl(max, fabsl(x->at[i][j]));
-        shift = fmaxl(shift, fabsl(x->at[i][n]));
+            max = fmaxl(max, fabsl(x->entry[i][j]));
+        shift = fmaxl(shift, fabsl(x->entry[i][n]));
     }
     const int power = max > 0 && shift > 0 ? ilogbl(max) - ilogbl(shift) : 0;
     d[n] = scalbnl(1, power);
     for (int i = 0; i < n; i++)
-        x->at[i][n] = scalbnl(x->at[i][n], power);
+        x->entry[i][n] = scalbnl(x->entry[i][n], power);
 }
 
-static real norm(const struct matrix *x)
+static real linear_matrix_norm(const struct matrix *x)
 {
     real max = 0;
     for (int i = 0; i < x->n; i++) {
         real sum = 0;
         for (int j = 0; j < x->n; j++)
-            sum += fabsl(x->at[i][j]);
+            sum += fabsl(x->entry[i][j]);
         max = fmaxl(max, sum);
     }
     return max;
@@ -114,10 +114,10 @@ static void multiply_add(real part, real fraction, const struct matrix *a, const
     const int n = c->n = a->n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            real sum = fraction * a->at[i][j];
+            real sum = fraction * a->entry[i][j];
             for (int k = 0; k < n; k++)
-                sum += b->at[i][k] * e->at[k][j];
-            c->at[i][j] = fabsl(sum) <= max ? part * sum : copysignl(max, sum);
+                sum += b->entry[i][k] * e->entry[k][j];
+            c->entry[i][j] = fabsl(sum) <= max ? part * sum : copysignl(max, sum);
         }
 }
 
@@ -125,14 +125,14 @@ static void multiply_add(real part, real fraction, const struct matrix *a, const
 static void exponential(const struct matrix *x, real t, struct matrix *made,
                         struct matrix *integral)
 {
-    struct matrix e[2], scaled = {.n = x->n}, before;
-    const real size = norm(x) * fabsl(t) / (real)EXPM_NORM_MAX;
+    struct matrix e[2], scaled = {.n = x->n}, previous;
+    const real size = linear_matrix_norm(x) * fabsl(t) / (real)EXPM_NORM_MAX;
     const int halvings = size > 1 ? ilogbl(size) + 1 : 0;
     int now = 0;
     for (int i = 0; i < x->n; i++)
         for (int j = 0; j < x->n; j++) {
-            scaled.at[i][j] = scalbnl(x->at[i][j] * t, -halvings);
-            e[now].at[i][j] = scaled.at[i][j] / EXPM_TERMS;
+            scaled.entry[i][j] = scalbnl(x->entry[i][j] * t, -halvings);
+            e[now].entry[i][j] = scaled.entry[i][j] / EXPM_TERMS;
         }
     for (int k = EXPM_TERMS - 1; k > 0; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
         multiply_add(1 / (real)k, 1, &scaled, &scaled, &e[now], &e[!now]);
@@ -140,11 +140,11 @@ static void exponential(const struct matrix *x, real t, struct matrix *made,
         integral->n = x->n;
     for (int i = 0; integral && i < x->n; i++)
         for (int j = 0; j < x->n; j++)
-            integral->at[i][j] = scalbnl(t * ((i == j) + e[now].at[i][j] / 2), -halvings);
+            integral->entry[i][j] = scalbnl(t * ((i == j) + e[now].entry[i][j] / 2), -halvings);
     for (int k = 0; k < halvings; k++, now = !now) {
         if (integral) {
-            before = *integral;
-            multiply_add(1, 2, &before, &e[now], &before, integral);
+            previous = *integral;
+            multiply_add(1, 2, &previous, &e[now], &previous, integral);
         }
         multiply_add(1, 2, &e[now], &e[now], &e[now], &e[!now]);
     }
@@ -152,17 +152,17 @@ static void exponential(const struct matrix *x, real t, struct matrix *made,
 }
 
 /* Finds for each variable those that it depends on, directly or through others, as bits. */
-static void dependence(const struct matrix *x, unsigned *on)
+static void dependence(const struct matrix *x, unsigned *mask)
 {
     const int n = x->n - 1;
     for (int i = 0; i < n; i++) {
-        on[i] = 1u << i;
+        mask[i] = 1u << i;
         for (int j = 0; j < n; j++)
-            on[i] |= (unsigned)(x->at[i][j] != 0) << j;
+            mask[i] |= (unsigned)(x->entry[i][j] != 0) << j;
     }
     for (int k = 0; k < n; k++) /* Warshall 1962 */
         for (int i = 0; i < n; i++)
-            on[i] |= on[i] >> k & 1 ? on[k] : 0;
+            mask[i] |= mask[i] >> k & 1 ? mask[k] : 0;
 }
 
 /*
@@ -178,24 +178,24 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
                        double *floor)
 {
     const int n = system->n;
-    unsigned on[LINEAR_MAX];
+    unsigned mask[LINEAR_MAX];
     real rate[LINEAR_MAX], parts[LINEAR_MAX];
-    dependence(x, on);
+    dependence(x, mask);
     for (int i = 0; i < n; i++) {
-        rate[i] = x->at[i][n];
+        rate[i] = x->entry[i][n];
         parts[i] = fabsl(rate[i]);
         for (int j = 0; j < n; j++) {
-            rate[i] += x->at[i][j] * y[j];
-            parts[i] += fabsl(x->at[i][j] * y[j]);
+            rate[i] += x->entry[i][j] * y[j];
+            parts[i] += fabsl(x->entry[i][j] * y[j]);
         }
         rate[i] = fabsl(rate[i]) / (real)system->scale[i];
     }
     for (int i = 0; i < n; i++) {
         real max = 0, moved = 0, begun = 0;
         for (int j = 0; j < n; j++) {
-            max = on[i] >> j & 1 ? fmaxl(max, rate[j]) : max;
-            begun = on[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
-            moved += d[i] * fminl(fabsl(integral->at[i][j]), fabsl(t)) / d[j] * parts[j];
+            max = mask[i] >> j & 1 ? fmaxl(max, rate[j]) : max;
+            begun = mask[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
+            moved += d[i] * fminl(fabsl(integral->entry[i][j]), fabsl(t)) / d[j] * parts[j];
         }
         floor[i] = (double)((real)DBL_EPSILON *
                                 (fabsl(y[i]) + fabsl(t) * max * (real)system->scale[i] + moved) +
@@ -213,12 +213,12 @@ static void scaled_start(int n, const double *start, const real *d, real *z)
 
 static void linear_advance(const struct matrix *e, real *z)
 {
-    real by[MATRIX_SIDE_MAX] = {0};
+    real increment[MATRIX_SIDE_MAX] = {0};
     for (int i = 0; i < e->n; i++)
         for (int j = 0; j < e->n; j++)
-            by[i] += e->at[i][j] * z[j];
+            increment[i] += e->entry[i][j] * z[j];
     for (int i = 0; i < e->n; i++)
-        z[i] += by[i];
+        z[i] += increment[i];
 }
 
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y,
@@ -246,7 +246,7 @@ void linear_sizes(const struct system *system, double rate, double *max)
 {
     enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
     const int n = system->n;
-    struct matrix x, e, before;
+    struct matrix x, e, previous;
     real d[MATRIX_SIDE_MAX], z[MATRIX_SIDE_MAX],
         constant = 0;              /* the latter: the largest after one time constant, */
     double early[LIMIT_VARIABLES]; /* and sizes until then */
@@ -275,7 +275,7 @@ void linear_sizes(const struct system *system, double rate, double *max)
             }
         }
         first = stage == 0 ? last : first;
-        before = e;
-        multiply_add(1, 2, &before, &before, &before, &e);
+        previous = e;
+        multiply_add(1, 2, &previous, &previous, &previous, &e);
     }
 }

@@ -135,10 +135,10 @@ bool scene_set(struct scene *scene, int param, struct measured value, struct err
     if (value.uncertainty < 0 || isinf(value.uncertainty))
         return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0",
                          param_at(scene, param)->row.name);
-    double before = scene->value[param];
+    double previous_value = scene->value[param];
     scene->value[param] = value.value;
     if (scene->model->coherent && !scene->model->coherent(scene->value, error)) {
-        scene->value[param] = before;
+        scene->value[param] = previous_value;
         return false;
     }
     scene->uncertainty[param] = isnan(value.uncertainty) ? 0 : value.uncertainty;

@@ -13,13 +13,13 @@ static bool coefficient_slot_find(const void *context, struct text name, int *sl
     static const char state[] = "tqv";
     const struct term_scope *scope = context;
     for (int i = 0; i < 3 && name.len == 1; i++)
-        if (name.at[0] == state[i]) {
+        if (name.data[0] == state[i]) {
             *slot = i;
             return true;
         }
-    if (name.len != 2 || name.at[0] != 'c')
+    if (name.len != 2 || name.data[0] != 'c')
         return false;
-    *slot = scope->first + scope->term * TERM_COEFFICIENTS + (name.at[1] - '0');
+    *slot = scope->first + scope->term * TERM_COEFFICIENTS + (name.data[1] - '0');
     return true;
 }
 

@@ -34,12 +34,12 @@ void typed_parts_destroy(struct typed_parts *parts)
     free(parts);
 }
 
-static struct typed_part *typed_part_find(struct typed_part *from, const struct typed_part *end,
+static struct typed_part *typed_part_find(struct typed_part *part, const struct typed_part *end,
                                           uint64_t zeros)
 {
-    while (from != end && from->zeros != zeros)
-        from = from->next;
-    return from == end ? NULL : from;
+    while (part != end && part->zeros != zeros)
+        part = part->next;
+    return part == end ? NULL : part;
 }
 
 static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, struct error *error)
@@ -81,9 +81,9 @@ static bool typed_is_complete(const struct typed *typed, struct error *error)
     if (typed->incomplete < 0)
         return true;
     const struct text name = typed->line[typed->incomplete].name;
-    error_set(error, ERROR_COMMAND, "%.*s has no equation", (int)name.len, name.at);
-    return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.at,
-                      (int)name.len, name.at);
+    error_set(error, ERROR_COMMAND, "%.*s has no equation", (int)name.len, name.data);
+    return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.data,
+                      (int)name.len, name.data);
 }
 
 /* The same for all terms of a part, but for the first. */
@@ -160,10 +160,10 @@ const struct program *term_program(const struct bound_term *term, int *values)
 static bool disagree(const struct system *system, const double *y, int i, double slope,
                      double force, struct error *error)
 {
-    struct buffer at = {0};
+    struct buffer state_text = {0};
     for (int k = 0; k < system->n / 2; k++) {
-        buffer_format(&at, "%s%s = ", k > 0 ? ", " : "", system->model->variable[k].name);
-        buffer_short(&at, y[k], 4);
+        buffer_format(&state_text, "%s%s = ", k > 0 ? ", " : "", system->model->variable[k].name);
+        buffer_short(&state_text, y[k], 4);
     }
     const char *name = system->model->variable[i].name;
     char got[REAL_TEXT_SIZE], wanted[REAL_TEXT_SIZE];
@@ -171,8 +171,8 @@ static bool disagree(const struct system *system, const double *y, int i, double
     real_format(force, wanted);
     error_set(error, ERROR_COMMAND,
               "the potential is not that of the force: at %s -dV/d%s is %s and the force %s",
-              at.data ? at.data : "?", name, got, wanted);
-    buffer_free(&at);
+              state_text.data ? state_text.data : "?", name, got, wanted);
+    buffer_free(&state_text);
     return error_hint(
         error,
         "V has to be in joules, with -dV/dx the force that depends on positions only; without a "

@@ -25,16 +25,16 @@ static struct jet of_unit(struct interval value, bool moves)
     return jet;
 }
 
-/* Computes bounds of all names at time t, differentiated by variable `by`, or not at all if `by` is
- * -1. */
+/* Computes bounds of all names at time t, differentiated by variable `variable`, or not at all if
+ * `variable` is -1. */
 static void name_all(struct box_names *names, const double *c, const struct interval *box, double t,
-                     int by)
+                     int variable)
 {
     const struct typed *typed = names->typed;
     const int n = typed->model.n, first = typed_first_observed(typed);
     names->name[0] = jet_number(t);
     for (int i = 0; i < n; i++)
-        names->name[1 + i] = of_unit(box[i], i == by);
+        names->name[1 + i] = of_unit(box[i], i == variable);
     for (int i = 0; i <= typed->reads; i++)
         names->name[1 + n + i] = jet_number(c[1 + i]);
     for (int i = 0; i < typed->observes; i++)
@@ -56,7 +56,7 @@ static struct interval scaled(struct interval a, double factor)
 }
 
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
-                   struct interval *by)
+                   struct interval *jacobian)
 {
     const struct bound_term *whole = system_whole(system);
     const struct typed *typed = system->model->typed;
@@ -65,23 +65,23 @@ bool system_bounds(const struct system *system, const struct interval *box, stru
     const double drive = system_drive(system);
     if (drive != drive)
         return false;
-    const int n = system->n, rows = typed_rows(typed), above = n - rows,
+    const int n = system->n, rows = typed_rows(typed), positions = n - rows,
               phases = drive > 0 ? DRIVE_PHASES : 1;
     struct box_names names = {.typed = typed};
     for (int i = 0; i < n; i++)
-        rate[i] = i < above ? box[above + i] : interval_point(0);
-    for (int i = 0; by && i < n * n; i++)
-        by[i] = interval_point(i / n < above && i % n == i / n + above);
+        rate[i] = i < positions ? box[positions + i] : interval_point(0);
+    for (int i = 0; jacobian && i < n * n; i++)
+        jacobian[i] = interval_point(i / n < positions && i % n == i / n + positions);
     for (int phase = 0; phase < phases; phase++)
-        for (int k = by ? 0 : -1; k < (by ? n : 0); k++) {
+        for (int k = jacobian ? 0 : -1; k < (jacobian ? n : 0); k++) {
             name_all(&names, system->typed.c, box, system->t0 + drive * phase / phases, k);
             for (int i = 0; i < rows; i++) {
                 const struct jet jet = row_of(&names, i);
-                struct interval *r = &rate[above + i];
+                struct interval *r = &rate[positions + i];
                 if (k <= 0)
                     *r = interval_add(*r, scaled(jet.value, 1.0 / phases));
-                if (by) {
-                    struct interval *d = &by[(above + i) * n + k];
+                if (jacobian) {
+                    struct interval *d = &jacobian[(positions + i) * n + k];
                     *d = interval_add(*d, scaled(jet.slope, 1.0 / phases));
                 }
             }

@@ -36,7 +36,7 @@ struct way {
     const struct typed *typed;
     const double *c; /* coefficients of the bound term */
     double t[2];
-    const double *from, *to;
+    const double *y_begin, *y_end;
     /* curve from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
     double bend[2][LIMIT_VARIABLES];
     double rate[LIMIT_VARIABLES];
@@ -49,38 +49,40 @@ static void bend_way(const struct system *system, struct way *way)
 {
     const double h = way->t[1] - way->t[0];
     double first[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
-    system_derivative(system, way->t[0], way->from, first);
-    system_derivative(system, way->t[1], way->to, last);
+    system_derivative(system, way->t[0], way->y_begin, first);
+    system_derivative(system, way->t[1], way->y_end, last);
     for (int i = 0; i < system->n; i++) {
-        const double by = way->to[i] - way->from[i], a = h * first[i], b = h * last[i];
+        const double difference = way->y_end[i] - way->y_begin[i], a = h * first[i],
+                     b = h * last[i];
         const bool curved =
-            fmax(fabs(a), fabs(b)) <= SMOOTH_SLOPE_MAX * fabs(by) + system->scale[i];
-        way->rate[i] = curved ? a : by;
-        way->bend[0][i] = curved ? 3 * by - 2 * a - b : 0;
-        way->bend[1][i] = curved ? a + b - 2 * by : 0;
+            fmax(fabs(a), fabs(b)) <= SMOOTH_SLOPE_MAX * fabs(difference) + system->scale[i];
+        way->rate[i] = curved ? a : difference;
+        way->bend[0][i] = curved ? 3 * difference - 2 * a - b : 0;
+        way->bend[1][i] = curved ? a + b - 2 * difference : 0;
     }
 }
 
-static struct jet along(const struct way *way, int i, double a, double b)
+static struct jet way_jet(const struct way *way, int i, double a, double b)
 {
     const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i],
                  length2 = (b - a) * (b - a) / 8;
     const double bend[] = {2 * d + 6 * e * a, 2 * d + 6 * e * b};
     const double slope[] = {c + a * (2 * d + 3 * e * a), c + b * (2 * d + 3 * e * b)};
-    const double value[] = {way->from[i] + a * (c + a * (d + a * e)),
-                            way->from[i] + b * (c + b * (d + b * e))};
-    const double off = fmax(fabs(bend[0]), fabs(bend[1])) * length2, turn = fabs(6 * e) * length2;
+    const double value[] = {way->y_begin[i] + a * (c + a * (d + a * e)),
+                            way->y_begin[i] + b * (c + b * (d + b * e))};
+    const double margin = fmax(fabs(bend[0]), fabs(bend[1])) * length2,
+                 turn = fabs(6 * e) * length2;
     return (struct jet){
-        interval_wide(fmin(value[0], value[1]) - off, fmax(value[0], value[1]) + off, 2),
+        interval_wide(fmin(value[0], value[1]) - margin, fmax(value[0], value[1]) + margin, 2),
         interval_wide(fmin(slope[0], slope[1]) - turn, fmax(slope[0], slope[1]) + turn, 2),
         interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
 }
 
-static struct jet parameter_jet(double from, double to, double a, double b)
+static struct jet parameter_jet(double first, double last, double a, double b)
 {
-    const double at = from + (to - from) * a, end = from + (to - from) * b;
-    return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from),
-                        interval_point(0)};
+    const double begin = first + (last - first) * a, end = first + (last - first) * b;
+    return (struct jet){interval_wide(fmin(begin, end), fmax(begin, end), 2),
+                        interval_point(last - first), interval_point(0)};
 }
 
 /* a < b in [0, 1]; a == b: a point. */
@@ -90,7 +92,7 @@ static void name_all(const struct way *way, double a, double b, struct jet *name
     const int n = typed->model.n;
     name[0] = parameter_jet(way->t[0], way->t[1], a, b);
     for (int i = 0; i < n; i++)
-        name[1 + i] = along(way, i, a, b);
+        name[1 + i] = way_jet(way, i, a, b);
     for (int i = 0; i <= typed->reads; i++)
         name[1 + n + i] = jet_number(way->c[1 + i]);
 }
@@ -124,18 +126,20 @@ static struct jet row_bounds(struct way *way, int row, double a, double b)
 }
 
 /* Returns the value of the row at a point of the way, NAN where it is not finite. */
-static double row_value(const struct way *way, int row, double at)
+static double row_value(const struct way *way, int row, double fraction)
 {
     const struct system *system = way->system;
     double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES];
     for (int i = 0; i < system->n; i++)
-        y[i] = way->from[i] + at * (way->rate[i] + at * (way->bend[0][i] + at * way->bend[1][i]));
-    system_derivative(system, way->t[0] + (way->t[1] - way->t[0]) * at, y, slope);
+        y[i] =
+            way->y_begin[i] +
+            fraction * (way->rate[i] + fraction * (way->bend[0][i] + fraction * way->bend[1][i]));
+    system_derivative(system, way->t[0] + (way->t[1] - way->t[0]) * fraction, y, slope);
     const double value = slope[system->n - typed_rows(way->typed) + row];
     return isfinite(value) ? value : NAN;
 }
 
-static double largest(struct interval a)
+static double interval_magnitude_max(struct interval a)
 {
     return fmax(fabs(a.lo), fabs(a.hi));
 }
@@ -145,26 +149,27 @@ struct stretch_look {
     double hidden, seen;
 };
 
-static struct stretch_look look(struct way *way, int row, double a, double b)
+static struct stretch_look stretch_examine(struct way *way, int row, double a, double b)
 {
     const struct jet bounds = row_bounds(way, row, a, b);
     const double width = bounds.value.hi - bounds.value.lo, length = b - a;
     /* from the straight line between the ends */
-    const double bent = largest(bounds.bend) * length * length / 8;
+    const double bent = interval_magnitude_max(bounds.bend) * length * length / 8;
     const double first = row_value(way, row, a), last = row_value(way, row, b);
-    double low = fmin(first, last), high = fmax(first, last), off = 0;
+    double low = fmin(first, last), high = fmax(first, last), deviation = 0;
     for (int i = 1; i < INTERVAL_SAMPLES; i++) {
         const double fraction = (double)i / INTERVAL_SAMPLES,
                      value = row_value(way, row, a + length * fraction);
         low = fmin(low, value);
         high = fmax(high, value);
-        off = fmax(off, fabs(value - first - (last - first) * fraction));
+        deviation = fmax(deviation, fabs(value - first - (last - first) * fraction));
     }
     const double hidden = fmin(bent, width);
     if (isnan(width) ||
-        hidden < BOUND_ROUNDING_RELATIVE * largest(bounds.value)) /* no number there, or rounding */
+        hidden < BOUND_ROUNDING_RELATIVE *
+                     interval_magnitude_max(bounds.value)) /* no number there, or rounding */
         return (struct stretch_look){0, 0};
-    return bent < width ? (struct stretch_look){bent, off}
+    return bent < width ? (struct stretch_look){bent, deviation}
                         : (struct stretch_look){width, high - low};
 }
 
@@ -180,41 +185,42 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
     static const double around_it[3][POINTS] = {
         {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
     /* there may be a switch at an end */
-    const double *at = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0];
-    double value[POINTS], off = 0;
+    const double *node = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0];
+    double value[POINTS], deviation = 0;
     for (int k = 0; k < POINTS; k++)
-        value[k] = row_value(way, row, a + at[k] * (b - a));
+        value[k] = row_value(way, row, a + node[k] * (b - a));
     for (int i = 1; i < INTERVAL_SAMPLES; i++) {
         const double fraction = (double)i / INTERVAL_SAMPLES;
-        double around = 0;
+        double interpolated = 0;
         for (int k = 0; k < POINTS; k++) {
             double weight = 1;
             for (int j = 0; j < POINTS; j++)
-                weight *= j == k ? 1 : (fraction - at[j]) / (at[k] - at[j]);
-            around += weight * value[k];
+                weight *= j == k ? 1 : (fraction - node[j]) / (node[k] - node[j]);
+            interpolated += weight * value[k];
         }
-        const double difference = fabs(row_value(way, row, a + fraction * (b - a)) - around);
-        off = isnan(difference) ? INFINITY : fmax(off, difference);
+        const double difference = fabs(row_value(way, row, a + fraction * (b - a)) - interpolated);
+        deviation = isnan(difference) ? INFINITY : fmax(deviation, difference);
     }
-    return off * BOUND_SLACK_FACTOR > seen;
+    return deviation * BOUND_SLACK_FACTOR > seen;
 }
 
 /* Appends [a, b] as times, to the burst before where they meet. */
 static int burst_append(const struct way *way, double a, double b, struct burst *burst, int count,
                         int max)
 {
-    const double from = way->t[0] + (way->t[1] - way->t[0]) * a,
-                 to = way->t[0] + (way->t[1] - way->t[0]) * b;
+    const double t_begin = way->t[0] + (way->t[1] - way->t[0]) * a,
+                 t_end = way->t[0] + (way->t[1] - way->t[0]) * b;
     for (int i = 0; i < count; i++)
-        if (fmin(from, to) <= fmax(burst[i].from, burst[i].to) &&
-            fmax(from, to) >= fmin(burst[i].from, burst[i].to)) {
+        if (fmin(t_begin, t_end) <= fmax(burst[i].t_begin, burst[i].t_end) &&
+            fmax(t_begin, t_end) >= fmin(burst[i].t_begin, burst[i].t_end)) {
             const bool forward = way->t[1] > way->t[0];
-            burst[i].from = forward ? fmin(burst[i].from, from) : fmax(burst[i].from, from);
-            burst[i].to = forward ? fmax(burst[i].to, to) : fmin(burst[i].to, to);
+            burst[i].t_begin =
+                forward ? fmin(burst[i].t_begin, t_begin) : fmax(burst[i].t_begin, t_begin);
+            burst[i].t_end = forward ? fmax(burst[i].t_end, t_end) : fmin(burst[i].t_end, t_end);
             return count;
         }
     if (count < max)
-        burst[count++] = (struct burst){from, to};
+        burst[count++] = (struct burst){t_begin, t_end};
     return count;
 }
 
@@ -236,14 +242,14 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
     for (int looks = 0; top > 0 && looks<ROW_BOUNDS_MAX && * allowed> 0; looks++, --*allowed) {
         const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
         const int depth = stack[top].depth;
-        const struct stretch_look at = look(way, row, a, b);
-        if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > HIDDEN_MOTION_MAX * size))
+        const struct stretch_look stretch = stretch_examine(way, row, a, b);
+        if (!(stretch.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > HIDDEN_MOTION_MAX * size))
             continue;
-        const bool seen = at.hidden <= BOUND_SLACK_FACTOR * at.seen;
-        if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
+        const bool seen = stretch.hidden <= BOUND_SLACK_FACTOR * stretch.seen;
+        if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, stretch.seen)))
             count = burst_append(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
         /* one sample of a long stretch may have met a burst by chance */
-        if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, at.seen)))
+        if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, stretch.seen)))
             continue;
         /* a jump, or no number */
         if (depth == DEPTH_MOST)
@@ -258,8 +264,8 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
     return count;
 }
 
-int bursts_within(const struct system *system, const double t[2], const double *from,
-                  const double *to, bool sure, int64_t *allowed, struct burst *burst, int count,
+int bursts_within(const struct system *system, const double t[2], const double *y_begin,
+                  const double *y_end, bool sure, int64_t *allowed, struct burst *burst, int count,
                   int max)
 {
     const struct typed *typed = system->model->typed;
@@ -269,8 +275,8 @@ int bursts_within(const struct system *system, const double t[2], const double *
                       .typed = typed,
                       .c = system->typed.c,
                       .t = {t[0], t[1]},
-                      .from = from,
-                      .to = to};
+                      .y_begin = y_begin,
+                      .y_end = y_end};
     const int rows = typed_rows(typed);
     bend_way(system, &way);
     for (int i = 0; i < rows; i++)
@@ -279,9 +285,9 @@ int bursts_within(const struct system *system, const double t[2], const double *
     return count;
 }
 
-int system_bursts(const struct system *system, const double t[2], const double *from,
-                  const double *to, bool sure, struct burst *burst, int count, int max)
+int system_bursts(const struct system *system, const double t[2], const double *y_begin,
+                  const double *y_end, bool sure, struct burst *burst, int count, int max)
 {
     int64_t allowed = INT64_MAX;
-    return bursts_within(system, t, from, to, sure, &allowed, burst, count, max);
+    return bursts_within(system, t, y_begin, y_end, sure, &allowed, burst, count, max);
 }

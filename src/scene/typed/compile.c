@@ -20,15 +20,15 @@ static bool read_expr(struct compile *c, const struct typed_line *line, const st
     *expr = expr_compile(text, &scope, &c->typed->arena, &used, c->error);
     if (!*expr)
         return typed_explain(c, line);
-    const struct text rest = text_trim((struct text){text.at + used, text.len - used});
+    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
     if (rest.len == 0)
         return true;
-    error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.at);
+    error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.data);
     if (unit_match(rest))
         return error_hint(c->error,
                           "units stand with values: param NAME = 0.2 N/m, then NAME here");
-    return !strchr(")=,;'", rest.at[0]) ? error_hint(c->error, "a product is written with *: 2*x")
-                                        : false;
+    return !strchr(")=,;'", rest.data[0]) ? error_hint(c->error, "a product is written with *: 2*x")
+                                          : false;
 }
 
 /* Reads all lines. Observables come first: each knows those above, and equations know all. */
@@ -47,7 +47,7 @@ static bool read_all(struct compile *c)
             return false;
         struct variable *variable = &typed->observed[typed->observes++];
         *variable = (struct variable){.quantity = QUANTITY_NUMBER};
-        memcpy(variable->name, line->name.at, line->name.len);
+        memcpy(variable->name, line->name.data, line->name.len);
     }
     for (int i = 0; i < c->unknowns; i++)
         if (c->unknown[i].equation && !read_expr(c, c->unknown[i].equation, &c->unknown[i].expr))

@@ -55,7 +55,7 @@ static inline bool symbol_is(const struct symbol *symbol, struct text name)
 {
     const size_t last = name.len - 1; /* names like x1 and x2 differ in their last byte */
     return name.len > 0 && name.len <= LIMIT_SYMBOL && symbol->name[name.len] == '\0' &&
-           symbol->name[last] == name.at[last] && memcmp(symbol->name, name.at, last) == 0;
+           symbol->name[last] == name.data[last] && memcmp(symbol->name, name.data, last) == 0;
 }
 
 /* All names but those of observed quantities. */

@@ -101,11 +101,11 @@ static struct drive_part applied(const struct op *op, const struct drive_part *a
     case OP_MUL:
         return product_of(&a[0], &a[1]);
     case OP_DIV: {
-        struct drive_part by = a[1];
-        if (by.rate != 0)
+        struct drive_part divisor = a[1];
+        if (divisor.rate != 0)
             return neither;
-        by.value = 1 / by.value;
-        return product_of(&a[0], &by);
+        divisor.value = 1 / divisor.value;
+        return product_of(&a[0], &divisor);
     }
     case OP_CALL:
         if (!moves || arity == 1 || a[1].rate == 0)

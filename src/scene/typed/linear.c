@@ -50,9 +50,9 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
                 struct error *error)
 {
     const size_t nodes = (size_t)program->nodes;
-    signed char *of = malloc(nodes);
+    signed char *node_degree = malloc(nodes);
     bool *needed = calloc(nodes, sizeof *needed); /* others were made on the way */
-    const bool allocated = of && needed;
+    const bool allocated = node_degree && needed;
     *affine = true;
     *kinks = false;
     for (int i = 0; allocated && i < program->outputs; i++)
@@ -62,15 +62,16 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
     for (int i = 0; allocated && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
-        of[i] = (signed char)(node->kind == NODE_NAME
-                                  ? x[0] >= 1 && x[0] <= typed->model.n
-                                  : degree(node->kind, arity > 0 ? of[x[0]] : 0,
-                                           arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
+        node_degree[i] = (signed char)(node->kind == NODE_NAME
+                                           ? x[0] >= 1 && x[0] <= typed->model.n
+                                           : degree(node->kind, arity > 0 ? node_degree[x[0]] : 0,
+                                                    arity > 1 ? node_degree[x[1]] : 0,
+                                                    arity > 2 ? node_degree[x[2]] : 0));
         *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
     for (int i = 0; allocated && i < program->outputs; i++)
-        *affine = *affine && of[program->result[i]] < 2;
-    free(of);
+        *affine = *affine && node_degree[program->result[i]] < 2;
+    free(node_degree);
     free(needed);
     return allocated || error_memory(error);
 }
@@ -96,7 +97,7 @@ struct affine_form {
 static const struct affine_form unknown;
 
 /* Returns true if the form has no other parts. */
-static bool only(const struct affine_form *f, unsigned parts)
+static bool has_only_parts(const struct affine_form *f, unsigned parts)
 {
     for (int i = 0; i < PARTS; i++)
         if (!(parts & BIT(i)) && f->part[i] != 0)
@@ -114,10 +115,10 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
     if (o->drive != 0 && o->phase == phase) {
         drive += o->drive;
     } else if (o->drive != 0) {
-        const double along = o->drive * fixed_cos(o->phase) + drive * fixed_cos(phase);
-        const double across = o->drive * fixed_sin(o->phase) + drive * fixed_sin(phase);
-        drive = fixed_hypot(along, across);
-        phase = fixed_atan2(across, along);
+        const double cosine_part = o->drive * fixed_cos(o->phase) + drive * fixed_cos(phase);
+        const double sine_part = o->drive * fixed_sin(o->phase) + drive * fixed_sin(phase);
+        drive = fixed_hypot(cosine_part, sine_part);
+        phase = fixed_atan2(sine_part, cosine_part);
     }
     o->drive = drive;
     o->omega = omega;
@@ -126,7 +127,8 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
 }
 
 /* a + sign b */
-static struct affine_form sum(const struct affine_form *a, double sign, const struct affine_form *b)
+static struct affine_form affine_sum(const struct affine_form *a, double sign,
+                                     const struct affine_form *b)
 {
     struct oscillator both = {.drive = a->part[DRIVE], .omega = a->omega, .phase = a->phase};
     if (!add_drive(&both, sign * b->part[DRIVE], b->omega, b->phase))
@@ -149,12 +151,12 @@ static struct affine_form scaled(struct affine_form f, double factor, double div
 /* A constant times anything, or (constant + |v|) v. */
 static struct affine_form product(const struct affine_form *a, const struct affine_form *b)
 {
-    if (only(b, BIT(CONSTANT)))
+    if (has_only_parts(b, BIT(CONSTANT)))
         return scaled(*a, b->part[CONSTANT], 1);
-    if (only(a, BIT(CONSTANT)))
+    if (has_only_parts(a, BIT(CONSTANT)))
         return scaled(*b, a->part[CONSTANT], 1);
     const struct affine_form *rate = a->part[BY_SPEED] != 0 ? a : b, *v = rate == a ? b : a;
-    if (!only(rate, BIT(CONSTANT) | BIT(BY_SPEED)) || !only(v, BIT(BY_V)))
+    if (!has_only_parts(rate, BIT(CONSTANT) | BIT(BY_SPEED)) || !has_only_parts(v, BIT(BY_V)))
         return unknown;
     struct affine_form made = {.known = true};
     made.part[BY_V] = rate->part[CONSTANT] * v->part[BY_V];
@@ -163,9 +165,9 @@ static struct affine_form product(const struct affine_form *a, const struct affi
 }
 
 /* cos(angle + ahead) */
-static struct affine_form wave(const struct affine_form *angle, double ahead)
+static struct affine_form affine_wave(const struct affine_form *angle, double ahead)
 {
-    if (!only(angle, BIT(CONSTANT) | BIT(BY_T)))
+    if (!has_only_parts(angle, BIT(CONSTANT) | BIT(BY_T)))
         return unknown;
     const double omega = angle->part[BY_T], phase = angle->part[CONSTANT] + ahead;
     struct affine_form made = {
@@ -184,31 +186,31 @@ static struct affine_form affine_of_node(const struct node *node, const struct a
 {
     static const double quarter = 1.57079632679489661923;
     const unsigned constant = BIT(CONSTANT);
-    if (node->kind == NODE_IF && only(a, constant) && !isnan(a->part[CONSTANT]))
+    if (node->kind == NODE_IF && has_only_parts(a, constant) && !isnan(a->part[CONSTANT]))
         return a->part[CONSTANT] > 0 ? *b : *c;
     if (!a->known || !b->known || !c->known)
         return unknown;
-    if (only(a, constant) && only(b, constant) && only(c, constant))
+    if (has_only_parts(a, constant) && has_only_parts(b, constant) && has_only_parts(c, constant))
         return number(
             node_value(node->kind, node, a->part[CONSTANT], b->part[CONSTANT], c->part[CONSTANT]));
     switch (node->kind) {
     case NODE_NEG:
         return scaled(*a, -1, 1);
     case NODE_ABS:
-        return only(a, BIT(BY_V))
+        return has_only_parts(a, BIT(BY_V))
                    ? (struct affine_form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true}
                    : unknown;
     case NODE_ADD:
-        return sum(a, 1, b);
+        return affine_sum(a, 1, b);
     case NODE_SUB:
-        return sum(a, -1, b);
+        return affine_sum(a, -1, b);
     case NODE_MUL:
         return product(a, b);
     case NODE_DIV:
-        return only(b, constant) ? scaled(*a, 1, b->part[CONSTANT]) : unknown;
+        return has_only_parts(b, constant) ? scaled(*a, 1, b->part[CONSTANT]) : unknown;
     case NODE_ONE:
-        return node->one == fixed_cos   ? wave(a, 0)
-               : node->one == fixed_sin ? wave(a, -quarter)
+        return node->one == fixed_cos   ? affine_wave(a, 0)
+               : node->one == fixed_sin ? affine_wave(a, -quarter)
                                         : unknown;
     default:
         return unknown;
@@ -243,19 +245,19 @@ static void linear_term_add(const struct typed_term *term, const double *c, stru
     const struct affine_form f = form_of(term->add, c);
     const unsigned velocity = BIT(BY_V) | BIT(BY_SQUARE),
                    rest = BIT(CONSTANT) | BIT(BY_Q) | BIT(DRIVE);
-    struct oscillator with = *o;
-    with.stiffness -= f.part[BY_Q];
-    with.damping -= f.part[BY_V];
-    with.quadratic -= f.part[BY_SQUARE];
-    with.gravity -= f.part[CONSTANT];
-    const double coefficient[] = {with.stiffness, with.damping, with.quadratic,
-                                  with.gravity,   f.omega,      f.phase};
-    bool fits = only(&f, drag ? velocity : rest) && !(f.part[BY_SQUARE] > 0) &&
-                add_drive(&with, f.part[DRIVE], f.omega, f.phase) && isfinite(with.drive);
+    struct oscillator combined = *o;
+    combined.stiffness -= f.part[BY_Q];
+    combined.damping -= f.part[BY_V];
+    combined.quadratic -= f.part[BY_SQUARE];
+    combined.gravity -= f.part[CONSTANT];
+    const double coefficient[] = {combined.stiffness, combined.damping, combined.quadratic,
+                                  combined.gravity,   f.omega,          f.phase};
+    bool fits = has_only_parts(&f, drag ? velocity : rest) && !(f.part[BY_SQUARE] > 0) &&
+                add_drive(&combined, f.part[DRIVE], f.omega, f.phase) && isfinite(combined.drive);
     for (size_t i = 0; i < COUNT_OF(coefficient); i++)
         fits = fits && isfinite(coefficient[i]);
     if (fits) {
-        *o = with;
+        *o = combined;
         return;
     }
     o->whole = false;

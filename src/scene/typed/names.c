@@ -8,12 +8,12 @@
 
 static bool is_primed(struct text name)
 {
-    return name.len > 1 && name.at[name.len - 1] == '\'';
+    return name.len > 1 && name.data[name.len - 1] == '\'';
 }
 
 static struct text unprimed(struct text name)
 {
-    return (struct text){name.at, name.len - 1};
+    return (struct text){name.data, name.len - 1};
 }
 
 static bool symbol_matches(const struct compile *c, const struct symbol *symbol, struct text name)
@@ -60,13 +60,13 @@ bool typed_explain(struct compile *c, const struct typed_line *line)
     const struct text name = c->error->where;
     if (!c->error->unknown || !text_is(text_of(c->error->unknown), "name"))
         return false;
-    const struct typed_line *below = typed_line_of(c->typed, TYPED_OBSERVE, name);
-    if (below == line)
+    const struct typed_line *observe_line = typed_line_of(c->typed, TYPED_OBSERVE, name);
+    if (observe_line == line)
         return error_at(c->error, name, "%.*s cannot be observed by itself", (int)name.len,
-                        name.at);
-    if (below) {
-        error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.at,
-                 (int)line->name.len, line->name.at);
+                        name.data);
+    if (observe_line) {
+        error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.data,
+                 (int)line->name.len, line->name.data);
         return error_hint(
             c->error,
             "what is observed can use what was typed before it ('scene' shows the order)");
@@ -74,19 +74,19 @@ bool typed_explain(struct compile *c, const struct typed_line *line)
     if (!is_primed(name) || !typed_line_of(c->typed, TYPED_VAR, unprimed(name)))
         return false;
     error_at(c->error, name, "%.*s is not known: %.*s has an equation of first order",
-             (int)name.len, name.at, (int)name.len - 1, name.at);
+             (int)name.len, name.data, (int)name.len - 1, name.data);
     return error_hint(c->error, "in scenes of second order (%.*s' = EXPR) it is the velocity",
-                      (int)name.len, name.at);
+                      (int)name.len, name.data);
 }
 
 bool typed_name_fits(struct text name, struct error *error)
 {
     bool fine = name.len > 0;
     for (size_t i = 0; i < name.len; i++) {
-        const char at = name.at[i];
-        const bool letter =
-            (at >= 'a' && at <= 'z') || (at >= 'A' && at <= 'Z') || (at == '_' && i > 0);
-        fine = fine && (letter || (i > 0 && at >= '0' && at <= '9'));
+        const char character = name.data[i];
+        const bool letter = (character >= 'a' && character <= 'z') ||
+                            (character >= 'A' && character <= 'Z') || (character == '_' && i > 0);
+        fine = fine && (letter || (i > 0 && character >= '0' && character <= '9'));
     }
     if (!fine)
         return error_at(error, name, "a name is letters, digits and underscores, a letter first");
@@ -94,8 +94,8 @@ bool typed_name_fits(struct text name, struct error *error)
         return error_at(error, name, "a name has at most %d letters", TYPED_NAME_MAX);
     if (!text_is(name, "pi") && !text_is(name, "t") && !catalog_find(&function_catalog, name))
         return true;
-    error_at(error, name, "'%.*s' already means something", (int)name.len, name.at);
-    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.at);
+    error_at(error, name, "'%.*s' already means something", (int)name.len, name.data);
+    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.data);
 }
 
 int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,
@@ -107,19 +107,19 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
             continue;
         if (i <= c->state + c->bases && c->typed->base) {
             error_at(c->error, where, "%s has '%.*s' already", c->typed->base->row.name,
-                     (int)name.len, name.at);
+                     (int)name.len, name.data);
             error_hint(c->error, "var NAME = VALUE begins an empty scene");
             return -1;
         }
-        error_at(c->error, where, "'%.*s' is there twice%s", (int)name.len, name.at,
+        error_at(c->error, where, "'%.*s' is there twice%s", (int)name.len, name.data,
                  c->symbol[i].kind == SYMBOL_VELOCITY ? ": it is the velocity of another variable"
                  : c->symbol[i].hidden                ? ": it is an initial value"
                                                       : "");
-        error_hint(c->error, "choose another name, as %.*s_1", (int)name.len, name.at);
+        error_hint(c->error, "choose another name, as %.*s_1", (int)name.len, name.data);
         return -1;
     }
     *symbol = (struct symbol){.kind = kind, .index = index, .primed = -1};
-    memcpy(symbol->name, name.at, name.len < LIMIT_SYMBOL ? name.len : LIMIT_SYMBOL);
+    memcpy(symbol->name, name.data, name.len < LIMIT_SYMBOL ? name.len : LIMIT_SYMBOL);
     return c->symbols++;
 }
 
@@ -160,8 +160,8 @@ static bool refuse_initial(const struct compile *c, struct text name, struct tex
     const struct typed_line *line = param ? param : var;
     return error_at(c->error, line ? line->name : where,
                     "%.*s is the initial value of %.*s: the %s %.*s needs another name",
-                    (int)name.len, name.at, (int)variable.len, variable.at,
-                    param ? "parameter" : "variable", (int)name.len, name.at);
+                    (int)name.len, name.data, (int)variable.len, variable.data,
+                    param ? "parameter" : "variable", (int)name.len, name.data);
 }
 
 /* y0 of y, x1_0 of x1. */
@@ -169,18 +169,18 @@ bool typed_initial(struct compile *c, struct text variable, const struct typed_l
                    enum quantity quantity, struct text where)
 {
     struct buffer name = {0}, brief = {0};
-    const char last = variable.at[variable.len - 1];
+    const char last = variable.data[variable.len - 1];
     buffer_put(&name, variable);
     buffer_put(&name, last >= '0' && last <= '9' ? TEXT("_0") : TEXT("0"));
     buffer_put(&brief, variable);
     buffer_put(&brief, TEXT(" at t0"));
-    const char *const about =
+    const char *const explanation =
         brief.failed ? NULL : arena_text(&c->typed->arena, buffer_text(&brief));
     const bool taken = symbol_named(c, buffer_text(&name));
     const bool fine = taken ? refuse_initial(c, buffer_text(&name), variable, where)
-                      : !name.failed && about
+                      : !name.failed && explanation
                           ? add_param(c, buffer_text(&name), line ? line->value : 0, quantity,
-                                      about, false, where)
+                                      explanation, false, where)
                           : error_memory(c->error);
     buffer_free(&name);
     buffer_free(&brief);
@@ -262,7 +262,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
         return !u->speed ||
                error_at(c->error, u->equation->expr,
                         "%.*s has an initial velocity: it needs %.*s'' = …", (int)line->name.len,
-                        line->name.at, (int)line->name.len, line->name.at);
+                        line->name.data, (int)line->name.len, line->name.data);
     return declare_velocity(c, u);
 }
 

@@ -19,14 +19,14 @@ const struct typed_term *typed_term_of(const double *c)
 }
 
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
-                    double *out)
+                    double *result)
 {
     double few[PROGRAM_FEW], *frame = program_place(program, few);
     for (int i = 0; !frame && i < program->outputs; i++)
-        out[i] = NAN;
+        result[i] = NAN;
     if (frame) {
         program_prepare(program, frame);
-        program_run(program, t, y, c + 1, out, frame);
+        program_run(program, t, y, c + 1, result, frame);
     }
     if (frame != few)
         free(frame);
@@ -35,13 +35,14 @@ void typed_evaluate(const struct program *program, const double *c, double t, co
 static void typed_sum(const struct program *program, const double *c, double t, const double *y,
                       int count, double *sum)
 {
-    double few[ADDED_FEW], *out = count <= ADDED_FEW ? few : malloc((size_t)count * sizeof *out);
-    if (out)
-        typed_evaluate(program, c, t, y, out);
+    double few[ADDED_FEW],
+        *value = count <= ADDED_FEW ? few : malloc((size_t)count * sizeof *value);
+    if (value)
+        typed_evaluate(program, c, t, y, value);
     for (int i = 0; i < count; i++)
-        sum[i] += out ? out[i] : NAN;
-    if (out != few)
-        free(out);
+        sum[i] += value ? value[i] : NAN;
+    if (value != few)
+        free(value);
 }
 
 void typed_add_force(const double *c, double t, const double *y, double *a)
@@ -59,9 +60,9 @@ void typed_add_jacobian(const double *c, double t, const double *y, double *jac)
 static double potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
-    double out[1];
-    typed_evaluate(term->potential, c, 0, y, out);
-    return out[0];
+    double value[1];
+    typed_evaluate(term->potential, c, 0, y, value);
+    return value[0];
 }
 
 void typed_masses(const double *c, double *mass)
@@ -79,11 +80,11 @@ static double power(const double *c, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
-    double out[LIMIT_VARIABLES] = {0}, mass[LIMIT_VARIABLES] = {0}, sum = 0;
+    double rate[LIMIT_VARIABLES] = {0}, mass[LIMIT_VARIABLES] = {0}, sum = 0;
     typed_masses(c, mass);
-    typed_evaluate(term->add, c, t, y, out);
+    typed_evaluate(term->add, c, t, y, rate);
     for (int i = 0; i < rows; i++)
-        sum += mass[i] * out[i] * y[rows + i];
+        sum += mass[i] * rate[i] * y[rows + i];
     return sum;
 }
 
@@ -102,7 +103,7 @@ struct part_making {
 enum use { STEPS, LOOKS, RARELY };
 
 /* The last `count` outputs as a program. */
-static struct program *make(const struct part_making *m, int count, enum use use)
+static struct program *part_program_make(const struct part_making *m, int count, enum use use)
 {
     const struct steady_names steady = {1 + m->typed->model.n, m->part->steady,
                                         use == STEPS ? TERM_VALUES - 1 - m->part->steady : 0};
@@ -159,7 +160,7 @@ static bool make_add(const struct part_making *m, struct typed_term *term,
     for (int i = 0; i < rows; i++)
         if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
             return false;
-    term->add = make(m, rows, STEPS);
+    term->add = part_program_make(m, rows, STEPS);
     if (term->add && all_zero(term->add, rows)) {
         program_destroy(term->add);
         term->add = NULL;
@@ -179,7 +180,7 @@ static bool make_term(const struct part_making *m, struct typed_term *term, int 
         state[i] = 1 + i;
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
-    term->jacobian = make(m, rows * n, use);
+    term->jacobian = part_program_make(m, rows * n, use);
     bool affine, kinks;
     if (!term->jacobian || !typed_look(m->typed, term->add, &affine, &kinks, m->error))
         return false;
@@ -223,11 +224,11 @@ static bool make_integrals(const struct part_making *m, struct typed_term *force
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
     if (equations_integrate(m->equations, first, rows, position, false, &error) &&
-        !(force->parts = make(m, 3 * rows, LOOKS)))
+        !(force->parts = part_program_make(m, 3 * rows, LOOKS)))
         return false;
     if (rows > 1 && error.code == ERROR_NONE &&
         equations_integrate(m->equations, first, rows, position, true, &error) &&
-        !(force->axes = make(m, rows, LOOKS)))
+        !(force->axes = part_program_make(m, rows, LOOKS)))
         return false;
     if (error.code != ERROR_NONE)
         *m->error = error;
@@ -275,8 +276,8 @@ static bool make_looks(const struct part_making *m, struct typed_part *part)
     part->all.typed = typed;
     part->all.part = part;
     equations_exact(m->equations, true);
-    const bool fine =
-        typed->observes == 0 || (part->all.observe = make(m, typed->observes, LOOKS)) != NULL;
+    const bool fine = typed->observes == 0 ||
+                      (part->all.observe = part_program_make(m, typed->observes, LOOKS)) != NULL;
     equations_exact(m->equations, false);
     if (!fine)
         return false;
@@ -286,9 +287,9 @@ static bool make_looks(const struct part_making *m, struct typed_part *part)
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
     if (!equations_add(m->equations, typed->potential, m->error) ||
-        !(force->potential = make(m, 1, LOOKS)) ||
+        !(force->potential = part_program_make(m, 1, LOOKS)) ||
         !equations_derive(m->equations, first, 1, position, rows, m->error) ||
-        !(part->all.slope = make(m, rows, RARELY)))
+        !(part->all.slope = part_program_make(m, rows, RARELY)))
         return false;
     force->typed = typed;
     force->part = part;

@@ -181,8 +181,8 @@ static void find_ratios(int rows, int n, const double *jac, int count, double *r
         for (int next = known - 1; next < known; next++)
             for (int j = 0, i = queue[next]; j < rows; j++)
                 for (int k = 0; k < count && ratio[j] == 0; k++) {
-                    const double *at = jac + (size_t)k * (size_t)(rows * n), forth = at[i * n + j],
-                                 back = at[j * n + i];
+                    const double *jacobian = jac + (size_t)k * (size_t)(rows * n),
+                                 forth = jacobian[i * n + j], back = jacobian[j * n + i];
                     if (forth / back > 0 && isfinite(forth / back)) {
                         ratio[j] = ratio[i] * (forth / back);
                         queue[known++] = j;
@@ -279,7 +279,7 @@ bool typed_find_potential(struct system *system)
     double point[CURL_POINTS][LIMIT_VARIABLES];
     const int count = choose_points(system, term, bound->c, point);
     double ratio[LIMIT_VARIABLES] = {0};
-    const struct system before = *system;
+    const struct system saved = *system;
     if (system->n > 2 && !find_masses(term, bound->c, point, count, ratio))
         return false;
     if (system->n > 2)
@@ -290,7 +290,7 @@ bool typed_find_potential(struct system *system)
             bound->row = &part->found[i];
             return true;
         }
-    *system = before;
+    *system = saved;
     return false;
 }
 

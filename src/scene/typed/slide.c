@@ -33,15 +33,15 @@ static const struct sliding *sliding_of(const double *c)
 static void rates(const struct sliding *s, double t, const double *y, const double *f, double *rate)
 {
     const int n = s->side[0].n;
-    double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], before[LIMIT_SWITCHES], after[LIMIT_SWITCHES];
+    double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], earlier[LIMIT_SWITCHES], later[LIMIT_SWITCHES];
     for (int i = 0; i < n; i++) {
-        a[i] = y[i] - s->near * f[i];
-        b[i] = y[i] + s->near * f[i];
+        a[i] = y[i] - s->time_shift * f[i];
+        b[i] = y[i] + s->time_shift * f[i];
     }
-    switch_arguments(&s->side[0], t - s->near, a, before);
-    switch_arguments(&s->side[0], t + s->near, b, after);
+    switch_arguments(&s->side[0], t - s->time_shift, a, earlier);
+    switch_arguments(&s->side[0], t + s->time_shift, b, later);
     for (int k = 0; k < s->count; k++)
-        rate[k] = (after[s->at[k]] - before[s->at[k]]) / (2 * s->near);
+        rate[k] = (later[s->switch_index[k]] - earlier[s->switch_index[k]]) / (2 * s->time_shift);
 }
 
 /* Returns the time [s] in which a motion by `direction` moves as far as variables are large, or
@@ -51,8 +51,8 @@ static double moment(const struct system *system, const double *y, const double 
 {
     double sum = 0;
     for (int i = 0; i < system->n; i++) {
-        const double by = direction[i] / fmax(system->scale[i], fabs(y[i]));
-        sum += by * by;
+        const double change = direction[i] / fmax(system->scale[i], fabs(y[i]));
+        sum += change * change;
     }
     return sum > 0 ? sqrt(system->n / sum) : otherwise;
 }
@@ -63,15 +63,15 @@ static void differences(const struct sliding *s, double t, double time, const do
                         const double *direction, double *first, double *second)
 {
     const struct system *side = &s->side[0];
-    const double h = ARGUMENT_STEP * moment(side, y, direction, s->near / ARGUMENT_STEP);
-    double at[LIMIT_VARIABLES], a[5][LIMIT_SWITCHES];
+    const double h = ARGUMENT_STEP * moment(side, y, direction, s->time_shift / ARGUMENT_STEP);
+    double shifted[LIMIT_VARIABLES], a[5][LIMIT_SWITCHES];
     for (int k = 0; k < 5; k++) {
         for (int i = 0; i < side->n; i++)
-            at[i] = y[i] + (k - 2) * h * direction[i];
-        switch_arguments(side, t + (k - 2) * h * time, at, a[k]);
+            shifted[i] = y[i] + (k - 2) * h * direction[i];
+        switch_arguments(side, t + (k - 2) * h * time, shifted, a[k]);
     }
     for (int i = 0; i < s->count; i++) {
-        const int k = s->at[i];
+        const int k = s->switch_index[i];
         first[i] = (8 * (a[3][k] - a[1][k]) - (a[4][k] - a[0][k])) / (12 * h);
         second[i] = (16 * (a[3][k] - 2 * a[2][k] + a[1][k]) - (a[4][k] - 2 * a[2][k] + a[0][k])) /
                     (12 * h * h);
@@ -83,17 +83,17 @@ static void changes(const struct sliding *s, const struct system *side, double t
                     double *rate, double *second)
 {
     static const double weight[] = {1. / 12, -8. / 12, 0, 8. / 12, -1. / 12};
-    double f[LIMIT_VARIABLES], at[LIMIT_VARIABLES], beside[LIMIT_VARIABLES],
+    double f[LIMIT_VARIABLES], shifted[LIMIT_VARIABLES], shifted_rate[LIMIT_VARIABLES],
         bend[LIMIT_VARIABLES] = {0};
     double more[LIMIT_SLIDING], ignored[LIMIT_SLIDING];
     system_derivative(side, t, y, f);
-    const double h = FAR_FIELD * moment(side, y, f, s->near / FAR_FIELD);
+    const double h = FAR_FIELD * moment(side, y, f, s->time_shift / FAR_FIELD);
     for (int k = -2; k <= 2; k++) {
         for (int i = 0; i < side->n; i++)
-            at[i] = y[i] + k * h * f[i];
-        system_derivative(side, t + k * h, at, beside);
+            shifted[i] = y[i] + k * h * f[i];
+        system_derivative(side, t + k * h, shifted, shifted_rate);
         for (int i = 0; i < side->n; i++)
-            bend[i] += weight[k + 2] / h * beside[i];
+            bend[i] += weight[k + 2] / h * shifted_rate[i];
     }
     differences(s, t, 1, y, f, rate, second);
     differences(s, t, 0, y, bend, more, ignored);
@@ -103,80 +103,84 @@ static void changes(const struct sliding *s, const struct system *side, double t
 
 /*
  * The fields around a point. Where no jump changes the rate of an argument, as those of forces do
- * not change that of a position, `rate` and `by` are of its second derivative (relative degree 2;
- * Fridman, Levant 2002, Higher Order Sliding Modes, in Sliding Mode Control in Engineering, 3): it
- * stays where both are 0.
+ * not change that of a position, `rate` and `jump_rate` are of its second derivative (relative
+ * degree 2; Fridman, Levant 2002, Higher Order Sliding Modes, in Sliding Mode Control in
+ * Engineering, 3): it stays where both are 0.
  */
-struct around {
+struct sliding_fields {
     double field[LIMIT_VARIABLES];               /* field below all switches */
     double jump[LIMIT_SLIDING][LIMIT_VARIABLES]; /* change of the field above each switch */
     double rate[LIMIT_SLIDING];                  /* rate of each argument along `field`, */
-    double by[LIMIT_SLIDING][LIMIT_SLIDING]; /* and what each jump adds to that of argument [i] */
+    double jump_rate[LIMIT_SLIDING]
+                    [LIMIT_SLIDING]; /* and what each jump adds to that of argument [i] */
     bool second[LIMIT_SLIDING];
     double first[LIMIT_SLIDING]; /* rate of those whose second derivative it is */
 };
 
-static void look_twice(const struct sliding *s, double t, const double *y, struct around *around)
+static void look_twice(const struct sliding *s, double t, const double *y,
+                       struct sliding_fields *fields)
 {
-    double rate[LIMIT_SLIDING], first[LIMIT_SLIDING], below[LIMIT_SLIDING], above[LIMIT_SLIDING];
-    changes(s, &s->side[0], t, y, first, below);
+    double rate[LIMIT_SLIDING], first[LIMIT_SLIDING], lower[LIMIT_SLIDING], upper[LIMIT_SLIDING];
+    changes(s, &s->side[0], t, y, first, lower);
     for (int j = 0; j < s->count; j++) {
-        changes(s, &s->side[1 + j], t, y, rate, above);
+        changes(s, &s->side[1 + j], t, y, rate, upper);
         for (int i = 0; i < s->count; i++)
-            if (around->second[i])
-                around->by[i][j] = above[i] - below[i];
+            if (fields->second[i])
+                fields->jump_rate[i][j] = upper[i] - lower[i];
     }
     for (int i = 0; i < s->count; i++)
-        if (around->second[i]) {
-            around->rate[i] = below[i];
-            around->first[i] = first[i];
+        if (fields->second[i]) {
+            fields->rate[i] = lower[i];
+            fields->first[i] = first[i];
         }
 }
 
-static void look_around(const struct sliding *s, double t, const double *y, struct around *around)
+static void look_around(const struct sliding *s, double t, const double *y,
+                        struct sliding_fields *fields)
 {
     const int n = s->side[0].n;
     bool any = false;
-    system_derivative(&s->side[0], t, y, around->field);
-    rates(s, t, y, around->field, around->rate);
+    system_derivative(&s->side[0], t, y, fields->field);
+    rates(s, t, y, fields->field, fields->rate);
     for (int i = 0; i < s->count; i++)
-        around->second[i] = true;
+        fields->second[i] = true;
     for (int j = 0; j < s->count; j++) {
         double rate[LIMIT_SLIDING];
-        system_derivative(&s->side[1 + j], t, y, around->jump[j]);
-        rates(s, t, y, around->jump[j], rate);
+        system_derivative(&s->side[1 + j], t, y, fields->jump[j]);
+        rates(s, t, y, fields->jump[j], rate);
         for (int i = 0; i < n; i++)
-            around->jump[j][i] -= around->field[i];
+            fields->jump[j][i] -= fields->field[i];
         for (int i = 0; i < s->count; i++) {
-            around->by[i][j] = rate[i] - around->rate[i];
-            around->second[i] = around->second[i] && around->by[i][j] == 0;
+            fields->jump_rate[i][j] = rate[i] - fields->rate[i];
+            fields->second[i] = fields->second[i] && fields->jump_rate[i][j] == 0;
         }
     }
     for (int i = 0; i < s->count; i++)
-        any = any || around->second[i];
+        any = any || fields->second[i];
     if (any)
-        look_twice(s, t, y, around);
+        look_twice(s, t, y, fields);
 }
 
 /* The x nearest to x that has by x = right; rows that depend on those before are left out. */
-static void sliding_solve(int count, double (*by)[LIMIT_SLIDING], const double *right, double *x)
+static void sliding_solve(int count, double (*matrix)[LIMIT_SLIDING], const double *right,
+                          double *x)
 {
     double q[LIMIT_SLIDING][LIMIT_SLIDING];
     for (int i = 0; i < count; i++) {
         double whole = 0, own = 0, miss = right[i];
         for (int k = 0; k < count; k++)
-            whole += by[i][k] * by[i][k];
-        memcpy(q[i], by[i], sizeof q[i]);
+            whole += matrix[i][k] * matrix[i][k];
+        memcpy(q[i], matrix[i], sizeof q[i]);
         for (int j = 0; j < i; j++) {
-            double along = 0;
+            double projection = 0;
             for (int k = 0; k < count; k++)
-                along += q[i][k] * q[j][k];
+                projection += q[i][k] * q[j][k];
             for (int k = 0; k < count; k++)
-                q[i][k] -= along * q[j][k];
+                q[i][k] -= projection * q[j][k];
         }
         for (int k = 0; k < count; k++) {
             own += q[i][k] * q[i][k];
-            miss -= by[i][k] * x[k];
+            miss -= matrix[i][k] * x[k];
         }
         const bool fresh = own > ROW_INDEPENDENCE_MIN * whole;
         for (int k = 0; k < count; k++) {
@@ -188,15 +192,15 @@ static void sliding_solve(int count, double (*by)[LIMIT_SLIDING], const double *
 
 /* The share of the side above each switch. */
 static void find_fractions(const struct sliding *s, double t, const double *y,
-                           struct around *around, double *fraction)
+                           struct sliding_fields *fields, double *fraction)
 {
     double right[LIMIT_SLIDING] = {0};
-    look_around(s, t, y, around);
+    look_around(s, t, y, fields);
     for (int i = 0; i < s->count; i++) {
         fraction[i] = 0.5;
-        right[i] = -around->rate[i];
+        right[i] = -fields->rate[i];
     }
-    sliding_solve(s->count, around->by, right, fraction);
+    sliding_solve(s->count, fields->jump_rate, right, fraction);
 }
 
 static void sliding_add_rates(const double *c, double t, const double *y, double *a)
@@ -204,13 +208,13 @@ static void sliding_add_rates(const double *c, double t, const double *y, double
     const struct sliding *s = sliding_of(c);
     const struct system *system = &s->side[0];
     const int rows = system->order == 2 ? system->n / 2 : system->n, first = system->n - rows;
-    struct around around;
+    struct sliding_fields fields;
     double fraction[LIMIT_SLIDING];
-    find_fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &fields, fraction);
     for (int i = 0; i < rows; i++) {
-        double sum = around.field[first + i];
+        double sum = fields.field[first + i];
         for (int j = 0; j < s->count; j++)
-            sum += fraction[j] * around.jump[j][first + i];
+            sum += fraction[j] * fields.jump[j][first + i];
         a[i] += sum;
     }
 }
@@ -219,18 +223,18 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
 {
     const struct system *system = &sliding_of(c)->side[0];
     const int n = system->n, rows = system->order == 2 ? n / 2 : n;
-    double at[LIMIT_VARIABLES];
-    memcpy(at, y, (size_t)n * sizeof *y);
+    double shifted[LIMIT_VARIABLES];
+    memcpy(shifted, y, (size_t)n * sizeof *y);
     for (int j = 0; j < n; j++) {
-        const double by = DIFFERENCE_STEP * fmax(system->scale[j], fabs(y[j]));
-        double below[LIMIT_VARIABLES] = {0}, above[LIMIT_VARIABLES] = {0};
-        at[j] = y[j] - by;
-        sliding_add_rates(c, t, at, below);
-        at[j] = y[j] + by;
-        sliding_add_rates(c, t, at, above);
-        at[j] = y[j];
+        const double step = DIFFERENCE_STEP * fmax(system->scale[j], fabs(y[j]));
+        double lower[LIMIT_VARIABLES] = {0}, upper[LIMIT_VARIABLES] = {0};
+        shifted[j] = y[j] - step;
+        sliding_add_rates(c, t, shifted, lower);
+        shifted[j] = y[j] + step;
+        sliding_add_rates(c, t, shifted, upper);
+        shifted[j] = y[j];
         for (int i = 0; i < rows; i++)
-            jac[i * n + j] += (above[i] - below[i]) / (2 * by);
+            jac[i * n + j] += (upper[i] - lower[i]) / (2 * step);
     }
 }
 
@@ -240,13 +244,13 @@ static const struct term_row sliding_row = {
     .jacobian = jacobian};
 
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
-                  double near, struct sliding *sliding, struct system *frozen)
+                  double time_offset, struct sliding *sliding, struct system *frozen)
 {
-    double below[LIMIT_SWITCHES];
-    memcpy(below, branch, (size_t)system->switches * sizeof *below);
+    double lower_branch[LIMIT_SWITCHES];
+    memcpy(lower_branch, branch, (size_t)system->switches * sizeof *lower_branch);
     sliding->count = 0;
-    sliding->near = near;
-    system_freeze(system, below, frozen);
+    sliding->time_shift = time_offset;
+    system_freeze(system, lower_branch, frozen);
     for (int i = 0; i < system->switches; i++) {
         if (!slides[i])
             continue;
@@ -255,11 +259,11 @@ bool system_slide(const struct system *system, const double *branch, const bool 
         if (!sliding->side || sliding->count == LIMIT_SLIDING)
             return false;
         const int k = sliding->count++;
-        sliding->at[k] = i;
-        sliding->level[k] = switch_kind_of(system, i) == SWITCH_WHOLE ? below[i] + 1 : 0;
-        below[i]++;
-        system_freeze(system, below, &sliding->side[1 + k]);
-        below[i]--;
+        sliding->switch_index[k] = i;
+        sliding->level[k] = switch_kind_of(system, i) == SWITCH_WHOLE ? lower_branch[i] + 1 : 0;
+        lower_branch[i]++;
+        system_freeze(system, lower_branch, &sliding->side[1 + k]);
+        lower_branch[i]--;
     }
     if (sliding->count == 0)
         return true;
@@ -281,91 +285,91 @@ void sliding_free(struct sliding *sliding)
 }
 
 /* y moves by so much of each direction. */
-static void move(const struct sliding *s, const double *by, double (*direction)[LIMIT_VARIABLES],
-                 double *y)
+static void state_move(const struct sliding *s, const double *amount,
+                       double (*direction)[LIMIT_VARIABLES], double *y)
 {
     for (int j = 0; j < s->count; j++)
-        for (int i = 0; i < s->side[0].n && isfinite(by[j]); i++)
-            y[i] += by[j] * direction[j][i];
+        for (int i = 0; i < s->side[0].n && isfinite(amount[j]); i++)
+            y[i] += amount[j] * direction[j][i];
 }
 
 /* Sets direction[j] to the derivative of the field along jump j, which is the Jacobian times the
  * jump, by central differences over s->near: [1/s] times the unit of the jump. */
-static void follow_jumps(const struct sliding *s, const struct around *around, double t,
+static void follow_jumps(const struct sliding *s, const struct sliding_fields *fields, double t,
                          const double *y, double (*direction)[LIMIT_VARIABLES])
 {
     const int n = s->side[0].n;
-    const double h = s->near;
+    const double h = s->time_shift;
     for (int j = 0; j < s->count; j++) {
-        double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], before[LIMIT_VARIABLES],
-            after[LIMIT_VARIABLES];
+        double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], lower[LIMIT_VARIABLES],
+            upper[LIMIT_VARIABLES];
         for (int i = 0; i < n; i++) {
-            a[i] = y[i] - h * around->jump[j][i];
-            b[i] = y[i] + h * around->jump[j][i];
+            a[i] = y[i] - h * fields->jump[j][i];
+            b[i] = y[i] + h * fields->jump[j][i];
         }
-        system_derivative(&s->side[0], t, a, before);
-        system_derivative(&s->side[0], t, b, after);
+        system_derivative(&s->side[0], t, a, lower);
+        system_derivative(&s->side[0], t, b, upper);
         for (int i = 0; i < n; i++)
-            direction[j][i] = (after[i] - before[i]) / (2 * h);
+            direction[j][i] = (upper[i] - lower[i]) / (2 * h);
     }
 }
 
 /* Arguments whose rates alone the jumps change are put back by what follows from these. Returns
  * false if they are there. */
-static bool return_twice(const struct sliding *s, const struct around *around, double t,
+static bool return_twice(const struct sliding *s, const struct sliding_fields *fields, double t,
                          const double *miss, double *y)
 {
-    double right[LIMIT_SLIDING] = {0}, by[LIMIT_SLIDING] = {0},
+    double right[LIMIT_SLIDING] = {0}, correction[LIMIT_SLIDING] = {0},
            rows[LIMIT_SLIDING][LIMIT_SLIDING] = {{0}};
     double direction[LIMIT_SLIDING][LIMIT_VARIABLES];
-    bool off = false;
+    bool has_error = false;
     for (int i = 0; i < s->count; i++) {
-        if (!around->second[i])
+        if (!fields->second[i])
             continue;
         right[i] = miss[i];
-        memcpy(rows[i], around->by[i], sizeof rows[i]);
-        off = off || miss[i] != 0;
+        memcpy(rows[i], fields->jump_rate[i], sizeof rows[i]);
+        has_error = has_error || miss[i] != 0;
     }
-    if (!off)
+    if (!has_error)
         return false;
-    follow_jumps(s, around, t, y, direction);
-    sliding_solve(s->count, rows, right, by);
-    move(s, by, direction, y);
+    follow_jumps(s, fields, t, y, direction);
+    sliding_solve(s->count, rows, right, correction);
+    state_move(s, correction, direction, y);
     return true;
 }
 
 /* Computes the distance of each argument from its switch. Returns true if one is off, or if its
  * rate is not 0 where it has to be. */
-static bool look_off(const struct sliding *s, double t, const double *y, struct around *around,
-                     double *miss)
+static bool look_off(const struct sliding *s, double t, const double *y,
+                     struct sliding_fields *fields, double *miss)
 {
     double argument[LIMIT_SWITCHES];
-    bool off = false;
-    look_around(s, t, y, around);
+    bool has_error = false;
+    look_around(s, t, y, fields);
     switch_arguments(&s->side[0], t, y, argument);
     for (int k = 0; k < s->count; k++) {
-        miss[k] = s->level[k] - argument[s->at[k]];
-        off = off || miss[k] != 0 || (around->second[k] && around->first[k] != 0);
+        miss[k] = s->level[k] - argument[s->switch_index[k]];
+        has_error = has_error || miss[k] != 0 || (fields->second[k] && fields->first[k] != 0);
     }
-    return off;
+    return has_error;
 }
 
 /* Corrects the state by a step of Newton's iteration. */
-static void step_back(const struct sliding *s, struct around *around, double t, double *miss,
-                      double *y)
+static void step_back(const struct sliding *s, struct sliding_fields *fields, double t,
+                      double *miss, double *y)
 {
-    double by[LIMIT_SLIDING] = {0};
-    if (return_twice(s, around, t, miss, y))
-        look_off(s, t, y, around, miss);
+    double correction[LIMIT_SLIDING] = {0};
+    if (return_twice(s, fields, t, miss, y))
+        look_off(s, t, y, fields, miss);
     for (int k = 0; k < s->count; k++)
-        miss[k] = around->second[k] ? -around->first[k] : miss[k];
-    sliding_solve(s->count, around->by, miss, by);
-    move(s, by, around->jump, y);
+        miss[k] = fields->second[k] ? -fields->first[k] : miss[k];
+    sliding_solve(s->count, fields->jump_rate, miss, correction);
+    state_move(s, correction, fields->jump, y);
 }
 
 bool sliding_return(const struct sliding *s, double t, double *y)
 {
-    struct around around;
+    struct sliding_fields fields;
     double miss[LIMIT_SLIDING];
     bool moved = false, twice = true;
     if (sliding_rests(s)) {
@@ -373,28 +377,28 @@ bool sliding_return(const struct sliding *s, double t, double *y)
         y[1] = 0;
         return moved;
     }
-    for (int k = 0; k < SECOND_CORRECTIONS_MAX && twice && look_off(s, t, y, &around, miss); k++) {
-        step_back(s, &around, t, miss, y);
+    for (int k = 0; k < SECOND_CORRECTIONS_MAX && twice && look_off(s, t, y, &fields, miss); k++) {
+        step_back(s, &fields, t, miss, y);
         moved = true;
         twice = false;
         for (int i = 0; i < s->count; i++)
-            twice = twice || around.second[i];
+            twice = twice || fields.second[i];
     }
     return moved;
 }
 
-bool sliding_passes(const struct sliding *s, int i, double t, const double *y, double within)
+bool sliding_passes(const struct sliding *s, int i, double t, const double *y, double tolerance)
 {
-    struct around around;
+    struct sliding_fields fields;
     if (sliding_rests(s))
         return false;
-    look_around(s, t, y, &around);
+    look_around(s, t, y, &fields);
     for (int k = 0; k < s->count; k++) {
         double max = 0;
         for (int j = 0; j < s->count; j++)
-            max = fmax(max, fabs(around.by[k][j]));
-        if (s->at[k] == i && around.second[k])
-            return !(fabs(around.first[k]) <= max * within);
+            max = fmax(max, fabs(fields.jump_rate[k][j]));
+        if (s->switch_index[k] == i && fields.second[k])
+            return !(fabs(fields.first[k]) <= max * tolerance);
     }
     return false;
 }
@@ -403,20 +407,20 @@ bool sliding_passes(const struct sliding *s, int i, double t, const double *y, d
  * shares. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard)
 {
-    struct around around;
+    struct sliding_fields fields;
     double fraction[LIMIT_SLIDING];
-    find_fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &fields, fraction);
     for (int k = 0; k < s->count; k++)
-        guard[s->at[k]] = fraction[k] * (1 - fraction[k]);
+        guard[s->switch_index[k]] = fraction[k] * (1 - fraction[k]);
 }
 
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
 {
-    struct around around;
+    struct sliding_fields fields;
     double fraction[LIMIT_SLIDING];
-    find_fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &fields, fraction);
     for (int k = 0; k < s->count; k++)
-        if (s->at[k] == i)
+        if (s->switch_index[k] == i)
             return s->level[k] - (switch_kind_of(&s->side[0], i) == SWITCH_WHOLE) +
                    (fraction[k] > 0.5);
     return NAN;

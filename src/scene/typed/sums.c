@@ -35,22 +35,22 @@ const struct expr *typed_value(struct arena *arena, struct op op)
 }
 
 /* Appends operations to an expression. */
-static bool operations_append(struct arena *arena, struct expr *to, const struct op *op,
+static bool operations_append(struct arena *arena, struct expr *target, const struct op *op,
                               size_t count)
 {
-    if (to->count + count > to->capacity) {
-        const size_t capacity = 2 * to->capacity + count;
+    if (target->count + count > target->capacity) {
+        const size_t capacity = 2 * target->capacity + count;
         struct op *more = arena_array(arena, capacity, sizeof *more);
         if (!more)
             return false;
-        if (to->count)
-            memcpy(more, to->op, to->count * sizeof *more);
-        to->op = more;
-        to->capacity = capacity;
+        if (target->count)
+            memcpy(more, target->op, target->count * sizeof *more);
+        target->op = more;
+        target->capacity = capacity;
     }
     if (count)
-        memcpy(to->op + to->count, op, count * sizeof *op);
-    to->count += count;
+        memcpy(target->op + target->count, op, count * sizeof *op);
+    target->count += count;
     return true;
 }
 
@@ -106,7 +106,7 @@ struct sorting {
 struct wrap {
     enum op_kind op;
     const struct expr *other; /* NULL: OP_NEG */
-    bool before;              /* the other one is the left operand */
+    bool other_is_left;       /* the other one is the left operand */
     const struct wrap *outer;
 };
 
@@ -119,10 +119,11 @@ struct parting {
     size_t factor;       /* end of the factor */
 };
 
-static void part(const struct sorting *s, size_t at, struct parting *p)
+static void operation_part(const struct sorting *s, size_t index, struct parting *p)
 {
-    const struct op *top = &s->expr->op[at];
-    *p = (struct parting){.side = {at - 1, at - 1}, .wrap = {{.op = OP_NUMBER}, {.op = OP_NUMBER}}};
+    const struct op *top = &s->expr->op[index];
+    *p = (struct parting){.side = {index - 1, index - 1},
+                          .wrap = {{.op = OP_NUMBER}, {.op = OP_NUMBER}}};
     if (top->kind == OP_NEG) {
         p->sides = 1;
         p->wrap[0].op = OP_NEG;
@@ -130,7 +131,7 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
     }
     if (top->kind < OP_ADD || top->kind > OP_DIV)
         return;
-    const size_t right = at - 1, left = s->operand[right].begin - 1;
+    const size_t right = index - 1, left = s->operand[right].begin - 1;
     p->side[0] = left;
     p->side[1] = right;
     if (top->kind == OP_ADD || top->kind == OP_SUB) {
@@ -142,11 +143,11 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
     p->sides = divisor || (top->kind == OP_MUL && s->operand[left].depends == 0);
     p->side[0] = divisor ? left : right;
     p->factor = divisor ? right : left;
-    p->wrap[0] = (struct wrap){.op = top->kind, .before = !divisor};
+    p->wrap[0] = (struct wrap){.op = top->kind, .other_is_left = !divisor};
 }
 
 /* One pass over the postfix order: what an operation needs is known before it. */
-static void look(struct sorting *s)
+static void operations_scan(struct sorting *s)
 {
     const struct expr *expr = s->expr;
     for (size_t i = 0; i < expr->count; i++) {
@@ -161,28 +162,29 @@ static void look(struct sorting *s)
         const enum typed_group group = group_of(s->sort, operand->depends);
         struct parting p = {.sides = 0};
         if (group != group_of(s->sort, 0))
-            part(s, i, &p);
+            operation_part(s, i, &p);
         operand->groups = p.sides ? 0 : 1u << group;
         for (int k = 0; k < p.sides; k++)
             operand->groups |= s->operand[p.side[k]].groups;
     }
 }
 
-static struct expr ending(const struct sorting *s, size_t at)
+static struct expr ending(const struct sorting *s, size_t index)
 {
-    const size_t begin = s->operand[at].begin;
-    return (struct expr){.op = s->expr->op + begin, .count = at + 1 - begin};
+    const size_t begin = s->operand[index].begin;
+    return (struct expr){.op = s->expr->op + begin, .count = index + 1 - begin};
 }
 
-static bool group_put(const struct sorting *s, size_t at, const struct wrap *wrap,
+static bool group_put(const struct sorting *s, size_t index, const struct wrap *wrap,
                       struct expr *group)
 {
     static const struct op plus = {.kind = OP_ADD};
     const struct typed_sort *sort = s->sort;
-    const struct expr own = ending(s, at), *made = &own;
+    const struct expr own = ending(s, index), *made = &own;
     for (; made && wrap; wrap = wrap->outer)
-        made = wrap->before ? typed_join(sort->arena, wrap->other, made, wrap->op, sort->error)
-                            : typed_join(sort->arena, made, wrap->other, wrap->op, sort->error);
+        made = wrap->other_is_left
+                   ? typed_join(sort->arena, wrap->other, made, wrap->op, sort->error)
+                   : typed_join(sort->arena, made, wrap->other, wrap->op, sort->error);
     if (!made)
         return false;
     const bool first = group->count == 0;
@@ -193,14 +195,14 @@ static bool group_put(const struct sorting *s, size_t at, const struct wrap *wra
 }
 
 /* Summands of one group stay together as they were written. */
-static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *wrap,
+static bool sort_ending(const struct sorting *s, size_t index, const struct wrap *wrap,
                         struct expr *group)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (s->operand[at].groups == 1u << g)
-            return group_put(s, at, wrap, &group[g]);
+        if (s->operand[index].groups == 1u << g)
+            return group_put(s, index, wrap, &group[g]);
     struct parting p;
-    part(s, at, &p);
+    operation_part(s, index, &p);
     const struct expr factor =
         p.sides == 1 && p.wrap[0].op != OP_NEG ? ending(s, p.factor) : (struct expr){0};
     p.wrap[0].other = factor.count ? &factor : NULL;
@@ -222,7 +224,7 @@ bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
     if (!fine)
         error_memory(sort->error);
     if (fine)
-        look(&s);
+        operations_scan(&s);
     fine = fine && sort_ending(&s, expr->count - 1, NULL, sum);
     free(s.operand);
     for (int g = 0; fine && g < GROUPS; g++) {

@@ -26,7 +26,8 @@ struct switch_making {
     struct error *error;
 };
 
-static struct program *make(struct switch_making *m, int first, int count, bool steps)
+static struct program *switch_program_make(struct switch_making *m, int first, int count,
+                                           bool steps)
 {
     const struct steady_names steady = {1 + m->typed->model.n, m->values,
                                         steps ? TERM_VALUES - 1 - m->values : 0};
@@ -77,12 +78,12 @@ static bool make_programs(struct switch_making *m, struct typed_part *part)
     if (found->count == 0)
         return true;
     const int first = rows + found->count;
-    part->argument = make(m, rows, found->count, false);
-    part->frozen.add = make(m, first, rows, true);
+    part->argument = switch_program_make(m, rows, found->count, false);
+    part->frozen.add = switch_program_make(m, first, rows, true);
     if (!part->argument || !part->frozen.add ||
         !equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
-    part->frozen.jacobian = make(m, first + rows, rows * n, true);
+    part->frozen.jacobian = switch_program_make(m, first + rows, rows * n, true);
     return part->frozen.jacobian;
 }
 
@@ -112,7 +113,7 @@ static void take_branches(const struct typed_part *part, const double *branch, i
 static bool turns_only(const struct typed_part *part)
 {
     const struct typed *typed = part->frozen.typed;
-    double c[TERM_VALUES] = {0}, at[2], speed[1], force[2][2];
+    double c[TERM_VALUES] = {0}, value[2], speed[1], force[2][2];
     const struct typed_term *term = &part->frozen;
     if (part->switches.count != 1 || part->switches.kind[0] != SWITCH_SIGN ||
         typed->model.order != 2 || typed->model.n != 2)
@@ -123,8 +124,8 @@ static bool turns_only(const struct typed_part *part)
         for (int i = 0; i <= typed->reads; i++)
             c[1 + i] = 0.71 + 0.13 * (i + k);
         typed_evaluate(part->argument, c, t, q, speed);
-        typed_evaluate(part->argument, c, t, still, at);
-        if (fabs(speed[0]) != q[1] || at[0] != 0)
+        typed_evaluate(part->argument, c, t, still, value);
+        if (fabs(speed[0]) != q[1] || value[0] != 0)
             return false;
         for (int side = 0; side < 2; side++) {
             take_branches(part, (const double[]){side}, 1, c);

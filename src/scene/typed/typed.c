@@ -44,13 +44,13 @@ void typed_sweep(struct typed_models *models,
 {
     if (models->count < 2 * models->left + SWEEP_FROM)
         return;
-    struct typed **at = &models->last;
-    while (*at) {
-        struct typed *typed = *at;
+    struct typed **list_link = &models->last;
+    while (*list_link) {
+        struct typed *typed = *list_link;
         if (used(context, &typed->model)) {
-            at = &typed->next;
+            list_link = &typed->next;
         } else {
-            *at = typed->next;
+            *list_link = typed->next;
             destroy(typed);
             models->count--;
         }
@@ -123,27 +123,27 @@ void typed_describe(const struct typed_line *line, struct buffer *text)
 static bool copy_text(struct arena *arena, struct text *text)
 {
     const char *copy = arena_text(arena, *text);
-    text->at = copy;
+    text->data = copy;
     return copy;
 }
 
-/* A model with room for one more line than those of `from`. What begins empty takes parameters
+/* A model with room for one more line than those of `source`. What begins empty takes parameters
  * along that were typed before anything used them; from: NULL: there are none. */
-static struct typed *typed_copy(const struct model *from, bool empty, struct error *error)
+static struct typed *typed_copy(const struct model *source, bool empty, struct error *error)
 {
     struct typed *typed = calloc(1, sizeof *typed);
-    const int lines = !from || (empty && !has_params_only(from)) ? 0 : typed_lines(from);
+    const int lines = !source || (empty && !has_params_only(source)) ? 0 : typed_lines(source);
     if (typed) {
-        typed->base = empty ? NULL : typed_base(from);
+        typed->base = empty ? NULL : typed_base(source);
         snprintf(typed->name, sizeof typed->name, "%s",
-                 empty || !from->typed ? "typed" : from->typed->name);
+                 empty || !source->typed ? "typed" : source->typed->name);
         typed->parts = typed_parts_create();
         typed->line = arena_array(&typed->arena, (size_t)lines + 1, sizeof *typed->line);
     }
     bool fine = typed && typed->parts && typed->line;
     for (int i = 0; fine && i < lines; i++) {
         struct typed_line *line = &typed->line[typed->lines++];
-        *line = *typed_line(from, i);
+        *line = *typed_line(source, i);
         fine = copy_text(&typed->arena, &line->name) && copy_text(&typed->arena, &line->expr);
     }
     if (fine)
@@ -173,12 +173,12 @@ static const struct model *typed_lines_compile(struct typed_models *models, stru
     if (fine)
         return typed_model_keep(models, typed);
     bool found = false;
-    for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
+    for (int i = 0; copy && error->where.data && !found && i < 2; i++) {
         const struct text text = i == 0 ? copy->expr : copy->name,
                           original = i == 0 ? chosen->expr : chosen->name;
-        found = error->where.at >= text.at && error->where.at <= text.at + text.len;
+        found = error->where.data >= text.data && error->where.data <= text.data + text.len;
         if (found)
-            error->where.at = original.at + (error->where.at - text.at);
+            error->where.data = original.data + (error->where.data - text.data);
     }
     /* Else it lies in another line, or nowhere: then it is this one that does not go with the
      * others. */
@@ -198,7 +198,7 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
     }
     struct typed *typed = typed_copy(NULL, true, error);
     if (typed && name.len > 0)
-        snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
+        snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.data);
     return typed ? typed_lines_compile(models, typed, NULL, NULL, error) : NULL;
 }
 
@@ -210,7 +210,7 @@ const struct model *typed_make(struct typed_models *models, struct text name,
     if (!typed)
         return NULL;
     typed->cancel = cancel;
-    snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
+    snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.data);
     typed->line = arena_array(&typed->arena, (size_t)count + 1, sizeof *line);
     bool fine = typed->line;
     for (; fine && typed->lines < count; typed->lines++) {
@@ -248,10 +248,10 @@ static bool has_variable(const struct typed *typed, struct text name, struct err
     struct suggestion suggestion = {.wanted = name};
     for (int i = 0; i < typed->lines; i++)
         if (typed->line[i].kind == TYPED_VAR)
-            suggestion_offer(&suggestion, typed->line[i].name.at);
-    error_at(error, name, "there is no variable '%.*s'", (int)name.len, name.at);
+            suggestion_offer(&suggestion, typed->line[i].name.data);
+    error_at(error, name, "there is no variable '%.*s'", (int)name.len, name.data);
     suggestion_hint(&suggestion, error);
-    return error_hint(error, "var %.*s = VALUE makes one", (int)name.len, name.at);
+    return error_hint(error, "var %.*s = VALUE makes one", (int)name.len, name.data);
 }
 
 static bool is_coordinate(const struct typed *typed, struct text name, struct error *error)
@@ -262,14 +262,15 @@ static bool is_coordinate(const struct typed *typed, struct text name, struct er
     for (int i = 0; base && i < base->n / 2; i++)
         if (text_is(name, base->variable[i].name))
             return true;
-    return error_at(error, name, "there is no coordinate '%.*s'", (int)name.len, name.at);
+    return error_at(error, name, "there is no coordinate '%.*s'", (int)name.len, name.data);
 }
 
 /* Returns true if the line agrees with the other lines. */
-static bool fits(const struct typed *typed, const struct typed_line *line, struct error *error)
+static bool can_line_fit(const struct typed *typed, const struct typed_line *line,
+                         struct error *error)
 {
     struct text name = line->name;
-    const bool primed = line->kind == TYPED_VAR && name.len > 1 && name.at[name.len - 1] == '\'';
+    const bool primed = line->kind == TYPED_VAR && name.len > 1 && name.data[name.len - 1] == '\'';
     name.len -= primed;
     if ((line->kind == TYPED_EQUATION || primed) && !has_variable(typed, name, error))
         return false;
@@ -283,17 +284,17 @@ static bool fits(const struct typed *typed, const struct typed_line *line, struc
     return line->kind == TYPED_EQUATION || primed || typed_name_fits(name, error);
 }
 
-const struct model *typed_add(struct typed_models *models, const struct model *from,
+const struct model *typed_add(struct typed_models *models, const struct model *source,
                               const struct typed_line *line, struct error *error)
 {
     const bool moves = line->kind == TYPED_VAR || line->kind == TYPED_EQUATION;
-    const bool begins = moves || (line->kind == TYPED_PARAM && typed_base_has(from, line->name));
-    struct typed *typed = typed_copy(from, begins && typed_base(from), error);
+    const bool begins = moves || (line->kind == TYPED_PARAM && typed_base_has(source, line->name));
+    struct typed *typed = typed_copy(source, begins && typed_base(source), error);
     if (!typed)
         return NULL;
-    if (!fits(typed, line, error)) {
-        if (error->where.at && !(error->where.at >= line->name.at &&
-                                 error->where.at <= line->name.at + line->name.len))
+    if (!can_line_fit(typed, line, error)) {
+        if (error->where.data && !(error->where.data >= line->name.data &&
+                                   error->where.data <= line->name.data + line->name.len))
             error->where = line->expr;
         destroy(typed);
         return NULL;
@@ -320,9 +321,10 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
 /* Returns a remaining line that uses the removed name, or NULL if the error has another reason. */
 static const struct typed_line *user_of(const struct typed *typed, const struct error *error)
 {
-    for (int i = 0; i < typed->lines && error->where.at; i++) {
+    for (int i = 0; i < typed->lines && error->where.data; i++) {
         const struct text expr = typed->line[i].expr;
-        if (expr.at && error->where.at >= expr.at && error->where.at <= expr.at + expr.len)
+        if (expr.data && error->where.data >= expr.data &&
+            error->where.data <= expr.data + expr.len)
             return &typed->line[i];
     }
     return NULL;
@@ -345,7 +347,7 @@ static void drop_with(struct typed *typed, enum typed_kind kind, struct text nam
         drop_line(typed, TYPED_POTENTIAL, TEXT(""));
     if (kind != TYPED_VAR)
         return;
-    snprintf(primed, sizeof primed, "%.*s'", (int)name.len, name.at);
+    snprintf(primed, sizeof primed, "%.*s'", (int)name.len, name.data);
     drop_line(typed, TYPED_VAR, text_of(primed));
     drop_line(typed, TYPED_EQUATION, name);
 }
@@ -355,7 +357,8 @@ static void refuse_used(const struct typed_line *line, struct text name, struct 
     struct buffer text = {0};
     typed_describe(line, &text);
     const struct text used = buffer_text(&text);
-    error_at(error, name, "%.*s is used by: %.*s", (int)name.len, name.at, (int)used.len, used.at);
+    error_at(error, name, "%.*s is used by: %.*s", (int)name.len, name.data, (int)used.len,
+             used.data);
     buffer_free(&text);
 }
 
@@ -375,21 +378,21 @@ static const struct model *finish_without(struct typed_models *models, struct ty
     return NULL;
 }
 
-const struct model *typed_remove(struct typed_models *models, const struct model *from,
+const struct model *typed_remove(struct typed_models *models, const struct model *source,
                                  enum typed_kind kind, struct text name, struct error *error)
 {
     static const char *const word[] = {"variable", "parameter", "equation",
                                        "force",    "potential", "observed quantity"};
-    if (!from->typed || typed_line_find(from->typed, kind, name) < 0) {
+    if (!source->typed || typed_line_find(source->typed, kind, name) < 0) {
         error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind],
-                  name.len > 0 ? " " : "", (int)name.len, name.at);
+                  name.len > 0 ? " " : "", (int)name.len, name.data);
         if (name.len > 0)
             error->where = name;
         return NULL;
     }
-    if (from->typed->lines == 1 && from->typed->base)
-        return from->typed->base;
-    struct typed *typed = typed_copy(from, false, error);
+    if (source->typed->lines == 1 && source->typed->base)
+        return source->typed->base;
+    struct typed *typed = typed_copy(source, false, error);
     if (!typed)
         return NULL;
     drop_with(typed, kind, name);
@@ -437,8 +440,8 @@ void scene_remodel(struct scene *scene, const struct model *model)
 
 int model_state(const struct model *model, struct text name)
 {
-    const bool primed = name.len > 1 && name.at[name.len - 1] == '\'';
-    const struct text stem = {name.at, name.len - primed};
+    const bool primed = name.len > 1 && name.data[name.len - 1] == '\'';
+    const struct text stem = {name.data, name.len - primed};
     int found = -1;
     for (int i = 0; i < model->n && found < 0; i++)
         if (text_equal(stem, text_of(model->variable[i].name)))
@@ -463,7 +466,7 @@ struct variable model_observed_variable(const struct model *model, int i)
 double system_observe(const struct system *system, int i, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(system->typed.c);
-    double out[LIMIT_OBSERVED];
-    typed_evaluate(term->observe, system->typed.c, t, y, out);
-    return out[i];
+    double observed[LIMIT_OBSERVED];
+    typed_evaluate(term->observe, system->typed.c, t, y, observed);
+    return observed[i];
 }

@@ -146,7 +146,7 @@ struct typed_part {
 
 /* Evaluates a program of the part that c is from. */
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
-                    double *out);
+                    double *result);
 const struct typed_term *typed_term_of(const double *c);
 /* Functions of a term's row: add, and jacobian. They add NaN if there is no memory for large
  * ones. */
@@ -214,15 +214,15 @@ bool typed_check(const struct system *system, struct error *error);
 
 /* ---- work along a path (work.c) ---- */
 
-/* Straight between two points; to `to` from the origin, from infinity along its radius, or from
+/* Straight between two points; to `q_end` from the origin, from infinity along its radius, or from
  * (1, 0, ...) about the origin and not through it: in one coordinate from the 1 of the same sign.
  */
 enum typed_path { PATH_STRAIGHT, PATH_FROM_ORIGIN, PATH_FROM_INFINITY, PATH_AROUND_ORIGIN };
 
 /* Returns the work of the forces of a bound term, and in *size that of their magnitude. Returns NAN
  * if the integral does not converge. */
-double typed_work(const double *c, enum typed_path shape, const double *from, const double *to,
-                  double *size);
+double typed_work(const double *c, enum typed_path shape, const double *q_begin,
+                  const double *q_end, double *size);
 
 /* ---- potentials that were not typed (typed_potential.c) ---- */
 

@@ -31,28 +31,28 @@ struct force_path {
     const struct typed_term *term;
     const double *c;
     int rows;
-    const double *mass, *from, *to; /* [rows] */
+    const double *mass, *q_begin, *q_end; /* [rows] */
     /* q and dq/ds [rows] */
-    void (*at)(const struct force_path *path, double s, double *q, double *along);
+    void (*evaluate)(const struct force_path *path, double s, double *q, double *tangent);
 };
 
 static double force_along(const struct force_path *path, double s)
 {
     const int rows = path->rows;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
+    double q[LIMIT_VARIABLES], tangent[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
     memset(q + rows, 0, (size_t)rows * sizeof *q);
-    path->at(path, s, q, along);
+    path->evaluate(path, s, q, tangent);
     typed_evaluate(path->term->add, path->c, 0, q, a);
     for (int i = 0; i < rows; i++)
-        sum += path->mass[i] * along[i] * a[i];
+        sum += path->mass[i] * tangent[i] * a[i];
     return sum;
 }
 
 /* *size: of the integral of |f|, *error: about how wrong it is. */
-static double piece(const struct force_path *path, double from, double to, double *size,
+static double piece(const struct force_path *path, double s_begin, double s_end, double *size,
                     double *error)
 {
-    const double half = (to - from) / 2, middle = (from + to) / 2;
+    const double half = (s_end - s_begin) / 2, middle = (s_begin + s_end) / 2;
     double fine = 0, coarse = 0, sum = 0;
     for (int k = 0; k < KRONROD_NODES; k++) {
         const double a = force_along(path, middle - half * node[k]),
@@ -76,13 +76,13 @@ static double piece(const struct force_path *path, double from, double to, doubl
 /* Part of the remaining path after which the branch that begins at a switch is evaluated. */
 #define BRANCH_OFFSET 1e-12
 
-/* Returns true if the branches are *first, which are those just beyond `from`. */
+/* Returns true if the branches are *first, which are those just beyond `s_begin`. */
 static bool same_branches(const struct force_path *path, double s, const double *first)
 {
     const struct typed_part *part = path->term->part;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], branch[LIMIT_TYPED_SWITCHES];
+    double q[LIMIT_VARIABLES], tangent[LIMIT_VARIABLES], branch[LIMIT_TYPED_SWITCHES];
     memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
-    path->at(path, s, q, along);
+    path->evaluate(path, s, q, tangent);
     typed_branches_at(part, path->c, q, branch);
     for (int i = 0; i < part->switches.count; i++)
         if (branch[i] != first[i])
@@ -90,20 +90,20 @@ static bool same_branches(const struct force_path *path, double s, const double 
     return true;
 }
 
-/* Returns the position of the first switch beyond `from`, to the last place, or 1 if there is
+/* Returns the position of the first switch beyond `s_begin`, to the last place, or 1 if there is
  * none. */
-static double next_switch(const struct force_path *path, double from)
+static double next_switch(const struct force_path *path, double s_begin)
 {
     const struct typed_part *part = path->term->part;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
-    double a = from + (1 - from) * BRANCH_OFFSET, b = a;
+    double q[LIMIT_VARIABLES], tangent[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
+    double a = s_begin + (1 - s_begin) * BRANCH_OFFSET, b = a;
     if (part->switches.count == 0)
         return 1;
     memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
-    path->at(path, a, q, along);
+    path->evaluate(path, a, q, tangent);
     typed_branches_at(part, path->c, q, first);
     for (int k = 1; k <= SWITCH_CHECKS && a == b; k++) {
-        const double s = k < SWITCH_CHECKS ? from + (1 - from) * k / SWITCH_CHECKS : 1;
+        const double s = k < SWITCH_CHECKS ? s_begin + (1 - s_begin) * k / SWITCH_CHECKS : 1;
         b = s;
         if (same_branches(path, s, first))
             a = s;
@@ -119,27 +119,27 @@ struct quadrature {
     int pieces;
 };
 
-/* Adds the integral from `from` to `to`, between which the force is smooth. Returns false if it
- * does not converge. */
-static bool add_smooth(const struct force_path *path, double from, double to,
+/* Adds the integral from `s_begin` to `s_end`, between which the force is smooth. Returns false if
+ * it does not converge. */
+static bool add_smooth(const struct force_path *path, double s_begin, double s_end,
                        struct quadrature *sums)
 {
-    double ends[INTERVAL_HALVINGS_MAX + 1] = {to}, part, error;
+    double ends[INTERVAL_HALVINGS_MAX + 1] = {s_end}, part, error;
     for (int depth = 0; sums->pieces < WORK_INTERVALS_MAX; sums->pieces++) {
-        const double value = piece(path, from, ends[depth], &part, &error);
+        const double value = piece(path, s_begin, ends[depth], &part, &error);
         sums->total = fmax(sums->total, sums->size + part);
         if (!isfinite(value))
             return false;
         if (error <= QUADRATURE_TOLERANCE * sums->total) {
             sums->value += value;
             sums->size += part;
-            from = ends[depth];
+            s_begin = ends[depth];
             if (depth-- == 0)
                 return true;
         } else if (depth == INTERVAL_HALVINGS_MAX) {
             return false;
         } else {
-            ends[depth + 1] = (from + ends[depth]) / 2;
+            ends[depth + 1] = (s_begin + ends[depth]) / 2;
             depth++;
         }
     }
@@ -150,12 +150,12 @@ static bool add_smooth(const struct force_path *path, double from, double to,
 static double integral(const struct force_path *path, double *size)
 {
     struct quadrature sums = {0};
-    double from = 0;
-    while (from < 1) {
-        const double to = next_switch(path, from);
-        if (!add_smooth(path, from, to, &sums))
+    double s_begin = 0;
+    while (s_begin < 1) {
+        const double s_end = next_switch(path, s_begin);
+        if (!add_smooth(path, s_begin, s_end, &sums))
             return NAN;
-        from = to;
+        s_begin = s_end;
     }
     *size = sums.size;
     return sums.value;
@@ -163,27 +163,27 @@ static double integral(const struct force_path *path, double *size)
 
 /* ---- paths ---- */
 
-static void straight(const struct force_path *path, double s, double *q, double *along)
+static void straight(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {
-        along[i] = path->to[i] - path->from[i];
-        q[i] = path->from[i] + s * along[i];
+        tangent[i] = path->q_end[i] - path->q_begin[i];
+        q[i] = path->q_begin[i] + s * tangent[i];
     }
 }
 
-static void from_origin(const struct force_path *path, double s, double *q, double *along)
+static void from_origin(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {
-        q[i] = s * path->to[i];
-        along[i] = path->to[i];
+        q[i] = s * path->q_end[i];
+        tangent[i] = path->q_end[i];
     }
 }
 
-static void from_infinity(const struct force_path *path, double s, double *q, double *along)
+static void from_infinity(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {
-        q[i] = path->to[i] / s;
-        along[i] = -path->to[i] / (s * s);
+        q[i] = path->q_end[i] / s;
+        tangent[i] = -path->q_end[i] / (s * s);
     }
 }
 
@@ -200,27 +200,27 @@ static double length(const double *q, int rows)
  * sign: the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit
  * vector u is across the first axis.
  */
-static void around_origin(const struct force_path *path, double s, double *q, double *along)
+static void around_origin(const struct force_path *path, double s, double *q, double *tangent)
 {
     const int rows = path->rows;
-    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1),
-                 rate = fixed_log(r), at = fixed_pow(r, s);
-    const double turn = rows > 1 ? fixed_atan2(across, path->to[0]) : 0,
-                 sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
-    q[0] = sign * at * fixed_cos(s * turn);
-    along[0] = rate * q[0] - sign * at * turn * fixed_sin(s * turn);
+    const double r = length(path->q_end, rows), transverse = length(path->q_end + 1, rows - 1),
+                 rate = fixed_log(r), radius = fixed_pow(r, s);
+    const double turn = rows > 1 ? fixed_atan2(transverse, path->q_end[0]) : 0,
+                 sign = rows == 1 && path->q_end[0] < 0 ? -1 : 1;
+    q[0] = sign * radius * fixed_cos(s * turn);
+    tangent[0] = rate * q[0] - sign * radius * turn * fixed_sin(s * turn);
     for (int i = 1; i < rows; i++) {
-        const double u = across > 0 ? path->to[i] / across : i == 1;
-        q[i] = at * fixed_sin(s * turn) * u;
-        along[i] = rate * q[i] + at * turn * fixed_cos(s * turn) * u;
+        const double u = transverse > 0 ? path->q_end[i] / transverse : i == 1;
+        q[i] = radius * fixed_sin(s * turn) * u;
+        tangent[i] = rate * q[i] + radius * turn * fixed_cos(s * turn) * u;
     }
 }
 
-double typed_work(const double *c, enum typed_path shape, const double *from, const double *to,
-                  double *size)
+double typed_work(const double *c, enum typed_path shape, const double *q_begin,
+                  const double *q_end, double *size)
 {
-    static void (*const along[])(const struct force_path *path, double s, double *q,
-                                 double *along) = {
+    static void (*const evaluators[])(const struct force_path *path, double s, double *q,
+                                      double *tangent) = {
         [PATH_STRAIGHT] = straight,
         [PATH_FROM_ORIGIN] = from_origin,
         [PATH_FROM_INFINITY] = from_infinity,
@@ -229,6 +229,7 @@ double typed_work(const double *c, enum typed_path shape, const double *from, co
     const struct typed_term *term = typed_term_of(c);
     double mass[LIMIT_VARIABLES];
     typed_masses(c, mass);
-    const struct force_path path = {term, c, typed_rows(term->typed), mass, from, to, along[shape]};
+    const struct force_path path = {term,    c,     typed_rows(term->typed), mass,
+                                    q_begin, q_end, evaluators[shape]};
     return integral(&path, size);
 }

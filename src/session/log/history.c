@@ -31,9 +31,9 @@ static struct entry *new_entry(struct history *log)
     return entry;
 }
 
-static bool put_text(struct history *log, struct text text, size_t *at)
+static bool put_text(struct history *log, struct text text, size_t *offset)
 {
-    *at = log->text_first + log->text.len;
+    *offset = log->text_first + log->text.len;
     buffer_put(&log->text, text);
     const bool ok = !log->text.failed;
     log->text.failed = false; /* the existing text stays readable */
@@ -58,18 +58,18 @@ bool history_line(struct session *session, struct text line, bool sourced, size_
     return true;
 }
 
-bool history_begin(struct session *session, size_t line, struct text within, struct text statement,
-                   size_t *index, struct error *error)
+bool history_begin(struct session *session, size_t line, struct text line_text,
+                   struct text statement, size_t *index, struct error *error)
 {
     struct history *log = &session->history;
     *index = log->count;
     struct entry *entry = new_entry(log);
     if (!entry)
         return error_memory(error);
-    const struct entry *of = history_entry(session, line);
-    entry->text = of->text + (size_t)(statement.at - within.at);
+    const struct entry *line_entry = history_entry(session, line);
+    entry->text = line_entry->text + (size_t)(statement.data - line_text.data);
     entry->len = statement.len;
-    entry->flags = of->flags & ENTRY_SOURCED;
+    entry->flags = line_entry->flags & ENTRY_SOURCED;
     return true;
 }
 
@@ -78,10 +78,10 @@ void history_end(struct session *session, size_t index, struct text full, size_t
 {
     struct history *log = &session->history;
     struct entry *entry = history_entry(session, index);
-    const bool within = (flags & ENTRY_WITHIN) != 0;
+    const bool is_nested = (flags & ENTRY_WITHIN) != 0;
     entry->flags |= flags;
     entry->output = output;
-    if (!within && log->happened.len > 0) {
+    if (!is_nested && log->happened.len > 0) {
         full = (struct text){log->happened.data, log->happened.len - 1};
         entry->flags |= ENTRY_HAPPENED;
         entry->output = 0;
@@ -92,7 +92,7 @@ void history_end(struct session *session, size_t index, struct text full, size_t
             entry->flags |= ENTRY_LOST;
     }
     log->done += (flags & ENTRY_DONE) != 0;
-    if (!within) {
+    if (!is_nested) {
         entry->flags |= log->happened.failed ? ENTRY_LOST : 0;
         buffer_free(&log->happened);
     }
@@ -116,7 +116,7 @@ void history_trim(struct session *session)
     if (entries <= 2 * LIMIT_HISTORY && bytes <= 2 * LIMIT_HISTORY_TEXT)
         return;
     const size_t enough = bytes > LIMIT_HISTORY_TEXT ? bytes - LIMIT_HISTORY_TEXT : 0;
-    size_t drop = 0, from = SIZE_MAX;
+    size_t drop = 0, kept_offset = SIZE_MAX;
     while (drop < entries &&
            (entries - drop > LIMIT_HISTORY || log->entry[drop].text - log->text_first < enough ||
             !(log->entry[drop].flags & ENTRY_LINE))) {
@@ -125,13 +125,14 @@ void history_trim(struct session *session)
     }
     for (size_t i = drop; i < entries; i++) {
         const struct entry *entry = &log->entry[i];
-        from = least(from, least(entry->text, entry->full_len ? entry->full : SIZE_MAX));
+        kept_offset =
+            least(kept_offset, least(entry->text, entry->full_len ? entry->full : SIZE_MAX));
     }
-    from = least(from == SIZE_MAX ? bytes : from - log->text_first, bytes);
+    kept_offset = least(kept_offset == SIZE_MAX ? bytes : kept_offset - log->text_first, bytes);
     memmove(log->entry, log->entry + drop, (entries - drop) * sizeof *log->entry);
-    memmove(log->text.data, log->text.data + from, bytes - from);
-    log->text.len -= from;
-    log->text_first += from;
+    memmove(log->text.data, log->text.data + kept_offset, bytes - kept_offset);
+    log->text.len -= kept_offset;
+    log->text_first += kept_offset;
     log->first += drop;
 }
 
@@ -152,9 +153,9 @@ struct entry *history_entry(const struct session *session, size_t index)
     return &session->history.entry[index - session->history.first];
 }
 
-static struct text text_at(const struct history *log, size_t at, size_t len)
+static struct text text_at(const struct history *log, size_t offset, size_t len)
 {
-    return (struct text){log->text.data + (at - log->text_first), len};
+    return (struct text){log->text.data + (offset - log->text_first), len};
 }
 
 struct text history_text(const struct session *session, const struct entry *entry)
@@ -266,12 +267,12 @@ bool record_open(struct session *session, const char *path, struct error *error)
 }
 
 static bool cannot_append(const struct session *session, const struct error *why,
-                          const char *before, struct error *error)
+                          const char *statement, struct error *error)
 {
     struct buffer path = {0};
     safe_text(&path, text_of(session->transcript.path), false);
     error_set(error, ERROR_IO, "cannot append to %.200s: %s%s%s", buffer_view(&path), why->text,
-              *before ? "; the recording of commands ends before: " : "", before);
+              *statement ? "; the recording of commands ends before: " : "", statement);
     buffer_free(&path);
     return false;
 }

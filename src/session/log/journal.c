@@ -19,7 +19,7 @@ static bool is_set(const struct request *request, bool by_events)
 int journal_changes(const struct request *last, double *t, int max)
 {
     int count = 0;
-    for (; last && count < max; last = last->before)
+    for (; last && count < max; last = last->previous)
         if (is_set(last, false))
             t[count++] = last->from_t;
     for (int i = 0; i < count / 2; i++) {
@@ -44,21 +44,23 @@ struct request *journal_fraction(struct request *last)
 
 void journal_release(struct request *last)
 {
-    for (struct request *before; last && --last->references == 0; last = before) {
-        before = last->before;
+    for (struct request *previous; last && --last->references == 0; last = previous) {
+        previous = last->previous;
         free(last->condition);
         free(last);
     }
 }
 
 /* Computes the totals of a request from those before it. */
-static void link_request(struct request *request, struct request *before)
+static void link_request(struct request *request, struct request *previous)
 {
     request->references = 1;
-    request->before = before;
-    request->count = journal_count(before) + 1;
-    request->backs = request->kind == REQUEST_BACK || (before && before->backs);
-    request->go = before && before->kind == REQUEST_GO ? before : before ? before->go : NULL;
+    request->previous = previous;
+    request->count = journal_count(previous) + 1;
+    request->backs = request->kind == REQUEST_BACK || (previous && previous->backs);
+    request->go = previous && previous->kind == REQUEST_GO ? previous
+                  : previous                               ? previous->go
+                                                           : NULL;
 }
 
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
@@ -76,7 +78,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
     made->condition = NULL;
     link_request(made, slot->last);
     slot->last = made;
-    if (condition.len == 0 || (made->condition = strndup(condition.at, condition.len)))
+    if (condition.len == 0 || (made->condition = strndup(condition.data, condition.len)))
         return true;
     journal_drop(slot);
     return error_memory(error);
@@ -85,7 +87,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
 void journal_drop(struct run_slot *slot)
 {
     struct request *dropped = slot->last;
-    slot->last = journal_fraction(dropped->before);
+    slot->last = journal_fraction(dropped->previous);
     journal_release(dropped);
 }
 
@@ -94,7 +96,7 @@ bool journal_list(const struct request *last, int first, const struct request **
     *count = journal_count(last) > first ? journal_count(last) - first : 0;
     *list = malloc(((size_t)*count + 1) * sizeof **list);
     *count = *list ? *count : 0;
-    for (int i = *count; *list && last && i-- > 0; last = last->before)
+    for (int i = *count; *list && last && i-- > 0; last = last->previous)
         (*list)[i] = last;
     return *list != NULL;
 }
@@ -115,7 +117,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
     const struct request *pending = journal_last_go(last);
     bool alone = request->references == 1;
     for (; request != pending; alone &= request->references == 1)
-        request = request->before;
+        request = request->previous;
     if (alone)
         return request;
     /* Copies of it and those after it, on what was before. */
@@ -126,7 +128,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
         return NULL;
     }
     struct request *edited = NULL;
-    slot->last = journal_fraction(request->before);
+    slot->last = journal_fraction(request->previous);
     bool ok = true;
     for (int i = 0; i < count && ok; i++) {
         ok = journal_add(slot, *list[i], text_of(list[i]->condition), error);
@@ -143,7 +145,7 @@ bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
 {
     const struct request *request = journal_pending(slot);
     const struct request again = {.kind = REQUEST_GO,
-                                  .from = slot->run->steps,
+                                  .start_step = slot->run->steps,
                                   .from_t = slot->run->t,
                                   .t = request->t,
                                   .end = request->end,
@@ -151,7 +153,7 @@ bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
     return journal_add(slot, again, text_of(request->condition), error);
 }
 
-bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_t rows,
+bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error)
 {
     const struct run *run = slot->run;
@@ -159,12 +161,12 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
         run->steps > 0)
         return journal_add(slot,
                            (struct request){.kind = REQUEST_BACK,
-                                            .from = before,
+                                            .start_step = old_step,
                                             .from_t = before_t,
                                             .rows = rows,
                                             .end = run->steps},
                            TEXT(""), error);
-    while (slot->last && slot->last->from + (slot->last->kind == REQUEST_KICK) > run->steps)
+    while (slot->last && slot->last->start_step + (slot->last->kind == REQUEST_KICK) > run->steps)
         journal_drop(slot);
     const struct request *request = journal_pending(slot);
     if (request && request->met > run->steps) {
@@ -181,7 +183,7 @@ void journal_scene(const struct run_slot *slot, bool by_events, struct scene *sc
 {
     bool is_known[PARAM_MAX] = {false};
     *scene = slot->run->scene;
-    for (const struct request *request = slot->last; request; request = request->before) {
+    for (const struct request *request = slot->last; request; request = request->previous) {
         const int param = request->param;
         if (!is_set(request, by_events) || is_known[param])
             continue;
@@ -196,7 +198,7 @@ bool journal_changed(const struct run_slot *slot, int first)
 {
     const struct request *request = slot->last;
     while (journal_count(request) > first && request->by_event)
-        request = request->before;
+        request = request->previous;
     return journal_count(request) > first;
 }
 
@@ -236,17 +238,17 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
     struct request *done = last;
     const struct request **list;
     int count;
-    while (done && done->from >= run->steps)
-        done = done->before;
+    while (done && done->start_step >= run->steps)
+        done = done->previous;
     if (!journal_list(last, journal_count(done), &list, &count))
         return false;
     const struct request *going = journal_last_go(done);
     struct run_slot so_far = {.run = run, .events = slot->events, .last = done};
     for (int i = 0; i < count; i++) {
         if (going)
-            request_repeat(session, &so_far, going, list[i]->from);
-        so_far.last = i + 1 < count ? list[i + 1]->before : last;
-        if (list[i]->from < run->steps && list[i]->kind != REQUEST_GO)
+            request_repeat(session, &so_far, going, list[i]->start_step);
+        so_far.last = i + 1 < count ? list[i + 1]->previous : last;
+        if (list[i]->start_step < run->steps && list[i]->kind != REQUEST_GO)
             continue;
         if (list[i]->kind == REQUEST_GO) {
             going = list[i];
@@ -268,8 +270,9 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
 
 static bool same_request(const struct request *a, const struct request *b)
 {
-    return a->kind == b->kind && a->from == b->from && a->t == b->t && a->param == b->param &&
-           a->rows == b->rows && memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
+    return a->kind == b->kind && a->start_step == b->start_step && a->t == b->t &&
+           a->param == b->param && a->rows == b->rows &&
+           memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
            text_equal(text_of(a->condition), text_of(b->condition));
 }
 
@@ -285,12 +288,12 @@ static int64_t common_way(const struct request *a, const struct request *b)
         const int more = journal_count(a) - journal_count(b);
         const bool differ = more != 0 || !a || !b || !same_request(a, b);
         if (a && more >= 0) {
-            mine = differ ? a->from : mine;
-            a = a->before;
+            mine = differ ? a->start_step : mine;
+            a = a->previous;
         }
         if (b && more <= 0) {
-            other = differ ? b->from : other;
-            b = b->before;
+            other = differ ? b->start_step : other;
+            b = b->previous;
         }
     }
     return mine < other ? mine : other;
@@ -299,8 +302,8 @@ static int64_t common_way(const struct request *a, const struct request *b)
 /* A parameter changed at that step is in force, and leaves no row. */
 static bool sets_at(const struct request *last, int64_t step)
 {
-    for (; last && last->from >= step; last = last->before)
-        if (last->kind == REQUEST_SET && last->from == step)
+    for (; last && last->start_step >= step; last = last->previous)
+        if (last->kind == REQUEST_SET && last->start_step == step)
             return true;
     return false;
 }

@@ -52,13 +52,13 @@ static void put_start(struct composer *c)
     c->started = true;
 }
 
-/* Writes a request from step `from` to step `to`, which was reached at time t. `last` means that it
- * is the run's last request. */
-static bool put_go(struct composer *c, const struct request *request, int64_t from, int64_t to,
-                   double t, bool last)
+/* Writes a request from step `step_begin` to step `step_end`, which was reached at time t. `last`
+ * means that it is the run's last request. */
+static bool put_go(struct composer *c, const struct request *request, int64_t step_begin,
+                   int64_t step_end, double t, bool last)
 {
     const struct run *run = c->run;
-    const bool met = request->condition && request->met == to;
+    const bool met = request->condition && request->met == step_end;
     if (met && !portable(c->session, run, request->condition))
         return false;
     /* `step` leaves nothing to be gone on with; it would go on with what the line before left. */
@@ -67,7 +67,7 @@ static bool put_go(struct composer *c, const struct request *request, int64_t fr
     if (ends && !waits && !met && !c->waits && t != request->t &&
         (c->started || request->t > request->from_t)) {
         put_start(c);
-        buffer_format(c->text, "step %lld\n", (long long)(to - from));
+        buffer_format(c->text, "step %lld\n", (long long)(step_end - step_begin));
         return true;
     }
     c->waits = !met && t != request->t;
@@ -78,9 +78,9 @@ static bool put_go(struct composer *c, const struct request *request, int64_t fr
         buffer_format(c->text, " until %s", request->condition);
     } else {
         /* If there is no target, any time that is far enough will do. */
-        const double far = copysign(2 * (double)(to + 1) * run->settings.dt, request->t);
+        const double far = copysign(2 * (double)(step_end + 1) * run->settings.dt, request->t);
         if (t != request->t)
-            buffer_format(c->text, " --steps %lld", (long long)(to - from));
+            buffer_format(c->text, " --steps %lld", (long long)(step_end - step_begin));
         buffer_put(c->text, TEXT(" to "));
         buffer_real(c->text, run->plan.adaptive || fabs(request->t) < T_UNREACHABLE ? request->t
                                                                                     : run->t + far);
@@ -101,35 +101,36 @@ void journal_put_change(const struct run *run, const struct request *request, st
 }
 
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
-                   int64_t since, int number, bool by_events, struct buffer *text)
+                   int64_t first_step, int number, bool by_events, struct buffer *text)
 {
     const struct run *run = slot->run;
-    const size_t before = text->len;
-    struct composer c = {session, run, number, since >= 0, false, text};
+    const size_t saved_len = text->len;
+    struct composer c = {session, run, number, first_step >= 0, false, text};
     const struct request **list, *going;
-    int64_t at = since < 0 ? 0 : since;
+    int64_t step_begin = first_step < 0 ? 0 : first_step;
     int count;
     if (!journal_list(slot->last, first, &list, &count)) {
         text->failed = true;
         return false;
     }
-    going = journal_last_go(count > 0 ? list[0]->before : slot->last);
+    going = journal_last_go(count > 0 ? list[0]->previous : slot->last);
     while (going && going->by_event && !by_events)
         going = going->go;
     for (int i = 0; i <= count; i++) {
         const struct request *next = i < count ? list[i] : NULL;
         if (next && next->by_event && !by_events)
             continue;
-        const int64_t to = next ? next->from : run->steps;
+        const int64_t step_end = next ? next->start_step : run->steps;
         /* No step, but the time: it was the one asked for but for rounding. */
-        const bool ends = !next && going && going->from == at && going->from_t != run->t;
-        if (going && (to > at || ends)) {
-            if (!put_go(&c, going, at, to, next ? next->from_t : run->t, !next)) {
-                text->len = before;
+        const bool ends =
+            !next && going && going->start_step == step_begin && going->from_t != run->t;
+        if (going && (step_end > step_begin || ends)) {
+            if (!put_go(&c, going, step_begin, step_end, next ? next->from_t : run->t, !next)) {
+                text->len = saved_len;
                 free(list);
                 return false;
             }
-            at = to;
+            step_begin = step_end;
         }
         if (next && next->kind == REQUEST_GO)
             going = next;
@@ -143,9 +144,9 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
             journal_put_change(run, next, text);
         }
         buffer_char(text, '\n');
-        at = next->kind == REQUEST_BACK   ? next->end
-             : next->kind == REQUEST_KICK ? next->from + 1
-                                          : at;
+        step_begin = next->kind == REQUEST_BACK   ? next->end
+                     : next->kind == REQUEST_KICK ? next->start_step + 1
+                                                  : step_begin;
     }
     free(list);
     /* Taken back to its start, but still on its way. */

@@ -77,13 +77,14 @@ void run_unmark(struct run_slot *slot)
  * be many, have none. */
 static bool same_controller(const struct run *run, const struct controller *then)
 {
-    const size_t from = offsetof(struct controller, elapsed),
-                 to = offsetof(struct controller, switches);
+    const size_t offset_begin = offsetof(struct controller, elapsed),
+                 offset_end = offsetof(struct controller, switches);
     const struct controller *now = &run->controller;
     if (run->plan.adaptive || run->system.switches > 0)
         return memcmp(now, then, sizeof *now) == 0;
     return now->tol == then->tol &&
-           memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
+           memcmp((const char *)now + offset_begin, (const char *)then + offset_begin,
+                  offset_end - offset_begin) == 0;
 }
 
 /* Returns NULL if out of memory. */
@@ -128,11 +129,11 @@ static struct shared_setup *share_setup(const struct session *session)
     return setup;
 }
 
-static void copy_fields(const struct recording *from, struct recording *to)
+static void copy_fields(const struct recording *source, struct recording *target)
 {
     for (int i = 0; i < RECORDING_FIELDS; i++) {
         const struct field *field = &recording_fields[i].field;
-        memcpy((char *)to + field->offset, (const char *)from + field->offset, field->bytes);
+        memcpy((char *)target + field->offset, (const char *)source + field->offset, field->bytes);
     }
 }
 
@@ -217,23 +218,24 @@ static bool same_recording(const struct recording_slot *slot, const struct recor
     return same;
 }
 
-bool undo_matters(const struct session *session, const struct snapshot *before)
+bool undo_matters(const struct session *session, const struct snapshot *previous)
 {
-    if (session->runs.count != before->runs || session->recordings != before->recordings ||
-        session->runs.current != before->current_run ||
-        session->current_recording != before->current_recording ||
-        session->data_is_latest != before->data_is_latest)
+    if (session->runs.count != previous->runs || session->recordings != previous->recordings ||
+        session->runs.current != previous->current_run ||
+        session->current_recording != previous->current_recording ||
+        session->data_is_latest != previous->data_is_latest)
         return true;
     for (int i = 0; i < session->runs.count; i++)
-        if (session->runs.slot[i] != before->run[i].slot ||
-            !same_run(session->runs.slot[i]->run, session->runs.slot[i]->last, before->run[i].mark))
+        if (session->runs.slot[i] != previous->run[i].slot ||
+            !same_run(session->runs.slot[i]->run, session->runs.slot[i]->last,
+                      previous->run[i].mark))
             return true;
     for (int i = 0; i < session->recordings; i++)
-        if (!same_recording(session->recording[i], &before->recording[i]))
+        if (!same_recording(session->recording[i], &previous->recording[i]))
             return true;
-    if (memcmp(&before->setup->setup, &session->setup, sizeof session->setup) == 0)
+    if (memcmp(&previous->setup->setup, &session->setup, sizeof session->setup) == 0)
         return false;
-    struct setup setup = before->setup->setup;
+    struct setup setup = previous->setup->setup;
     settings_display(&setup.settings, &session->setup.settings);
     /* padding was copied with the rest */
     return memcmp(&setup, &session->setup, sizeof setup) != 0;
@@ -273,13 +275,13 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session_changed(session);
 }
 
-static void clear(struct session *session, int from, int count)
+static void clear(struct session *session, int first, int count)
 {
     for (int i = 0; i < count; i++)
-        snapshot_free(session->undo.state[from + i]);
+        snapshot_free(session->undo.state[first + i]);
 }
 
-void undo_push(struct session *session, struct snapshot *before, size_t statement)
+void undo_push(struct session *session, struct snapshot *previous, size_t statement)
 {
     clear(session, session->undo.undos, session->undo.redos);
     if (session->undo.undos == LIMIT_UNDO) {
@@ -288,8 +290,8 @@ void undo_push(struct session *session, struct snapshot *before, size_t statemen
         memmove(session->undo.state, session->undo.state + 1,
                 (LIMIT_UNDO - 1) * sizeof(session->undo.state[0]));
     }
-    before->statement = statement;
-    session->undo.state[session->undo.undos++] = before;
+    previous->statement = statement;
+    session->undo.state[session->undo.undos++] = previous;
     session->undo.redos = 0;
 }
 
@@ -307,13 +309,13 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
             error, "settings that only show are not undone: 'unset NAME' gives one its default");
     }
     /* The present state takes the place of that one. */
-    struct snapshot **at = &session->undo.state[session->undo.undos - back], *target = *at;
+    struct snapshot **slot = &session->undo.state[session->undo.undos - back], *target = *slot;
     struct snapshot *now = snapshot_take(session, "");
     if (!now)
         return error_memory(error);
     history_label(session, target->statement, label);
     now->statement = target->statement;
-    *at = now;
+    *slot = now;
     session->undo.undos += back ? -1 : 1;
     session->undo.redos += back ? 1 : -1;
     go_to(session, target);
@@ -351,7 +353,7 @@ bool checkpoint_restore(struct session *session, struct text name, const char **
         error_set(error, ERROR_COMMAND, "there is no checkpoint");
         return error_hint(error, "type: checkpoint [NAME]");
     }
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     for (int i = session->undo.checkpoints - 1; i >= 0; i--) {
         const struct snapshot *snapshot = session->undo.checkpoint[i];
         if (name.len == 0 || text_is(name, snapshot->label)) {
@@ -359,10 +361,10 @@ bool checkpoint_restore(struct session *session, struct text name, const char **
             *label = snapshot->label;
             return true;
         }
-        suggestion_offer(&near, snapshot->label);
+        suggestion_offer(&suggestion, snapshot->label);
     }
     error_at(error, name, "there is no checkpoint '%.*s'", (int)(name.len < 64 ? name.len : 64),
-             name.at);
-    suggestion_hint(&near, error);
+             name.data);
+    suggestion_hint(&suggestion, error);
     return false;
 }

@@ -158,11 +158,11 @@ size_t mbstowcs(wchar_t *restrict wide, const char *restrict bytes, size_t count
 size_t wcsrtombs(char *restrict bytes, const wchar_t **restrict wide, size_t count,
                  mbstate_t *restrict state)
 {
-    const wchar_t *from = *wide;
+    const wchar_t *source = *wide;
     size_t n = 0;
     char one[4];
-    for (; *from; from++) {
-        const size_t length = wcrtomb(one, *from, state);
+    for (; *source; source++) {
+        const size_t length = wcrtomb(one, *source, state);
         if (length == MULTIBYTE_INVALID)
             return MULTIBYTE_INVALID;
         if (bytes && n + length > count)
@@ -171,19 +171,19 @@ size_t wcsrtombs(char *restrict bytes, const wchar_t **restrict wide, size_t cou
             memcpy(bytes + n, one, length);
         n += length;
     }
-    if (bytes && !*from && n < count) {
+    if (bytes && !*source && n < count) {
         bytes[n] = 0;
-        from = NULL;
+        source = NULL;
     }
     if (bytes)
-        *wide = from;
+        *wide = source;
     return n;
 }
 
 size_t wcstombs(char *restrict bytes, const wchar_t *restrict wide, size_t count)
 {
-    const wchar_t *from = wide;
-    return wcsrtombs(bytes, &from, count, NULL);
+    const wchar_t *source = wide;
+    return wcsrtombs(bytes, &source, count, NULL);
 }
 
 wint_t btowc(int byte)

@@ -78,7 +78,7 @@ static int numbers(struct text line, double *out, int capacity)
         if (real_scan(rest, '.', &value, &used) == REAL_OK && used > 0)
             out[count++] = value;
         used = used ? used : 1;
-        line = (struct text){rest.at + (used < rest.len ? used : rest.len),
+        line = (struct text){rest.data + (used < rest.len ? used : rest.len),
                              rest.len - (used < rest.len ? used : rest.len)};
     }
     return count;
@@ -98,7 +98,7 @@ static void read_dataset(const char *name, struct dataset *set)
         double x[8];
         struct text trimmed = text_trim(line);
         if (i >= FIRST_PARAMETER_LINE && i < FIRST_DATA_LINE && text_starts(trimmed, TEXT("b")) &&
-            numbers((struct text){trimmed.at + 2, trimmed.len - 2}, x, 8) == 4) {
+            numbers((struct text){trimmed.data + 2, trimmed.len - 2}, x, 8) == 4) {
             int j = set->parameters++;
             set->start[0][j] = x[0];
             set->start[1][j] = x[1];

@@ -205,7 +205,7 @@ static bool has_statement(const char *line, struct text name)
     while (text_split(&rest, ';', &statement)) {
         statement = text_trim(statement);
         if (text_starts(statement, name) &&
-            (statement.len == name.len || statement.at[name.len] == ' '))
+            (statement.len == name.len || statement.data[name.len] == ' '))
             return true;
     }
     return false;

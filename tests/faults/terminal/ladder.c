@@ -63,7 +63,7 @@ static bool act_output(struct error *error)
         return error_set(error, ERROR_IO, "no output");
     const struct sink sink = streams_sink(&streams);
     for (int i = 0; i < 30000; i++)
-        sink.out(sink.context, TEXT("a line of results\n"));
+        sink.output(sink.context, TEXT("a line of results\n"));
     return streams_flush(&streams) || error_set(error, ERROR_IO, "%d", streams.failure);
 }
 

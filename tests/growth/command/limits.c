@@ -243,9 +243,9 @@ TEST(the_oldest_goes)
     assert_int_equal(b.session->measurements, kept);
     assert_string_equal(b.session->measurement[0].quantity, "energy");
     for (int i = 0; i <= (int)limit_of("fits"); i++)
-        session_store_fit(b.session,
-                          &(struct stored_fit){.fit = {.model = "sine", .rms = i},
-                                               .of = {(char)(1 + i / 100), (char)(1 + i % 100)}});
+        session_store_fit(
+            b.session, &(struct stored_fit){.fit = {.model = "sine", .rms = i},
+                                            .subject = {(char)(1 + i / 100), (char)(1 + i % 100)}});
     assert_int_equal(fits_of(b.session)->stored_fits, (int)limit_of("fits"));
     assert_true(fits_of(b.session)->stored_fit[0].fit.rms == 1);
     const int results = (int)limit_of("results");

@@ -104,8 +104,8 @@ static int compare_times(const struct precision *quiet, const struct precision *
         ++*compared;
         if (ratio > off || ratio < 1 / off) {
             print_message("%s, %lld steps: %.3g of the quiet time, spread %.2g\n",
-                          quiet->curve[a->curve].by.method->row.name, (long long)a->steps, ratio,
-                          b->time.spread);
+                          quiet->curve[a->curve].choice.method->row.name, (long long)a->steps,
+                          ratio, b->time.spread);
             wrong++;
         }
     }

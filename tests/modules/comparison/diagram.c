@@ -266,8 +266,8 @@ static void test_marks_in_pictures(void **state)
                     nearest = fmin(nearest, hypot(marks.x[k] - spot[0], marks.y[k] - spot[1]));
             if (!(nearest < MARK_NEAR))
                 fail_msg("%s: %s has no mark at %.2f, %.2f pt: the next is %.2f pt away", told,
-                         precision->curve[precision->point[i].curve].by.method->row.name, spot[0],
-                         spot[1], nearest);
+                         precision->curve[precision->point[i].curve].choice.method->row.name,
+                         spot[0], spot[1], nearest);
             checked++;
         }
         free(svg);

@@ -13,8 +13,10 @@
 static struct order measure(const struct scene *scene, const char *name, enum drag drag,
                             double duration)
 {
-    const struct order_request request = {
-        .scene = scene, .by = {method_named(name), drag}, .dt = {NAN, NAN}, .duration = duration};
+    const struct order_request request = {.scene = scene,
+                                          .choice = {method_named(name), drag},
+                                          .dt = {NAN, NAN},
+                                          .duration = duration};
     struct order order;
     struct error error = {0};
     if (!study_order(&request, &order, &error))
@@ -54,7 +56,7 @@ TEST(test_known_orders_are_not_refuted)
         for (size_t i = 0; i < COUNT_OF(names); i++) {
             const struct scene scene = scene_with(scenes[k].scene, NO_SETTINGS);
             const struct order_request request = {.scene = &scene,
-                                                  .by = {method_named(names[i]), DRAG_DEFAULT},
+                                                  .choice = {method_named(names[i]), DRAG_DEFAULT},
                                                   .dt = {NAN, NAN},
                                                   .duration = scenes[k].duration};
             struct order order;
@@ -107,7 +109,7 @@ TEST(test_a_wrong_claim)
     boastful.order = 4;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     const struct order_request request = {
-        .scene = &scene, .by = {&boastful, 0}, .dt = {NAN, NAN}, .duration = 3};
+        .scene = &scene, .choice = {&boastful, 0}, .dt = {NAN, NAN}, .duration = 3};
     struct order order;
     struct error error;
     assert_true(study_order(&request, &order, &error));
@@ -193,7 +195,7 @@ TEST(test_a_given_range)
 {
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     const struct order_request request = {
-        .scene = &scene, .by = {method_named("rk4"), 0}, .dt = {0.02, 0.001}, .duration = 2};
+        .scene = &scene, .choice = {method_named("rk4"), 0}, .dt = {0.02, 0.001}, .duration = 2};
     struct order order;
     struct error error;
     assert_true(study_order(&request, &order, &error));
@@ -208,7 +210,7 @@ TEST(test_refusals)
     const struct scene damped = scene_with("damped", NO_SETTINGS),
                        spring = scene_with("spring", NO_SETTINGS);
     struct order_request request = {
-        .scene = &damped, .by = {method_named("nystrom4"), 0}, .dt = {NAN, NAN}, .duration = 1};
+        .scene = &damped, .choice = {method_named("nystrom4"), 0}, .dt = {NAN, NAN}, .duration = 1};
     struct order order;
     struct error error = {0};
     struct cancel cancel = {1};

@@ -38,7 +38,7 @@ TEST(test_closed_form)
     struct error error = {0};
     bind("spring", NULL, 0, &system);
     assert_true(study_reference(&system, 10, NULL, &reference, &error));
-    assert_true(reference.exact && !reference.by[0]);
+    assert_true(reference.exact && !reference.method[0]);
     assert_int_equal(reference.scored, 1);
     assert_true(reference.amplitude[0] > 0.0499 && reference.amplitude[0] <= 0.05);
     /* eps omega t is 2e-14. */
@@ -64,7 +64,7 @@ TEST(test_two_kinds_against_the_truth)
         assert_true(study_reference(&system, 10, NULL, &truth, &error));
         assert_true(study_reference(&hidden, 10, NULL, &found, &error));
         assert_false(found.exact);
-        assert_ptr_not_equal(found.by[0], found.by[1]);
+        assert_ptr_not_equal(found.method[0], found.method[1]);
         assert_true(found.accuracy < 1e-9);
         double max = 0;
         for (int k = 0; k < STUDY_TIMES; k++)
@@ -90,8 +90,8 @@ TEST(test_quadratic_drag)
     assert_false(reference.exact);
     assert_true(reference.accuracy < 1e-8);
     reference_describe(&reference, &text);
-    assert_non_null(strstr(text.data, reference.by[0]->row.name));
-    assert_non_null(strstr(text.data, reference.by[1]->row.name));
+    assert_non_null(strstr(text.data, reference.method[0]->row.name));
+    assert_non_null(strstr(text.data, reference.method[1]->row.name));
     assert_non_null(strstr(text.data, "agree to"));
     assert_null(strstr(text.data, "part at"));
     buffer_free(&text);

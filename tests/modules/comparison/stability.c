@@ -16,7 +16,7 @@ static struct stability study_as(const struct scene *scene, const struct method 
                                  enum drag drag, double dt)
 {
     const struct stability_request request = {
-        .scene = scene, .by = {method, drag}, .dt = dt, .duration = 10};
+        .scene = scene, .choice = {method, drag}, .dt = dt, .duration = 10};
     struct stability stability;
     struct error error = {0};
     if (!study_stability(&request, &stability, &error))
@@ -102,7 +102,7 @@ TEST(test_every_method_agrees)
                 continue;
             const struct method *method = method_at(m);
             const struct stability_request request = {
-                .scene = &scene, .by = {method, 0}, .dt = 0.3, .duration = 10};
+                .scene = &scene, .choice = {method, 0}, .dt = 0.3, .duration = 10};
             struct stability s;
             struct error error;
             if (!study_stability(&request, &s, &error))
@@ -198,7 +198,7 @@ TEST(test_growth_of_scenes_that_grow)
                 continue;
             const struct method *method = method_at(m);
             const struct stability_request request = {
-                .scene = &scene, .by = {method, 0}, .dt = 0.01, .duration = 10};
+                .scene = &scene, .choice = {method, 0}, .dt = 0.01, .duration = 10};
             struct stability s;
             struct error error;
             if (!study_stability(&request, &s, &error))
@@ -247,13 +247,13 @@ TEST(test_refusals)
 {
     const struct scene scene = scene_with("damped", NO_SETTINGS);
     struct stability_request request = {
-        .scene = &scene, .by = {method_named("nystrom4"), 0}, .dt = 0.01, .duration = 1};
+        .scene = &scene, .choice = {method_named("nystrom4"), 0}, .dt = 0.01, .duration = 1};
     struct stability s;
     struct error error;
     struct cancel cancel = {1};
     assert_false(study_stability(&request, &s, &error));
     assert_int_equal(error.code, ERROR_COMMAND);
-    request.by.method = method_named("rk4");
+    request.choice.method = method_named("rk4");
     request.dt = 0;
     assert_false(study_stability(&request, &s, &error));
     request.dt = 0.01;

@@ -53,7 +53,7 @@ TEST(test_wrong_one_is_computed_again)
                                               .references = &references};
     struct precision precision;
     assert_true(study_precision(&request, &precision, &error));
-    assert_true(precision.reference.again && !precision.reference.against[0]);
+    assert_true(precision.reference.again && !precision.reference.dissenting_method[0]);
     assert_int_equal(precision.curves, 2);
     assert_int_equal(precision.points, 10);
     assert_true(precision.point[4].errors.max < 1e-8 && precision.point[9].errors.max < 1e-8);
@@ -92,8 +92,8 @@ TEST(test_what_stays_is_said)
     struct precision precision;
     struct arena arena = {0};
     assert_true(study_precision(&request, &precision, &error));
-    assert_string_equal(precision.reference.against[0]->row.name, "dopri5");
-    assert_string_equal(precision.reference.against[1]->row.name, "rodas5p");
+    assert_string_equal(precision.reference.dissenting_method[0]->row.name, "dopri5");
+    assert_string_equal(precision.reference.dissenting_method[1]->row.name, "rodas5p");
     assert_true(fabs(precision.reference.apart * precision.reference.amplitude[0] - 2) < 0.01);
     reference_describe(&precision.reference, &text);
     assert_non_null(strstr(text.data, "not resolved"));
@@ -127,7 +127,7 @@ TEST(test_long_steps_are_no_witnesses)
     struct precision precision;
     assert_true(study_precision(&request, &precision, &error));
     assert_true(precision.reference.shortest > 0 && precision.reference.shortest < 0.1);
-    assert_false(precision.reference.again || precision.reference.against[0]);
+    assert_false(precision.reference.again || precision.reference.dissenting_method[0]);
     assert_true(precision.point[4].errors.max > 0.9);
     precision_free(&precision);
     typed_destroy(models);

@@ -71,7 +71,7 @@ static void cross_check(const struct basins_request *request, const struct basin
         assert_in_range(fate, 0, basins->count - 1);
         const double x = run_alone(request->scene, basins_value(request, 0, i / up),
                                    basins_value(request, 1, i % up), 30 * TWO_PI, TWO_PI / 300);
-        wrong += x * basins->of[fate].state[0] < 0;
+        wrong += x * basins->basin[fate].state[0] < 0;
     }
     if (is_long())
         print_message("%d of %d differ from single runs\n", wrong, starts);
@@ -87,11 +87,11 @@ static void test_wells(void **state)
     struct basins basins = find(&request);
     assert_int_equal(basins.count, 2);
     assert_int_equal(basins.escaping + basins.undecided, 0);
-    assert_int_equal(basins.of[0].count, basins.of[1].count); /* symmetric */
+    assert_int_equal(basins.basin[0].count, basins.basin[1].count); /* symmetric */
     for (int k = 0; k < 2; k++) {
-        assert_int_equal(basins.of[k].kind, BASIN_EQUILIBRIUM);
-        close_to(fabs(basins.of[k].state[0]), 1, 1e-12);
-        close_to(basins.of[k].growth, -0.1, 1e-12);
+        assert_int_equal(basins.basin[k].kind, BASIN_EQUILIBRIUM);
+        close_to(fabs(basins.basin[k].state[0]), 1, 1e-12);
+        close_to(basins.basin[k].growth, -0.1, 1e-12);
     }
     cross_check(&request, &basins);
     basins_free(&basins);
@@ -102,10 +102,10 @@ static void test_wells(void **state)
     basins = find(&request);
     assert_int_equal(basins.count, 2);
     for (int k = 0; k < 2; k++) {
-        assert_int_equal(basins.of[k].kind, BASIN_RESPONSE);
-        assert_int_equal(basins.of[k].multiple, 1);
+        assert_int_equal(basins.basin[k].kind, BASIN_RESPONSE);
+        assert_int_equal(basins.basin[k].multiple, 1);
         /* a pair: the product of both multipliers is exp(-0.2 2 pi) */
-        close_to(basins.of[k].growth, exp(-0.2 * PI), 1e-6);
+        close_to(basins.basin[k].growth, exp(-0.2 * PI), 1e-6);
     }
     cross_check(&request, &basins);
     request.threads = 2;
@@ -127,17 +127,17 @@ static void test_kinds(void **state)
     struct basins basins = find(&request);
     assert_int_equal(basins.count, 1);
     assert_true(basins.escaping > 300);
-    assert_int_equal(basins.of[0].count + basins.escaping, basins.total);
+    assert_int_equal(basins.basin[0].count + basins.escaping, basins.total);
     basins_free(&basins);
 
     scene = TYPED("var x = 1", "var v = 0", "x' = v", "v' = (1-x^2)*v-x");
     request = square(&scene, 3, 20);
     basins = find(&request);
     assert_int_equal(basins.count, 1);
-    assert_int_equal(basins.of[0].kind, BASIN_ORBIT);
-    close_to(basins.of[0].period, 6.6632868593231, 1e-6);
-    close_to(basins.of[0].growth, 8.596950636e-4, 1e-7);
-    assert_int_equal(basins.of[0].count, basins.total);
+    assert_int_equal(basins.basin[0].kind, BASIN_ORBIT);
+    close_to(basins.basin[0].period, 6.6632868593231, 1e-6);
+    close_to(basins.basin[0].growth, 8.596950636e-4, 1e-7);
+    assert_int_equal(basins.basin[0].count, basins.total);
     basins_free(&basins);
 
     /* rest at a multiple of 2 pi is one */
@@ -145,14 +145,14 @@ static void test_kinds(void **state)
     request = square(&scene, 6, 20);
     basins = find(&request);
     assert_int_equal(basins.count, 1);
-    assert_int_equal(basins.of[0].count, basins.total);
+    assert_int_equal(basins.basin[0].count, basins.total);
     basins_free(&basins);
 
     scene = TYPED("var x = 1", "var v = 0", "x' = v", "v' = x-x^3-0.2*v+0.3*cos(t)");
     request = square(&scene, 2, 12);
     basins = find(&request);
     assert_int_equal(basins.count, 1);
-    assert_int_equal(basins.of[0].kind, BASIN_IRREGULAR);
+    assert_int_equal(basins.basin[0].kind, BASIN_IRREGULAR);
     basins_free(&basins);
 }
 
@@ -172,9 +172,9 @@ static void test_magnets(void **state)
     assert_int_equal(basins.escaping + basins.undecided, 0);
     int stable = 0;
     for (int k = 0; k < basins.count; k++) {
-        stable += basins.of[k].stable;
-        if (basins.of[k].stable)
-            close_to((double)basins.of[k].count / (double)basins.total, 1.0 / 3, 0.05);
+        stable += basins.basin[k].stable;
+        if (basins.basin[k].stable)
+            close_to((double)basins.basin[k].count / (double)basins.total, 1.0 / 3, 0.05);
     }
     assert_int_equal(stable, 3);
     basins_free(&basins);

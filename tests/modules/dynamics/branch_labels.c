@@ -232,8 +232,8 @@ static struct branch follow(const struct labelled_branch *l, const struct scene 
     memcpy(start.state, l->state, sizeof l->state);
     struct branch_request request = {.scene = scene,
                                      .param = scene_param(scene, l->param),
-                                     .from = l->from,
-                                     .to = l->to,
+                                     .low = l->from,
+                                     .high = l->to,
                                      .start = &start};
     if (!branch_follow(&request, &branch, &error))
         fail_msg("%s: %s", l->lines[3], error.text);

@@ -32,8 +32,11 @@ static struct branch follow(const char *const *lines, double from, double to,
     struct error error = {0};
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, lines));
-    const struct branch_request request = {
-        .scene = &scene, .param = scene_param(&scene, "r"), .from = from, .to = to, .start = start};
+    const struct branch_request request = {.scene = &scene,
+                                           .param = scene_param(&scene, "r"),
+                                           .low = from,
+                                           .high = to,
+                                           .start = start};
     if (!branch_follow(&request, &branch, &error))
         fail_msg("%s: %s", lines[2], error.text);
     branch_verify(&request, &branch);

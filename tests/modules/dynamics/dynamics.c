@@ -31,8 +31,8 @@ static struct branch follow(const struct scene *scene, const char *param, double
 {
     const struct branch_request request = {.scene = scene,
                                            .param = scene_param(scene, param),
-                                           .from = from,
-                                           .to = to,
+                                           .low = from,
+                                           .high = to,
                                            .start = start,
                                            .leave = leave,
                                            .step = step};
@@ -288,8 +288,8 @@ static void test_progress(void **state)
         struct told told = {.stop = stop};
         const struct branch_request request = {.scene = &scene,
                                                .param = scene_param(&scene, "mm"),
-                                               .from = 0.5,
-                                               .to = 2,
+                                               .low = 0.5,
+                                               .high = 2,
                                                .start = &start,
                                                .cancel = &told.cancel,
                                                .progress = listen,
@@ -343,8 +343,8 @@ static void test_stopped_anywhere(void **state)
         .kind = SOLUTION_ORBIT, .n = 2, .param = {1}, .period = 6.66, .state = {2, 0}};
     const struct branch_request request = {.scene = &scene,
                                            .param = scene_param(&scene, "mm"),
-                                           .from = 0.5,
-                                           .to = 2,
+                                           .low = 0.5,
+                                           .high = 2,
                                            .start = &start,
                                            .cancel = &stopped};
     uint64_t random = 5;

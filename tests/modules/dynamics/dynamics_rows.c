@@ -400,8 +400,8 @@ static void test_specials(void **state)
         memcpy(start.state, row->state, sizeof row->state);
         struct branch_request request = {.scene = &scene,
                                          .param = scene_param(&scene, row->param),
-                                         .from = row->from,
-                                         .to = row->to,
+                                         .low = row->from,
+                                         .high = row->to,
                                          .start = &start};
         struct branch branch = follow(row->name, &request);
         if (row->leave != SPECIAL_NONE) {
@@ -437,7 +437,7 @@ static void test_false_labels(void **state)
     const struct solution start = {
         .kind = SOLUTION_EQUILIBRIUM, .n = 3, .param = {20}, .state = {7.118, 7.118, 19}};
     const struct branch_request request = {
-        .scene = &scene, .param = scene_param(&scene, "r"), .from = 15, .to = 30, .start = &start};
+        .scene = &scene, .param = scene_param(&scene, "r"), .low = 15, .high = 30, .start = &start};
     struct branch branch = follow("Lorenz", &request);
     static const enum special labels[] = {SPECIAL_FOLD, SPECIAL_HOPF, SPECIAL_CROSSING};
     int real = 0;
@@ -470,8 +470,8 @@ static void test_orbits(void **state)
         memcpy(start.state, row->state, sizeof row->state);
         const struct branch_request request = {.scene = &scene,
                                                .param = scene_param(&scene, row->param),
-                                               .from = row->at - around,
-                                               .to = row->at + around,
+                                               .low = row->at - around,
+                                               .high = row->at + around,
                                                .start = &start,
                                                .max = 1,
                                                .forward = true};
@@ -492,8 +492,11 @@ static struct branch two(const char *name, const struct scene *scene, const char
                          const struct branch_axis *second, const struct solution *start,
                          double from, double to, enum special kind)
 {
-    struct branch_request request = {
-        .scene = scene, .param = scene_param(scene, param), .from = from, .to = to, .start = start};
+    struct branch_request request = {.scene = scene,
+                                     .param = scene_param(scene, param),
+                                     .low = from,
+                                     .high = to,
+                                     .start = start};
     struct branch branch = follow(name, &request);
     assert_non_null(first_of(&branch, kind));
     const struct branch_point left = *first_of(&branch, kind);

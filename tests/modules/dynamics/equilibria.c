@@ -58,8 +58,8 @@ static void test_all_equilibria(void **state)
                 wanted++;
                 bool there = false;
                 for (int l = 0; l < found.count; l++)
-                    there = there || (fabs(found.of[l].state[0] - x) < 1e-9 &&
-                                      fabs(found.of[l].state[1] - y) < 1e-9);
+                    there = there || (fabs(found.solution[l].state[0] - x) < 1e-9 &&
+                                      fabs(found.solution[l].state[1] - y) < 1e-9);
                 assert_true(there);
             }
         assert_int_equal(found.count, wanted);

@@ -59,8 +59,8 @@ static void judge(char line[][LINE_MAX], const struct known_zeros *known,
         int best = -1;
         double least = HUGE_VAL;
         for (int j = 0; j < known->count; j++) {
-            const double apart = hypot(found->of[k].state[0] - known->state[j][0],
-                                       found->of[k].state[1] - known->state[j][1]);
+            const double apart = hypot(found->solution[k].state[0] - known->state[j][0],
+                                       found->solution[k].state[1] - known->state[j][1]);
             if (apart < least && (!taken[j] || known->twofold[j])) {
                 least = apart;
                 best = j;
@@ -69,7 +69,7 @@ static void judge(char line[][LINE_MAX], const struct known_zeros *known,
         const bool degenerate = best >= 0 && known->twofold[best];
         if (!(least < (degenerate ? 1e-6 : known->tolerance)))
             fail_msg("%s | %s: %.17g, %.17g is no zero (by %g)", line[0], line[1],
-                     found->of[k].state[0], found->of[k].state[1], least);
+                     found->solution[k].state[0], found->solution[k].state[1], least);
         taken[best] = true;
     }
     for (int j = 0; j < known->count; j++) {

@@ -40,9 +40,10 @@ static void put_computed(const struct run_slot *slot, struct buffer *text)
     assert_true(journal_list(slot->last, 0, &list, &count));
     for (int i = 0; i < count; i++)
         buffer_format(text, "%d from %lld at %a to %a end %lld '%s' met %lld back %lld\n",
-                      (int)list[i]->kind, (long long)list[i]->from, list[i]->from_t, list[i]->t,
-                      (long long)list[i]->end, list[i]->condition ? list[i]->condition : "",
-                      (long long)list[i]->met, (long long)list[i]->rows);
+                      (int)list[i]->kind, (long long)list[i]->start_step, list[i]->from_t,
+                      list[i]->t, (long long)list[i]->end,
+                      list[i]->condition ? list[i]->condition : "", (long long)list[i]->met,
+                      (long long)list[i]->rows);
     free(list);
     run_ledger(run, &ledger);
     put_bits(text, "ledger", &ledger, sizeof ledger);
@@ -56,18 +57,18 @@ static void put_results(const struct session *session, struct buffer *text)
                       session->results.value[i].value, session->results.value[i].uncertainty);
     for (int i = 0; i < session->measurements; i++)
         buffer_format(text, "%s of %s: %a\n", session->measurement[i].quantity,
-                      session->measurement[i].of, session->measurement[i].value.value);
+                      session->measurement[i].source, session->measurement[i].value.value);
     for (int i = 0; i < fits_of(session)->stored_fits; i++)
         buffer_format(text, "fit %s of %s: %a\n", fits_of(session)->stored_fit[i].fit.model,
-                      fits_of(session)->stored_fit[i].of,
+                      fits_of(session)->stored_fit[i].subject,
                       fits_of(session)->stored_fit[i].fit.period.value);
     if (fits_of(session)->has_fit)
         buffer_format(text, "last fit %s of %s: %a, %zu samples\n", fits_of(session)->fit.model,
                       fits_of(session)->fit_of, fits_of(session)->fit.rms,
                       fits_of(session)->fit_samples);
     for (int i = 0; i < session->studies.found.count; i++) {
-        buffer_format(text, "table %s\n", session->studies.found.of[i]->kind);
-        table_put(&session->studies.found.of[i]->table, table_csv, text);
+        buffer_format(text, "table %s\n", session->studies.found.table[i]->kind);
+        table_put(&session->studies.found.table[i]->table, table_csv, text);
     }
 }
 
@@ -84,8 +85,8 @@ static void put_found(const struct dynamics *d, struct buffer *text)
     if (!d)
         return;
     buffer_format(text, "found of %s\n", d->equations);
-    put_bits(text, "equilibria", d->equilibria.of,
-             (size_t)d->equilibria.count * sizeof *d->equilibria.of);
+    put_bits(text, "equilibria", d->equilibria.solution,
+             (size_t)d->equilibria.count * sizeof *d->equilibria.solution);
     for (int i = 0; i < d->orbits; i++) {
         put_bits(text, "orbit", &d->orbit[i].solution, sizeof d->orbit[i].solution);
         put_bits(text, "sample", d->orbit[i].sample,
@@ -93,7 +94,7 @@ static void put_found(const struct dynamics *d, struct buffer *text)
     }
     for (int i = 0; i < d->branches; i++) {
         const struct kept_branch *b = d->branch[i];
-        buffer_format(text, "branch %d of %s\n", b->number, b->of);
+        buffer_format(text, "branch %d of %s\n", b->number, b->origin);
         put_bits(text, "points", b->branch.point,
                  (size_t)b->branch.count * sizeof *b->branch.point);
         put_bits(text, "special", b->special, (size_t)b->specials * sizeof *b->special);
@@ -134,13 +135,13 @@ static void note_played(const struct session *session)
     for (size_t i = session->history.first; i < session->history.count; i++) {
         const struct entry *entry = history_entry(session, i);
         struct text text = text_trim(history_text(session, entry)), name = peek_name(text);
-        const char after = text.at[name.len < text.len ? name.len : 0];
+        const char after = text.data[name.len < text.len ? name.len : 0];
         size_t blank = name.len;
-        while (blank < text.len && text.at[blank] == ' ')
+        while (blank < text.len && text.data[blank] == ' ')
             blank++;
         if (after == '\'')
             name = TEXT("equation");
-        else if (blank < text.len && text.at[blank] == '=')
+        else if (blank < text.len && text.data[blank] == '=')
             name = TEXT("set");
         const struct row *row = catalog_find(&command_catalog, name);
         if (row && entry->flags & ENTRY_DONE && !(entry->flags & ENTRY_LINE))

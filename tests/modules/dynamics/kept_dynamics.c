@@ -31,7 +31,7 @@ static void keep_orbit(struct bench *b, double period)
 static const struct kept_branch *keep_branch(struct bench *b, double at, enum special special)
 {
     struct error error = {0};
-    struct kept_branch like = {.params = 1, .of = "equilibrium 1", .from = {0}, .to = {9}};
+    struct kept_branch like = {.params = 1, .origin = "equilibrium 1", .low = {0}, .high = {9}};
     like.param[0] = scene_param(&b->session->setup.scene, "d");
     like.branch.count = 3;
     like.branch.point = calloc(3, sizeof *like.branch.point);

@@ -116,11 +116,11 @@ static void test_labels(void **state)
         assert_true(found.complete);
         assert_int_equal(found.count, ZEROS * ZEROS);
         for (int k = 0; k < found.count; k++) {
-            close_to(found.of[k].state[0], corner[0][k / ZEROS], 1e-12);
-            close_to(fmin(fabs(found.of[k].state[1] - corner[1][0]),
-                          fabs(found.of[k].state[1] - corner[1][1])),
+            close_to(found.solution[k].state[0], corner[0][k / ZEROS], 1e-12);
+            close_to(fmin(fabs(found.solution[k].state[1] - corner[1][0]),
+                          fabs(found.solution[k].state[1] - corner[1][1])),
                      0, 1e-12);
-            check_label(&scene, &found.of[k], &found.form[k]);
+            check_label(&scene, &found.solution[k], &found.form[k]);
             labels++;
         }
         equilibria_free(&found);
@@ -144,9 +144,9 @@ static void test_published(void **state)
     assert_int_equal(found.count, 2);
     double re = NAN, im = NAN;
     for (int i = 0; i < 3; i++)
-        if (found.of[0].value[i].im > 0) {
-            re = found.of[0].value[i].re;
-            im = found.of[0].value[i].im;
+        if (found.solution[0].value[i].im > 0) {
+            re = found.solution[0].value[i].re;
+            im = found.solution[0].value[i].im;
         }
     close_to(re, 0.097000856088481103, 1e-14);
     close_to(im, 0.99519349102995343, 1e-14);
@@ -158,8 +158,8 @@ static void test_published(void **state)
     assert_true(equilibria_find(&henon, &found, &error));
     assert_true(found.complete);
     assert_int_equal(found.count, 4);
-    close_to(found.of[3].state[0], sqrt(0.75), 1e-15);
-    close_to(found.of[3].state[1], -0.5, 1e-15);
+    close_to(found.solution[3].state[0], sqrt(0.75), 1e-15);
+    close_to(found.solution[3].state[1], -0.5, 1e-15);
     for (int k = 0; k < 4; k++)
         assert_int_equal(found.form[k].type, k == 1 ? EQUILIBRIUM_CENTRE : EQUILIBRIUM_SADDLE);
     equilibria_free(&found);

@@ -37,8 +37,8 @@ static struct branch follow(const struct landing *l, const struct branch_point *
     memcpy(start.state, l->state, sizeof l->state);
     const struct branch_request request = {.scene = &scene,
                                            .param = scene_param(&scene, l->param),
-                                           .from = l->from,
-                                           .to = l->to,
+                                           .low = l->from,
+                                           .high = l->to,
                                            .start = &start,
                                            .leave = leave};
     if (!branch_follow(&request, &branch, &error))

@@ -74,7 +74,8 @@ static void test_separatrices(void **state)
     for (int i = 0; i < portrait.separatrices; i++)
         if (!portrait.separatrix[i].stable) {
             assert_string_equal(portrait.separatrix[i].end, "equilibrium");
-            assert_int_equal(portrait.separatrix[i].to, portrait.separatrix[i].side > 0 ? 2 : 0);
+            assert_int_equal(portrait.separatrix[i].target,
+                             portrait.separatrix[i].side > 0 ? 2 : 0);
         }
     portrait_free(&portrait);
     well.value[scene_param(&well, "c")] = 0;

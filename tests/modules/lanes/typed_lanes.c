@@ -73,7 +73,7 @@ static void type_lines(struct scene *scene, const char *lines)
         const struct typed_line typed = typing_line(text_trim(line));
         const struct model *model = typed_add(models, scene->model, &typed, &error);
         if (!model)
-            fail_msg("%.*s: %s", (int)line.len, line.at, error.text);
+            fail_msg("%.*s: %s", (int)line.len, line.data, error.text);
         scene_remodel(scene, model);
     }
 }
@@ -95,7 +95,7 @@ static bool bind_lane(const struct typed_case *one, const struct scene *base, in
     struct text rest = text_of(one->varied), name;
     while (text_split(&rest, ' ', &name)) {
         char known[32];
-        snprintf(known, sizeof known, "%.*s", (int)name.len, name.at);
+        snprintf(known, sizeof known, "%.*s", (int)name.len, name.data);
         const int param = scene_param(&scene, known);
         if (param < 0)
             fail_msg("%s has no %s", one->name, known);
@@ -210,8 +210,9 @@ static void compare_all(struct lanes *lanes, const struct typed_case *one)
     type_case(one, &scene);
     for (int lane = 0; lane < LANE_COUNT; lane++)
         bind_lane(one, &scene, lane, &systems[lane]);
-    scene.across = systems[0].pieces; /* steps that end at switches are no matter for lanes */
-    for (int lane = 0; lane < LANE_COUNT && scene.across; lane++)
+    scene.steps_across_kinks =
+        systems[0].pieces; /* steps that end at switches are no matter for lanes */
+    for (int lane = 0; lane < LANE_COUNT && scene.steps_across_kinks; lane++)
         bind_lane(one, &scene, lane, &systems[lane]);
     int compared = 0;
     for (size_t m = 0; m < method_catalog.count; m++)

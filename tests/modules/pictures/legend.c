@@ -150,11 +150,12 @@ TEST(test_where_the_legend_is)
             at[1][i] = y[(corner + 1 + i) % 4];
         }
         const struct curve curve = {.label = "way", .x = at[0], .y = at[1], .n = 3};
-        const struct figure figure = {.x = {.label = "x", .fixed = true, .from = 0, .to = 1},
-                                      .y = {.label = "y", .fixed = true, .from = 0, .to = 1},
-                                      .plane = true,
-                                      .curve = &curve,
-                                      .curves = 1};
+        const struct figure figure = {
+            .x = {.label = "x", .fixed = true, .first_value = 0, .last_value = 1},
+            .y = {.label = "y", .fixed = true, .first_value = 0, .last_value = 1},
+            .plane = true,
+            .curve = &curve,
+            .curves = 1};
         draw(&figure, &drawn);
         const struct svg_element *label = find_text(&drawn, "way");
         assert_int_equal(label->left > (drawn.left + drawn.right) / 2, x[corner] > 0.5);
@@ -178,8 +179,8 @@ TEST(test_error_bars)
     static struct drawn drawn;
     double x[] = {1, 2, 3, 4, 5}, y[] = {2, 3, 1, 4, 2}, bar[] = {0.5, NAN, 0, 1.5, 0.25};
     struct curve curve = {.x = x, .y = y, .n = 5, .points = true};
-    struct figure figure = {.x = {.label = "t", .fixed = true, .from = 0, .to = 6},
-                            .y = {.label = "y", .fixed = true, .from = 0, .to = 6},
+    struct figure figure = {.x = {.label = "t", .fixed = true, .first_value = 0, .last_value = 6},
+                            .y = {.label = "y", .fixed = true, .first_value = 0, .last_value = 6},
                             .curve = &curve,
                             .curves = 1};
     struct buffer text = {0}, with = {0};

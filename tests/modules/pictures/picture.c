@@ -105,23 +105,23 @@ static void expect_xml(struct text xml)
     char open[64][32];
     int depth = 0, elements = 0;
     for (size_t i = 0; i < xml.len; i++) {
-        if (xml.at[i] != '<')
+        if (xml.data[i] != '<')
             continue;
         size_t end = ++i;
-        for (bool quoted = false; end < xml.len && (quoted || xml.at[end] != '>'); end++) {
-            quoted ^= xml.at[end] == '"';
-            assert_true(xml.at[end] != '<');
+        for (bool quoted = false; end < xml.len && (quoted || xml.data[end] != '>'); end++) {
+            quoted ^= xml.data[end] == '"';
+            assert_true(xml.data[end] != '<');
         }
         assert_true(end < xml.len);
         char name[32] = "";
-        size_t from = i + (xml.at[i] == '/'), len = 0;
-        while (from + len < end && len < sizeof name - 1 && !strchr(" />\n", xml.at[from + len]))
+        size_t from = i + (xml.data[i] == '/'), len = 0;
+        while (from + len < end && len < sizeof name - 1 && !strchr(" />\n", xml.data[from + len]))
             len++;
-        memcpy(name, xml.at + from, len);
-        if (xml.at[i] == '/') {
+        memcpy(name, xml.data + from, len);
+        if (xml.data[i] == '/') {
             assert_true(depth > 0);
             assert_string_equal(name, open[--depth]);
-        } else if (xml.at[i] != '?' && xml.at[end - 1] != '/') {
+        } else if (xml.data[i] != '?' && xml.data[end - 1] != '/') {
             assert_in_range(depth, 0, 63);
             memcpy(open[depth++], name, sizeof name);
         }
@@ -134,7 +134,7 @@ static void expect_xml(struct text xml)
 
 static bool holds(struct text text, const char *wanted)
 {
-    return memmem(text.at, text.len, wanted, strlen(wanted)) != NULL;
+    return memmem(text.data, text.len, wanted, strlen(wanted)) != NULL;
 }
 
 static void expect_svg(const struct buffer *out)
@@ -145,9 +145,9 @@ static void expect_svg(const struct buffer *out)
     static const char *const strange[] = {"nan", "NaN", "inf", "1e+", "e-3"};
     bool inside = false; /* of a tag */
     for (size_t i = 0; i < svg.len; i++) {
-        inside = svg.at[i] == '<' || (inside && svg.at[i] != '>');
+        inside = svg.data[i] == '<' || (inside && svg.data[i] != '>');
         for (size_t s = 0; inside && s < COUNT_OF(strange); s++)
-            if (strncmp(svg.at + i, strange[s], strlen(strange[s])) == 0)
+            if (strncmp(svg.data + i, strange[s], strlen(strange[s])) == 0)
                 fail_msg("the file holds %s", strange[s]);
     }
     expect_xml(svg);
@@ -330,8 +330,10 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
         y[i] = 0;
     /* Of a million samples two. */
     struct curve curve = {.x = t, .y = y, .n = MANY};
-    struct figure figure = {
-        .x = axis, .y = {.fixed = true, .from = -2.2, .to = 2.2}, .curve = &curve, .curves = 1};
+    struct figure figure = {.x = axis,
+                            .y = {.fixed = true, .first_value = -2.2, .last_value = 2.2},
+                            .curve = &curve,
+                            .curves = 1};
     struct buffer out = {0};
     y[MANY * 2 / 3] = y[MANY / 8] = 1e-3;
     draw(&figure, PICTURE_SVG, &out);
@@ -351,7 +353,7 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.top < highest - 5 && heard.bottom > lowest + 5);
     curve.spread = NULL;
-    figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
+    figure.x = (struct axis){.fixed = true, .first_value = 200, .last_value = 300};
     draw(&figure, PICTURE_SVG, &out);
     assert_true(isinf(heard.highest));
     buffer_free(&out);
@@ -367,8 +369,8 @@ static long lines_of(const double *y, size_t n)
     for (size_t i = 0; i < n; i++)
         x[i] = (double)i;
     struct curve curve = {.label = "a", .x = x, .y = y, .n = n};
-    struct figure figure = {.x = {.label = "t", .fixed = true, .from = 0, .to = 9},
-                            .y = {.label = "y", .fixed = true, .from = 0, .to = 9},
+    struct figure figure = {.x = {.label = "t", .fixed = true, .first_value = 0, .last_value = 9},
+                            .y = {.label = "y", .fixed = true, .first_value = 0, .last_value = 9},
                             .curve = &curve,
                             .curves = 1};
     struct buffer out = {0};
@@ -485,16 +487,17 @@ static void chosen_axis(uint32_t *random, struct axis *axis)
     *axis = (struct axis){.label = labels[(size_t)between(random, 0, 3.999)],
                           .unit = units[(size_t)between(random, 0, 3.999)],
                           .fixed = true,
-                          .from = from,
-                          .to = from + fabs(narrow < 0.3 ? from * pow(10, between(random, -9, 0))
-                                                         : chosen_end(random))};
+                          .first_value = from,
+                          .last_value =
+                              from + fabs(narrow < 0.3 ? from * pow(10, between(random, -9, 0))
+                                                       : chosen_end(random))};
     if (between(random, 0, 1) < 0.25)
         *axis = (struct axis){.label = axis->label,
                               .unit = axis->unit,
                               .fixed = true,
                               .log = true,
-                              .from = fabs(from),
-                              .to = fabs(from) * pow(10, between(random, 0.2, 30))};
+                              .first_value = fabs(from),
+                              .last_value = fabs(from) * pow(10, between(random, 0.2, 30))};
 }
 
 /* Of several pages, pieces of text do not meet and do not leave; ticks are where the axis puts

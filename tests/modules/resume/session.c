@@ -87,7 +87,7 @@ TEST(resumed_sessions_export_the_same)
         while (text_split(
             &rest, ';', &statement)) { /* one by one: a run that diverges is part of the session */
             char line[200];
-            snprintf(line, sizeof line, "%.*s", (int)statement.len, statement.at);
+            snprintf(line, sizeof line, "%.*s", (int)statement.len, statement.data);
             type(&b, line);
             if (b.session->execution.status != 0 && !strstr(said(&b.err), "diverged") &&
                 !strstr(line, "record all"))

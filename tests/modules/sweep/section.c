@@ -27,7 +27,7 @@ static void set_up(struct fixture *f, const char *preset, const char *method, do
                                         .method = method_named(method),
                                         .settings = {.dt = dt, .kernel = KERNEL_SPECIALISED},
                                         .duration = 50,
-                                        .axis = {{.from = from, .to = to, .count = count}},
+                                        .axis = {{.begin = from, .end = to, .count = count}},
                                         .axes = 1,
                                         .shard = 1,
                                         .shards = 1,

@@ -15,7 +15,7 @@
 static struct sweep_axis axis_of(const struct scene *scene, const char *name, double from,
                                  double to, int count)
 {
-    struct sweep_axis axis = {.from = from, .to = to, .count = count};
+    struct sweep_axis axis = {.begin = from, .end = to, .count = count};
     assert_true(sweep_axis_find(scene, text_of(name), &axis));
     return axis;
 }
@@ -344,7 +344,7 @@ TEST(test_stretches)
             before.status[i] = SWEEP_MISSING;
             before.value[2 * i] = before.value[2 * i + 1] = NAN;
         }
-        request.before = &before;
+        request.previous = &before;
         stretch = sweep_of(&request);
         assert_same(&whole, &stretch, 0, "goes on");
         assert_true(stretch.steps > 0 && stretch.steps < 0.9 * whole.steps);
@@ -544,7 +544,7 @@ TEST(test_cancelling)
     struct sweep rest;
     double first = NAN;
     memset(sweep.status, STOP_END, 900000);
-    request.before = &sweep;
+    request.previous = &sweep;
     request.context = &first;
     atomic_store(&stop.requested, 0);
     assert_false(study_sweep(&request, &rest, &error));

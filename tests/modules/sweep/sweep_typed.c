@@ -57,8 +57,8 @@ static struct sweep_request request_of(const struct scene *scene, const struct t
             fail_msg("%s", error.text);
     for (; request.axes < 2 && one->axis[request.axes].name; request.axes++) {
         struct sweep_axis *axis = &request.axis[request.axes];
-        axis->from = one->axis[request.axes].from;
-        axis->to = one->axis[request.axes].to;
+        axis->begin = one->axis[request.axes].from;
+        axis->end = one->axis[request.axes].to;
         axis->count = one->axis[request.axes].count;
         assert_true(sweep_axis_find(scene, text_of(one->axis[request.axes].name), axis));
     }

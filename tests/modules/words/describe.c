@@ -148,10 +148,11 @@ TEST(test_fixed_axis)
         decay[i] = exp(t[i]);
     }
     struct curve curve = {.label = "run", .x = t, .y = decay, .n = N};
-    const struct figure figure = {.x = {.label = "t", .unit = "s"},
-                                  .y = {.label = "y", .from = -1, .to = 5, .fixed = true},
-                                  .curve = &curve,
-                                  .curves = 1};
+    const struct figure figure = {
+        .x = {.label = "t", .unit = "s"},
+        .y = {.label = "y", .first_value = -1, .last_value = 5, .fixed = true},
+        .curve = &curve,
+        .curves = 1};
     assert_true(describe_figure(&figure, &out));
     assert_non_null(strstr(out.data, "doubling every 0.6931 s"));
     buffer_free(&out);

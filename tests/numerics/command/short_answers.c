@@ -181,7 +181,7 @@ TEST(the_middle_is_left_out)
     struct text rest = buffer_text(&bench.out), line;
     int shown = 0, left_out = 0;
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
-        if (sscanf(line.at, "... %d more rows: --full", &left_out) == 1)
+        if (sscanf(line.data, "... %d more rows: --full", &left_out) == 1)
             continue;
         shown++;
     }

@@ -173,8 +173,9 @@ TEST(test_estimates_are_true)
                 if (!fine || misses)
                     print_message("%s by %s, tol %g: says %.3g by %s, is %.3g = %.3g tol%s\n",
                                   problem->name, methods[m], tol, said,
-                                  run->opinion.by ? run->opinion.by->row.name : "closed form", is,
-                                  is / tol, misses ? ", SILENT" : "");
+                                  run->opinion.method ? run->opinion.method->row.name
+                                                      : "closed form",
+                                  is, is / tol, misses ? ", SILENT" : "");
                 run_destroy(run);
             }
     }
@@ -371,7 +372,7 @@ TEST(test_slow_passages)
                 silent += !is_right && !said;
                 if (!is_right && !said)
                     print_message("%s by %s, tol %g: says %g by %s up to %g, is %g\n", lines,
-                                  method, tol, run->opinion.error, run->opinion.by->row.name,
+                                  method, tol, run->opinion.error, run->opinion.method->row.name,
                                   run->opinion.t, error);
                 run_destroy(run);
             }

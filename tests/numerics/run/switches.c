@@ -61,7 +61,7 @@ static struct run *begin(struct typed_models *models, const struct problem *prob
     struct error error;
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, problem->lines));
-    scene.across = across;
+    scene.steps_across_kinks = across;
     return run_create(&scene, method, &settings, problem->span, &error);
 }
 
@@ -280,12 +280,12 @@ static int test_rest(struct typed_models *models, const struct method *method, s
     const bool slides = switches->slides + switches->piles > 0, piles = k + 1 == COUNT_OF(resting);
     /* whose paths are no parabolas */
     const bool said = slides == resting[k].slides || (piles && method->order == 1);
-    const bool bad = run->stop != STOP_END || !(off < max) || !said || switches->across > 0;
+    const bool bad = run->stop != STOP_END || !(off < max) || !said || switches->crossings > 0;
     if (bad || getenv("VERBOSE"))
         print_message("%s, tol %g, scene %zu: t = %g s after %lld steps, off by %.3g, slides %lld, "
                       "across %lld\n",
                       method->row.name, tol, k, run->t, (long long)run->steps, off,
-                      (long long)switches->slides, (long long)switches->across);
+                      (long long)switches->slides, (long long)switches->crossings);
     run_destroy(run);
     return bad;
 }

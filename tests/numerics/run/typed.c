@@ -23,7 +23,7 @@ static bool type_lines(struct typed_models *models, struct scene *scene, const c
         const struct typed_line typed = typing_line(text_trim(line));
         const struct model *model = typed_add(models, scene->model, &typed, &error);
         if (!model) {
-            print_message("%.*s: %s (%s)\n", (int)line.len, line.at, error.text, error.hint);
+            print_message("%.*s: %s (%s)\n", (int)line.len, line.data, error.text, error.hint);
             return false;
         }
         scene_remodel(scene, model);

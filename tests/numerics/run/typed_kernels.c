@@ -85,7 +85,7 @@ static void type_case(const struct typed_case *c, struct typed_models *models, s
         const struct typed_line typed = typing_line(text_trim(line));
         const struct model *model = typed_add(models, scene->model, &typed, &error);
         if (!model)
-            fail_msg("%.*s: %s", (int)line.len, line.at, error.text);
+            fail_msg("%.*s: %s", (int)line.len, line.data, error.text);
         scene_remodel(scene, model);
     }
 }

@@ -19,7 +19,8 @@ enum { NAMES = 6 };
 static inline bool find(const void *context, struct text name, int *slot)
 {
     (void)context;
-    *slot = name.len == 1 && name.at[0] >= 'a' && name.at[0] < 'a' + NAMES ? name.at[0] - 'a' : -1;
+    *slot = name.len == 1 && name.data[0] >= 'a' && name.data[0] < 'a' + NAMES ? name.data[0] - 'a'
+                                                                               : -1;
     return *slot >= 0;
 }
 

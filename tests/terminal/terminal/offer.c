@@ -78,9 +78,9 @@ static int keys_of(struct text line, struct buffer *keys)
             len = 7;
             buffer_char(keys, '\r');
         } else {
-            buffer_char(keys, line.at[0]);
+            buffer_char(keys, line.data[0]);
         }
-        line = (struct text){line.at + len, line.len - len};
+        line = (struct text){line.data + len, line.len - len};
     }
     return count;
 }
@@ -102,14 +102,15 @@ static void test_lab(void **state)
     struct text rest = buffer_text(&script), line;
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         char wanted[200];
-        snprintf(wanted, sizeof wanted, "%.*s", line.len > 2 ? (int)line.len - 2 : 0, line.at + 2);
-        if (line.len == 0 || line.at[0] == '#') {
+        snprintf(wanted, sizeof wanted, "%.*s", line.len > 2 ? (int)line.len - 2 : 0,
+                 line.data + 2);
+        if (line.len == 0 || line.data[0] == '#') {
             begun = p.raw.len;
-        } else if (line.at[0] == '?') {
+        } else if (line.data[0] == '?') {
             if (!strstr(p.raw.data + begun, wanted)) {
                 fail_msg("'%s' is not in %s", wanted, p.raw.data + begun);
             }
-        } else if (line.at[0] == '!') {
+        } else if (line.data[0] == '!') {
             assert_int_equal(access(wanted, F_OK), 0);
         } else {
             const size_t before = p.raw.len;

@@ -104,9 +104,9 @@ TEST(uncertainties_read_back)
         double v2, u2;
         size_t used;
         assert_int_equal(real_scan(rest, '.', &v2, &used), REAL_OK);
-        rest = (struct text){rest.at + used, rest.len - used};
+        rest = (struct text){rest.data + used, rest.len - used};
         assert_true(text_starts(rest, TEXT(" +- ")));
-        assert_int_equal(real_parse((struct text){rest.at + 4, rest.len - 4}, &u2), REAL_OK);
+        assert_int_equal(real_parse((struct text){rest.data + 4, rest.len - 4}, &u2), REAL_OK);
         if (fabs(v2 - value) > 0.5 / 1.94 * u + 1e-15 * fabs(value) || fabs(u2 - u) > 0.21 * u)
             fail_msg("%.17g +- %.17g shown as %s", value, u, b.data);
     }

@@ -86,7 +86,7 @@ TEST(nothing_unsafe_comes_out)
             const uint32_t c = text_codepoint(rest, &used);
             assert_false(c == CODEPOINT_INVALID && used == 1);
             assert_false(is_unsafe(c));
-            rest = (struct text){rest.at + used, rest.len - used};
+            rest = (struct text){rest.data + used, rest.len - used};
         }
         assert_string_equal(safe(&twice, buffer_text(&once), false), once.data);
     }

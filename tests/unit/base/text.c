@@ -155,17 +155,17 @@ TEST(errors_carry_a_sentence)
 {
     struct error e = {0};
     struct text line = TEXT("set gama 0.1");
-    struct text word = {line.at + 4, 4};
+    struct text word = {line.data + 4, 4};
     assert_false(error_at(&e, word, "unknown parameter '%s'", "gama"));
     assert_false(error_hint(&e, "did you mean '%s'?", "gamma"));
     error_hint(&e, "('show all' lists the parameters)");
     assert_int_equal(e.code, ERROR_COMMAND);
     assert_string_equal(e.text, "unknown parameter 'gama'");
     assert_string_equal(e.hint, "did you mean 'gamma'?  ('show all' lists the parameters)");
-    assert_ptr_equal(e.where.at, word.at);
+    assert_ptr_equal(e.where.data, word.data);
     assert_false(error_set(&e, ERROR_IO, "cannot read %s", "x"));
     assert_string_equal(e.hint, ""); /* a new error forgets the old hint and place */
-    assert_null(e.where.at);
+    assert_null(e.where.data);
     assert_false(error_memory(&e));
     assert_non_null(strstr(e.text, "out of memory"));
     assert_string_equal(error_name(ERROR_IO), "io");
@@ -189,7 +189,7 @@ TEST(long_errors_end_between_characters)
         for (struct text rest = text_of(e.text); rest.len > 0;) {
             size_t used;
             assert_int_not_equal(text_codepoint(rest, &used), CODEPOINT_INVALID);
-            rest = (struct text){rest.at + used, rest.len - used};
+            rest = (struct text){rest.data + used, rest.len - used};
         }
         for (int i = 0; i < 5; i++)
             error_hint(&e, "%s", z);
@@ -265,7 +265,7 @@ TEST(unknown_names_get_suggestions)
         struct text name = text_of(cases[i].name);
         assert_false(catalog_unknown(&catalog, name, &e));
         assert_int_equal(e.code, ERROR_COMMAND);
-        assert_ptr_equal(e.where.at, name.at);
+        assert_ptr_equal(e.where.data, name.data);
         assert_string_equal(e.hint, cases[i].hint);
         assert_non_null(strstr(e.text, "unknown thing '"));
     }
@@ -347,7 +347,7 @@ TEST(test_lines_are_cut_between_items)
         const struct text shown = text_in_room(text_of(cases[i].text), cases[i].width, &cut);
         if (!text_is(shown, cases[i].shown) || cut != cases[i].cut)
             fail_msg("'%s' in %d: '%.*s' %d", cases[i].text, cases[i].width, (int)shown.len,
-                     shown.at, cut);
+                     shown.data, cut);
         assert_true(text_width(shown) <= cases[i].width);
     }
 }

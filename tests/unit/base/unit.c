@@ -191,7 +191,7 @@ TEST(quantities_read_back)
         double number, si;
         size_t used;
         assert_int_equal(real_scan(rest, '.', &number, &used), REAL_OK);
-        rest = text_trim((struct text){rest.at + used, rest.len - used});
+        rest = text_trim((struct text){rest.data + used, rest.len - used});
         si = number;
         if (rest.len > 0) {
             assert_non_null(unit_find(rest));

@@ -41,8 +41,8 @@ TEST(every_command_is_described)
             fail_msg("%s has not two examples", c->row.name);
         struct text see = text_of(c->see), word;
         while (text_split(&see, ' ', &word))
-            if (!catalog_find(&command_catalog, word) && !is_left_out(word.at))
-                fail_msg("%s: see also '%.*s'", c->row.name, (int)word.len, word.at);
+            if (!catalog_find(&command_catalog, word) && !is_left_out(word.data))
+                fail_msg("%s: see also '%.*s'", c->row.name, (int)word.len, word.data);
         for (size_t j = i + 1; j < command_catalog.count; j++)
             assert_string_not_equal(c->row.name, command_number(j)->row.name);
         snprintf(line, sizeof line, "help %s", c->row.name);
@@ -326,12 +326,12 @@ static int check_offers(struct bench *b, const struct command *command, const ch
         struct error error = {0};
         if (offer.len == 0)
             continue;
-        snprintf(line, sizeof line, "%.*s%.*s", (int)start, before, (int)offer.len, offer.at);
+        snprintf(line, sizeof line, "%.*s%.*s", (int)start, before, (int)offer.len, offer.data);
         const struct text all = text_of(line);
         const size_t name = strlen(command->row.name);
         struct names names = {.session = b->session, .expects_run = true};
         const struct expr_scope scope = names_scope(&names);
-        struct parser parser = {b->session, &scope, &arena, {all.at + name, all.len - name}};
+        struct parser parser = {b->session, &scope, &arena, {all.data + name, all.len - name}};
         arguments.scope = &scope;
         if (!parse_arguments(&parser, command, &arguments, &error) &&
             (strstr(error.text, "unknown") || strstr(error.text, "unexpected") ||

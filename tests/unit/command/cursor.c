@@ -33,9 +33,9 @@ TEST(crossings_of_a_run)
     type_ok(&b, "method exact; run 10 s; cursor");
     const struct cursors *c = cursors(&b);
     /* y = A cos(omega t): up-crossing n at (n - 1/4) T. */
-    assert_int_equal(c->at[0].crossing, 1);
-    assert_near(c->at[0].t, 0.75 * T0, 1e-6);
-    assert_int_equal(c->at[1].crossing, 14);
+    assert_int_equal(c->cursor[0].crossing, 1);
+    assert_near(c->cursor[0].t, 0.75 * T0, 1e-6);
+    assert_int_equal(c->cursor[1].crossing, 14);
     struct cursor_reading r = read_them(&b);
     assert_near(r.periods, 13, 0);
     assert_near(r.period.value, T0, 1e-7);
@@ -49,21 +49,21 @@ TEST(crossings_of_a_run)
     assert_near(b.session->measurement[0].value.value, r.period.value, 1e-8);
 
     type_ok(&b, "cursor A 3 s; cursor periods 4");
-    assert_near(c->at[0].t, 3.75 * T0, 1e-6); /* the nearest to 3 s is at 2.72 s */
-    assert_int_equal(c->at[1].crossing - c->at[0].crossing, 4);
+    assert_near(c->cursor[0].t, 3.75 * T0, 1e-6); /* the nearest to 3 s is at 2.72 s */
+    assert_int_equal(c->cursor[1].crossing - c->cursor[0].crossing, 4);
     assert_near(read_them(&b).dt, 4 * T0, 1e-6);
     type_ok(&b, "cursor more");
     assert_near(read_them(&b).periods, 5, 0);
     type_ok(&b, "cursor less; cursor less");
     assert_near(read_them(&b).periods, 3, 0);
     type_ok(&b, "cursor next");
-    assert_int_equal(c->at[0].crossing, 5);
+    assert_int_equal(c->cursor[0].crossing, 5);
     assert_near(read_them(&b).periods, 2, 0);
     type_ok(&b, "cursor previous; cursor previous; cursor other; cursor next");
-    assert_int_equal(c->at[0].crossing, 3);
-    assert_int_equal(c->at[1].crossing, 8);
+    assert_int_equal(c->cursor[0].crossing, 3);
+    assert_int_equal(c->cursor[1].crossing, 8);
     type_ok(&b, "cursor go 0.5 s"); /* B is the active one now */
-    assert_int_equal(c->at[1].crossing, 1);
+    assert_int_equal(c->cursor[1].crossing, 1);
     assert_near(read_them(&b).dt, -2 * T0, 1e-6);
     assert_near(read_them(&b).period.value, T0, 1e-6);
     bench_close(&b);
@@ -78,22 +78,22 @@ TEST(columns_never_stick)
     /* A move by more than a little leaves the crossing, and moves that come near the next one find
      * it. */
     int found = 0;
-    double before = c->at[0].t;
+    double before = c->cursor[0].t;
     for (int i = 0; i < 40; i++) {
         type_ok(&b, "cursor right 0.05");
-        assert_true(c->at[0].t > before + 0.02);
-        before = c->at[0].t;
-        found += c->at[0].crossing > 0;
+        assert_true(c->cursor[0].t > before + 0.02);
+        before = c->cursor[0].t;
+        found += c->cursor[0].crossing > 0;
     }
     assert_in_range(found, 2, 3);
     type_ok(&b, "cursor snap sample; cursor A 1.004; cursor right");
-    assert_near(c->at[0].t, 1.01, 1e-9);
+    assert_near(c->cursor[0].t, 1.01, 1e-9);
     type_ok(&b, "cursor left 20 s"); /* stops at the start */
-    assert_near(c->at[0].t, 0, 0);
+    assert_near(c->cursor[0].t, 0, 0);
     type_ok(&b, "cursor snap none; cursor A 1.2345; cursor lock; cursor right 0.5");
-    assert_near(c->at[0].t, 1.7345, 1e-12);
-    assert_int_equal(c->at[0].crossing, 0);
-    assert_near(read_them(&b).dt, c->at[1].t - 1.7345, 0);
+    assert_near(c->cursor[0].t, 1.7345, 1e-12);
+    assert_int_equal(c->cursor[0].crossing, 0);
+    assert_near(read_them(&b).dt, c->cursor[1].t - 1.7345, 0);
     bench_close(&b);
 }
 
@@ -106,8 +106,8 @@ TEST(peaks_and_decrement)
     const struct cursors *c = cursors(&b);
     /* y' = 0 where tan(omega t) = -gamma/(2 omega): peaks a whole number of periods after t = 0. */
     type_ok(&b, "cursor A 1.4; cursor B 8.7");
-    assert_near(c->at[0].t, 2 * period, 2e-4);
-    assert_near(c->at[1].t, 12 * period, 2e-4);
+    assert_near(c->cursor[0].t, 2 * period, 2e-4);
+    assert_near(c->cursor[1].t, 12 * period, 2e-4);
     struct cursor_reading r = read_them(&b);
     assert_near(r.periods, 10, 0);
     assert_near(r.period.value, period, 5e-5);
@@ -116,7 +116,7 @@ TEST(peaks_and_decrement)
     assert_near(r.decrement, 0.1 * period, 1e-4); /* gamma T / 2 */
     assert_near(r.quality, PI / (0.1 * period), 0.1);
     type_ok(&b, "cursor next");
-    assert_near(c->at[0].t, 3 * period, 2e-4);
+    assert_near(c->cursor[0].t, 3 * period, 2e-4);
     assert_says(&b.out, "log decrement");
     assert_says(&b.out, "theory T_d");
     bench_close(&b);
@@ -146,7 +146,7 @@ TEST(noisy_recording)
     type_ok(&b, "load swing.txt; cursor");
     const struct cursors *c = cursors(&b);
     assert_true(c->on_data);
-    assert_string_equal(c->of, "data swing");
+    assert_string_equal(c->subject, "data swing");
     struct cursor_reading r = read_them(&b);
     assert_near(r.periods, 4, 0);
     assert_near(r.period.value, 1.9373, 0.003);
@@ -157,14 +157,14 @@ TEST(noisy_recording)
     assert_says(&b.out, "m = ");
     type_ok(&b, "cursor keep");
     assert_int_equal(b.session->measurements, 1);
-    assert_string_equal(b.session->measurement[0].of, "data swing");
+    assert_string_equal(b.session->measurement[0].source, "data swing");
     assert_string_equal(b.session->measurement[0].quantity, "period");
     assert_near(b.session->measurement[0].value.value, r.period.value, 0);
     /* The run and back. */
     type_ok(&b, "method verlet; run 9 s; cursor series");
-    assert_string_equal(c->of, "run 1");
+    assert_string_equal(c->subject, "run 1");
     type_ok(&b, "cursor series");
-    assert_string_equal(c->of, "data swing");
+    assert_string_equal(c->subject, "data swing");
     bench_close(&b);
 }
 
@@ -192,10 +192,10 @@ TEST(follow_what_they_stand_on)
     bench_open(&b, false);
     type_ok(&b, "method exact; run 5 s; cursor; cursor A 2 s");
     const struct cursors *c = cursors(&b);
-    const double t = c->at[0].t;
+    const double t = c->cursor[0].t;
     type_ok(&b, "k = 60; run 5 s"); /* twice the frequency */
-    assert_string_equal(c->of, "run 2");
-    assert_true(c->at[0].crossing > 0 && fabs(c->at[0].t - t) < T0 / 4);
+    assert_string_equal(c->subject, "run 2");
+    assert_true(c->cursor[0].crossing > 0 && fabs(c->cursor[0].t - t) < T0 / 4);
     assert_near(read_them(&b).period.value, T0 / 2, 1e-6);
     type_ok(&b, "drop all");
     assert_false(c->shown);

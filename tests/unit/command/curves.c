@@ -244,7 +244,7 @@ TEST(a_small_drift_is_not_drawn_from_top_to_bottom)
         if (asked)
             assert_true(fabs(from - to) > 0.7 && layout.y_ticks.offset > 0);
         else
-            assert_true(fabs(from - to) < 0.001 && layout.y.from <= 0 &&
+            assert_true(fabs(from - to) < 0.001 && layout.y.first_value <= 0 &&
                         layout.y_ticks.offset == 0);
         arena_reset(&arena);
     }

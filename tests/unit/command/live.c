@@ -407,7 +407,7 @@ TEST(replies_stay_apart)
     while (text_split(&rest, '\n', &line)) {
         prints += text_starts(line, TEXT("{\"kind\":\"print\",\"text\":\"2\""));
         runs += text_starts(line, TEXT("{\"kind\":\"run\",\"run\":1,\"method\":\"rk4\""));
-        assert_true(line.len == 0 || (line.at[0] == '{' && line.at[line.len - 1] == '}'));
+        assert_true(line.len == 0 || (line.data[0] == '{' && line.data[line.len - 1] == '}'));
     }
     assert_int_equal(prints, 1);
     assert_int_equal(runs, 1);

@@ -150,8 +150,8 @@ static void assert_same(const struct buffer *wanted, const struct buffer *got, c
     }
     if (!text_equal(x, y)) {
         fprintf(stderr, "%s\n", said(session));
-        fail_msg("%s: was '%.*s', is '%.*s'", what, (int)(x.len < 300 ? x.len : 300), x.at,
-                 (int)(y.len < 300 ? y.len : 300), y.at);
+        fail_msg("%s: was '%.*s', is '%.*s'", what, (int)(x.len < 300 ? x.len : 300), x.data,
+                 (int)(y.len < 300 ? y.len : 300), y.data);
     }
 }
 

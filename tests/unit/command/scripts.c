@@ -48,23 +48,23 @@ static bool take_err(void *context, struct text text)
 static bool contains(const struct buffer *buffer, struct text wanted)
 {
     return buffer->data && wanted.len > 0 &&
-           memmem(buffer->data, buffer->len, wanted.at, wanted.len);
+           memmem(buffer->data, buffer->len, wanted.data, wanted.len);
 }
 
 static bool mark(struct text *line, const char *name, struct text *value)
 {
     char key[32];
     snprintf(key, sizeof key, "# %s: ", name);
-    const char *at = line->len ? memmem(line->at, line->len, key, strlen(key)) : NULL;
+    const char *at = line->len ? memmem(line->data, line->len, key, strlen(key)) : NULL;
     if (!at)
         return false;
-    *value = (struct text){at + strlen(key), line->len - (size_t)(at - line->at) - strlen(key)};
+    *value = (struct text){at + strlen(key), line->len - (size_t)(at - line->data) - strlen(key)};
     /* The next mark on the same line ends this one. */
-    const char *next = memmem(value->at, value->len, " # ", 3);
-    const struct text rest = next ? (struct text){next, value->len - (size_t)(next - value->at)}
+    const char *next = memmem(value->data, value->len, " # ", 3);
+    const struct text rest = next ? (struct text){next, value->len - (size_t)(next - value->data)}
                                   : (struct text){NULL, 0};
     if (next)
-        value->len = (size_t)(next - value->at);
+        value->len = (size_t)(next - value->data);
     *value = text_trim(*value);
     *line = rest;
     return true;
@@ -82,13 +82,13 @@ struct scenario {
 static void complain(struct scenario *s, const char *what, struct text wanted)
 {
     s->failed = true;
-    printf("# %s:%d: %s '%.*s'\n", s->file, s->number, what, (int)wanted.len, wanted.at);
+    printf("# %s:%d: %s '%.*s'\n", s->file, s->number, what, (int)wanted.len, wanted.data);
     struct text rest = buffer_text(&s->capture.out), line;
-    while (text_split(&rest, '\n', &line) && rest.at)
-        printf("#   out: %.*s\n", (int)line.len, line.at);
+    while (text_split(&rest, '\n', &line) && rest.data)
+        printf("#   out: %.*s\n", (int)line.len, line.data);
     rest = buffer_text(&s->capture.err);
-    while (text_split(&rest, '\n', &line) && rest.at)
-        printf("#   err: %.*s\n", (int)line.len, line.at);
+    while (text_split(&rest, '\n', &line) && rest.data)
+        printf("#   err: %.*s\n", (int)line.len, line.data);
 }
 
 /* Checks all marks of one line against the output of the statement before them. Returns whether an
@@ -128,9 +128,9 @@ static bool starts_mark(struct text text)
 static struct text without_marks(struct text line)
 {
     size_t i = 0;
-    while (i < line.len && !starts_mark((struct text){line.at + i, line.len - i}))
+    while (i < line.len && !starts_mark((struct text){line.data + i, line.len - i}))
         i++;
-    return text_trim((struct text){line.at, i});
+    return text_trim((struct text){line.data, i});
 }
 
 /*
@@ -216,7 +216,7 @@ static struct text missing_name(struct text content)
         if (!text_starts(line, text_of(needs)))
             continue;
         const size_t len = strlen(needs);
-        const struct text name = text_trim((struct text){line.at + len, line.len - len});
+        const struct text name = text_trim((struct text){line.data + len, line.len - len});
         if (!is_here(name))
             return name;
     }
@@ -236,11 +236,11 @@ static bool run_file(const char *folder, const char *name, int number)
     const char *kind = strrchr(folder, '/') + 1;
     if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
         s.failed = true;
-    else if (!(missing = missing_name(buffer_text(&content))).at)
+    else if (!(missing = missing_name(buffer_text(&content))).data)
         run_lines(&s, buffer_text(&content));
-    if (missing.at)
+    if (missing.data)
         printf("ok %d - %s/%s # SKIP built without %.*s\n", number, kind, name, (int)missing.len,
-               missing.at);
+               missing.data);
     else
         printf("%s %d - %s/%s\n", s.failed ? "not ok" : "ok", number, kind, name);
     session_destroy(s.session);

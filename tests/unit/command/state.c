@@ -163,7 +163,7 @@ TEST(save_recreates_the_setup_exactly)
         struct text rest = buffer_text(&first), line;
         while (text_split(&rest, '\n', &line))
             if (!command_exec(b.session, line, NULL, &b.reply))
-                fail_msg("%.*s: %s", (int)line.len, line.at, said(&b.err));
+                fail_msg("%.*s: %s", (int)line.len, line.data, said(&b.err));
         assert_same_setup(&a.session->setup, &b.session->setup);
         session_save(b.session, &second);
         assert_string_equal(first.data, second.data);

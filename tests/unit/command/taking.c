@@ -30,7 +30,7 @@ static bool refused(struct bench *b, const struct command *command, const char *
     struct text line = text_of(statement);
     struct parser parser = {b->session, &scope, &arena, line};
     const size_t word = strlen(command->row.name);
-    parser.rest = (struct text){line.at + word, line.len - word};
+    parser.rest = (struct text){line.data + word, line.len - word};
     struct arguments *arguments = arena_alloc(&arena, sizeof *arguments);
     assert_non_null(arguments);
     arguments->scope = &scope;
@@ -118,7 +118,7 @@ TEST(says_where_a_word_stands)
                 bool takes;
                 snprintf(statement, sizeof statement, "%s %s", to->row.name, of->name);
                 if (!refused(&b, to, statement, &error) || error.where.len != name.len ||
-                    memcmp(error.where.at, of->name, name.len) != 0)
+                    memcmp(error.where.data, of->name, name.len) != 0)
                     continue;
                 const int said = commands_said(error.hint, name, &takes);
                 /* of what is known but not there yet: what makes it; of a choice: what there is */

@@ -78,7 +78,7 @@ static inline bool is_left_out(const char *line)
         struct error error;
         text_skip_blanks(&statement);
         const struct text word = peek_name(statement);
-        snprintf(name, sizeof name, "%.*s", (int)word.len, word.at);
+        snprintf(name, sizeof name, "%.*s", (int)word.len, word.data);
         is_out |= !module_is_in(name, word, &error);
     }
     return is_out;

@@ -44,7 +44,7 @@ static void rows_of(const char *line, int width, char rows[200])
     do {
         const struct text row = log_row(text, &from, width, &indent);
         n += (size_t)snprintf(rows + n, 200 - n, "%s%*s%.*s", n ? "|" : "", indent, "",
-                              (int)row.len, row.at);
+                              (int)row.len, row.data);
     } while (from < text.len);
 }
 

@@ -169,16 +169,16 @@ static void check_labels(const struct figure *figure, int width, int height)
                 fail_msg("%dx%d: labels too near", width, height);
         }
         if (labels != layout.x_ticks.count)
-            fail_msg("%dx%d x %g..%g: %d labels of %d", width, height, layout.x.from, layout.x.to,
-                     labels, layout.x_ticks.count);
+            fail_msg("%dx%d x %g..%g: %d labels of %d", width, height, layout.x.first_value,
+                     layout.x.last_value, labels, layout.x_ticks.count);
     }
     if (layout.y_labels) {
         int marks = 0;
         for (int r = 0; r < layout.rows; r++)
             marks += canvas.cell[(layout.top + r) * width + layout.left - 1].codepoint == 0x2524;
         if (marks != layout.y_ticks.count || marks < 2)
-            fail_msg("%dx%d y %g..%g: %d marks of %d", width, height, layout.y.from, layout.y.to,
-                     marks, layout.y_ticks.count);
+            fail_msg("%dx%d y %g..%g: %d marks of %d", width, height, layout.y.first_value,
+                     layout.y.last_value, marks, layout.y_ticks.count);
     }
     canvas_free(&canvas);
 }
@@ -279,7 +279,7 @@ TEST(test_one_diverging_run_does_not_flatten_the_others)
         wild[i] = 1e-3 * exp(20 * x[i]);
     }
     draw(&figure, &canvas, 60, 20, &charset_ascii, &layout);
-    assert_true(layout.y.to < 2 && layout.y.from > -2);
+    assert_true(layout.y.last_value < 2 && layout.y.first_value > -2);
     int arrows = 0;
     for (int c = 0; c < layout.columns; c++)
         arrows += canvas.cell[layout.top * 60 + layout.left + c].codepoint == '^';
@@ -301,7 +301,7 @@ TEST(test_one_arrow_a_side)
     double x[500], y[500];
     struct curve curve = {.x = x, .y = y, .n = 500};
     struct figure figure = {
-        .curve = &curve, .curves = 1, .y = {.from = -1, .to = 1, .fixed = true}};
+        .curve = &curve, .curves = 1, .y = {.first_value = -1, .last_value = 1, .fixed = true}};
     struct figure_layout layout;
     struct canvas canvas;
     (void)state;
@@ -358,15 +358,15 @@ TEST(test_nearly_constant)
     struct figure_layout layout;
     (void)state;
     figure_layout(&figure, 60, 20, &charset_braille, &layout);
-    assert_true(layout.y.from < 4.6 && layout.y.to > 5.4);
+    assert_true(layout.y.first_value < 4.6 && layout.y.last_value > 5.4);
     assert_true(layout.gutter <= 4);
     y[1] = 5 + 1e-9;
     y[2] = 5 - 1e-9;
     figure_layout(&figure, 60, 20, &charset_braille, &layout);
-    assert_true(layout.y.from > 5 - 3e-9 && layout.y.to < 5 + 3e-9);
+    assert_true(layout.y.first_value > 5 - 3e-9 && layout.y.last_value < 5 + 3e-9);
     y[1] = 5.01;
     figure_layout(&figure, 60, 20, &charset_braille, &layout);
-    assert_true(layout.y.from > 4.99 && layout.y.to < 5.02);
+    assert_true(layout.y.first_value > 4.99 && layout.y.last_value < 5.02);
 }
 
 TEST(test_few_rows)
@@ -376,8 +376,9 @@ TEST(test_few_rows)
     (void)state;
     for (int height = 7; height < 14; height++) {
         for (double top = 1; top < 10; top += 0.3) {
-            struct figure figure = {
-                .curve = &curve, .curves = 1, .y = {.from = -top, .to = top, .fixed = true}};
+            struct figure figure = {.curve = &curve,
+                                    .curves = 1,
+                                    .y = {.first_value = -top, .last_value = top, .fixed = true}};
             check_labels(&figure, 40, height);
         }
     }
@@ -417,15 +418,16 @@ TEST(test_bad_fixed_ranges)
     struct figure_layout layout;
     (void)state;
     for (size_t i = 0; i < COUNT_OF(bad); i++) { /* as if not fixed */
-        figure.x = figure.y = (struct axis){.from = bad[i][0], .to = bad[i][1], .fixed = true};
+        figure.x = figure.y =
+            (struct axis){.first_value = bad[i][0], .last_value = bad[i][1], .fixed = true};
         figure_layout(&figure, 40, 12, &charset_ascii, &layout);
-        assert_true(layout.x.from == 0 && layout.x.to == 2 && layout.y.from <= 1 &&
-                    layout.y.to >= 3);
+        assert_true(layout.x.first_value == 0 && layout.x.last_value == 2 &&
+                    layout.y.first_value <= 1 && layout.y.last_value >= 3);
     }
     figure.x = (struct axis){0};
-    figure.y = (struct axis){.from = -1, .to = 1, .fixed = true, .log = true};
+    figure.y = (struct axis){.first_value = -1, .last_value = 1, .fixed = true, .log = true};
     figure_layout(&figure, 40, 12, &charset_ascii, &layout);
-    assert_true(layout.y.from > 0 && layout.y.from <= 1 && layout.y.to >= 3);
+    assert_true(layout.y.first_value > 0 && layout.y.first_value <= 1 && layout.y.last_value >= 3);
 }
 
 /* y follows a fixed window of x. */
@@ -433,12 +435,13 @@ TEST(test_window)
 {
     double x[5] = {0, 1, 2, 3, 4}, y[5] = {100, 1, 2, 3, 100};
     struct curve curve = {.x = x, .y = y, .n = 5};
-    struct figure figure = {.curve = &curve, .curves = 1, .x = {.from = 1, .to = 3, .fixed = true}};
+    struct figure figure = {
+        .curve = &curve, .curves = 1, .x = {.first_value = 1, .last_value = 3, .fixed = true}};
     struct figure_layout layout;
     int column, row;
     (void)state;
     figure_layout(&figure, 40, 12, &charset_ascii, &layout);
-    assert_true(layout.y.to < 10);
+    assert_true(layout.y.last_value < 10);
     assert_true(figure_cell(&layout, 1, 1, &column, &row));
     assert_int_equal(column, 0);
     assert_true(figure_cell(&layout, 3, 1, &column, &row));

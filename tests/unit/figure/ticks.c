@@ -147,15 +147,17 @@ TEST(test_every_ratio_has_an_axis)
         const struct extent extent = {centre - half, centre + half, 0};
         const struct figure figure = {.curves = 0};
         const struct scale scale = axis_scale(&figure, true, extent, 5, 9);
-        if (!(scale.to - scale.from < 5 * half && scale.to - scale.from >= 1.9 * half) &&
+        if (!(scale.last_value - scale.first_value < 5 * half &&
+              scale.last_value - scale.first_value >= 1.9 * half) &&
             ratio < 0.1)
-            fail_msg("%g +- %g is drawn from %.17g to %.17g", centre, half, scale.from, scale.to);
+            fail_msg("%g +- %g is drawn from %.17g to %.17g", centre, half, scale.first_value,
+                     scale.last_value);
         const double middle = scale_fraction(&scale, centre),
-                     wanted = (centre - scale.from) / (scale.to - scale.from);
+                     wanted = (centre - scale.first_value) / (scale.last_value - scale.first_value);
         if (fabs(middle - wanted) > 1e-6)
             fail_msg("%g +- %g: the middle is drawn at %g, wanted %g", centre, half, middle,
                      wanted);
-        const struct ticks ticks = ticks_linear(scale.from, scale.to, 5, 9);
+        const struct ticks ticks = ticks_linear(scale.first_value, scale.last_value, 5, 9);
         char text[TICK_TEXT_SIZE] = "+ 0";
         double offset = 0;
         if (ticks.offset != 0)

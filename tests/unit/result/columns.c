@@ -60,7 +60,7 @@ static void note_cell(struct text_table *table, const void *row)
     cell_text(table, ((const struct pendulum *)row)->note[0] ? "noted" : "");
 }
 
-#define AT(member) .at = offsetof(struct pendulum, member)
+#define AT(member) .offset = offsetof(struct pendulum, member)
 
 /* clang-format off */
 static const struct result_column rows[] = {
@@ -231,25 +231,25 @@ static const void *list_spares(const void *row, size_t *count)
 }
 
 static const struct result_column of_clock[] = {
-    {.name = "unit", .kind = COLUMN_ROW, .at = offsetof(struct clock, unit)},
+    {.name = "unit", .kind = COLUMN_ROW, .offset = offsetof(struct clock, unit)},
     {.name = "use",
      .kind = COLUMN_CHOICE,
-     .at = offsetof(struct clock, use),
+     .offset = offsetof(struct clock, use),
      .choices = &use_catalog,
      .choice_first = 1},
     {.name = "pendulum",
      .kind = COLUMN_OBJECT,
-     .at = offsetof(struct clock, pendulum),
+     .offset = offsetof(struct clock, pendulum),
      .part = &part_columns},
     {.name = "spares", .kind = COLUMN_LIST, .part = &part_columns, .list = list_spares},
     {.name = "maker",
      .kind = COLUMN_NAME,
-     .in = COLUMN_IN(struct clock, model),
-     .at = offsetof(struct pendulum, maker)},
+     .pointer_offset = COLUMN_IN(struct clock, model),
+     .offset = offsetof(struct pendulum, maker)},
     {.name = "note",
      .kind = COLUMN_CHARS,
-     .in = COLUMN_IN(struct clock, model),
-     .at = offsetof(struct pendulum, note)}};
+     .pointer_offset = COLUMN_IN(struct clock, model),
+     .offset = offsetof(struct pendulum, note)}};
 static const struct result_columns clock_columns = RESULT_COLUMNS(of_clock, struct clock);
 
 TEST(parts_are_objects_and_lists_and_rows_give_their_names)

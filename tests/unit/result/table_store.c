@@ -100,13 +100,13 @@ TEST(the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is)
         table_store_take(&store, &made, i ? none : all, NULL);
     }
     assert_int_equal(store.count, 1);
-    assert_true(store.of[0]->table.column[0].value[0] == 0);
+    assert_true(store.table[0]->table.column[0].value[0] == 0);
     assert_true(table_store_put(&made, "swing", &arena, &whole));
     say_swing(&reply, 5, NULL);
     table_store_take(&store, &made, all, NULL);
     assert_int_equal(store.count, 1);
-    assert_int_equal(store.of[0]->table.columns, 1);
-    assert_int_equal(store.of[0]->table.rows, 2);
+    assert_int_equal(store.table[0]->table.columns, 1);
+    assert_int_equal(store.table[0]->table.rows, 2);
     table_store_free(&store);
     reply_free(&reply);
 }

@@ -472,7 +472,7 @@ static void test_touches_within_errors(void **state)
         start(f, by[m].method, by[m].dt, by[m].tol);
         add(f, "x - 1 touching", false);
         go(f, 20, -1);
-        if (run_event_records(f->run) != 3 && !run_event_doubt(f->run, 0).near)
+        if (run_event_records(f->run) != 3 && !run_event_doubt(f->run, 0).is_close)
             fail_msg("%s, dt %g, tol %g: %zu touches, no doubt", by[m].method, by[m].dt, by[m].tol,
                      run_event_records(f->run));
         start(f, by[m].method, by[m].dt, by[m].tol);

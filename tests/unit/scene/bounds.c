@@ -20,7 +20,7 @@ static const char *shown(struct buffer *text)
 static bool find(const void *context, struct text name, int *slot)
 {
     (void)context;
-    *slot = name.len == 1 && name.at[0] >= 'a' && name.at[0] <= 'c' ? name.at[0] - 'a' : -1;
+    *slot = name.len == 1 && name.data[0] >= 'a' && name.data[0] <= 'c' ? name.data[0] - 'a' : -1;
     return *slot >= 0;
 }
 
@@ -152,8 +152,8 @@ static bool inside(struct interval bounds, double value, double slack)
 static bool in_outer(struct outer bounds, double value)
 {
     if (!bounds.has_gap)
-        return inside(bounds.of, value, 0);
-    return value != value || value <= bounds.of.lo || value >= bounds.of.hi;
+        return inside(bounds.interval, value, 0);
+    return value != value || value <= bounds.interval.lo || value >= bounds.interval.hi;
 }
 
 /* Near poles values are outside of the gap. */
@@ -193,7 +193,7 @@ TEST(test_gaps)
             const double f = expr_value(expr, &at);
             if (!in_outer(bounds, f))
                 fail_msg("%s: %.17g is not in %s%.17g, %.17g", shown(&text), f,
-                         bounds.has_gap ? "all but " : "", bounds.of.lo, bounds.of.hi);
+                         bounds.has_gap ? "all but " : "", bounds.interval.lo, bounds.interval.hi);
         }
         arena_reset(&arena);
     }
@@ -238,7 +238,7 @@ TEST(test_inclusion)
                          about.value.lo, about.value.hi);
             if (!in_outer(outer, fx))
                 fail_msg("%s: %.17g in the gap or outside of %.17g .. %.17g", shown(&text), fx,
-                         outer.of.lo, outer.of.hi);
+                         outer.interval.lo, outer.interval.hi);
             if (!inside(bounds.value, fx, 0))
                 fail_msg("%s: %.17g outside of %.17g .. %.17g", shown(&text), fx, bounds.value.lo,
                          bounds.value.hi);

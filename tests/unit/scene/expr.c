@@ -183,10 +183,11 @@ static void expect_mistake(const char *source, const char *sentence, const char 
     arena_reset(&arena);
     if (strcmp(error.text, sentence) != 0)
         fail_msg("'%s' says '%s', wanted '%s'", source, error.text, sentence);
-    assert_true(error.where.at >= source && error.where.at + error.where.len <= source + text.len);
+    assert_true(error.where.data >= source &&
+                error.where.data + error.where.len <= source + text.len);
     if (!text_is(error.where, where))
-        fail_msg("'%s' points at '%.*s', wanted '%s'", source, (int)error.where.len, error.where.at,
-                 where);
+        fail_msg("'%s' points at '%.*s', wanted '%s'", source, (int)error.where.len,
+                 error.where.data, where);
     if (!strstr(error.hint, hint) || (!*hint && *error.hint))
         fail_msg("'%s' hints '%s', wanted '%s'", source, error.hint, hint);
     assert_int_equal(error.code, ERROR_COMMAND);

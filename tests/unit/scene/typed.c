@@ -183,10 +183,10 @@ static void refused(struct fixture *f, const char *line, const char *message, co
         fail_msg("%s is taken", line);
     if (!strstr(f->error.text, message) && !strstr(f->error.hint, message))
         fail_msg("%s: %s (%s)", line, f->error.text, f->error.hint);
-    const char *at = f->error.where.at;
+    const char *at = f->error.where.data;
     if (where && !(text_is(f->error.where, where) && at >= line && at < line + strlen(line)))
         fail_msg("%s: at '%.*s'", line, (int)f->error.where.len,
-                 f->error.where.at ? f->error.where.at : "");
+                 f->error.where.data ? f->error.where.data : "");
 }
 
 static void test_refusals(void **state)

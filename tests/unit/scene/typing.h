@@ -12,10 +12,10 @@ static inline struct text typing_word(struct text *rest)
 {
     *rest = text_trim(*rest);
     size_t n = 0;
-    while (n < rest->len && !strchr(" =", rest->at[n]))
+    while (n < rest->len && !strchr(" =", rest->data[n]))
         n++;
-    struct text word = {rest->at, n};
-    *rest = text_trim((struct text){rest->at + n, rest->len - n});
+    struct text word = {rest->data, n};
+    *rest = text_trim((struct text){rest->data + n, rest->len - n});
     return word;
 }
 
@@ -32,12 +32,12 @@ static inline struct typed_line typing_line(struct text text)
         if (text_is(word, kind[i]))
             line.kind = (enum typed_kind)i;
     if (line.kind == TYPED_EQUATION)
-        for (; word.len > 0 && word.at[word.len - 1] == '\''; word.len--)
+        for (; word.len > 0 && word.data[word.len - 1] == '\''; word.len--)
             line.order++;
     if (line.kind != TYPED_FORCE && line.kind != TYPED_POTENTIAL) {
         line.name = line.kind == TYPED_EQUATION ? word : typing_word(&rest);
-        if (rest.len > 0 && rest.at[0] == '=')
-            rest = text_trim((struct text){rest.at + 1, rest.len - 1});
+        if (rest.len > 0 && rest.data[0] == '=')
+            rest = text_trim((struct text){rest.data + 1, rest.len - 1});
     }
     line.expr = rest;
     if (line.kind == TYPED_VAR || line.kind == TYPED_PARAM)

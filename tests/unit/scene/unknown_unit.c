@@ -79,16 +79,16 @@ static void check(const struct writing *w, int *named)
     char wanted[60];
     size_t used = 0;
     const struct text text = buffer_text(&w->text),
-                      rest = {text.at + w->word_begin, text.len - w->word_begin};
+                      rest = {text.data + w->word_begin, text.len - w->word_begin};
     snprintf(wanted, sizeof wanted, "unknown unit '%s'", w->word);
     const bool read = expr_compile(text, &scope, &arena, &used, &error) != NULL;
     if (!text_is(unit_word(rest), w->word))
-        fail_msg("'%s': the word is '%.*s'", text.at, (int)unit_word(rest).len, rest.at);
-    if (read && strspn(text.at + used, " ") + used != w->word_begin)
-        fail_msg("'%s' was read up to %zu", text.at, used);
-    if (!read && (strcmp(error.text, wanted) != 0 || error.where.at != rest.at ||
+        fail_msg("'%s': the word is '%.*s'", text.data, (int)unit_word(rest).len, rest.data);
+    if (read && strspn(text.data + used, " ") + used != w->word_begin)
+        fail_msg("'%s' was read up to %zu", text.data, used);
+    if (!read && (strcmp(error.text, wanted) != 0 || error.where.data != rest.data ||
                   error.where.len != strlen(w->word)))
-        fail_msg("'%s' says '%s', wanted '%s'", text.at, error.text, wanted);
+        fail_msg("'%s' says '%s', wanted '%s'", text.data, error.text, wanted);
     *named += !read;
     arena_reset(&arena);
 }

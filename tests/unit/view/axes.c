@@ -136,18 +136,18 @@ static void add_panels(struct panes *p, const struct placed_pane *placed,
                        const struct figure *figure)
 {
     struct figure_panel panel[PANELS_MAX];
-    const int panels = figure_panels(figure, placed->at.width, pane_drawn_height(placed),
+    const int panels = figure_panels(figure, placed->area.width, pane_drawn_height(placed),
                                      p->screen.charset, panel);
     for (int i = 0; i < panels; i++) {
         /* the next one has the axis of both */
         const bool covered = i + 1 < panels && !figure->plane;
         const int seen = covered         ? panel[i + 1].y - panel[i].y
                          : figure->plane ? panel[i].height
-                                         : placed->at.height - panel[i].y;
+                                         : placed->area.height - panel[i].y;
         struct placed_pane *part = &p->placed[p->placed_count];
         *part = *placed;
-        part->at = (struct rectangle){placed->at.x + panel[i].x, placed->at.y + panel[i].y,
-                                      panel[i].width, seen};
+        part->area = (struct rectangle){placed->area.x + panel[i].x, placed->area.y + panel[i].y,
+                                        panel[i].width, seen};
         part->open = covered || placed->open;
         p->figure[p->placed_count] = part_of(p, &panel[i].figure);
         figure_layout(&panel[i].figure, panel[i].width, panel[i].height, p->screen.charset,
@@ -258,7 +258,7 @@ static void check_figure(const struct trial *s, struct panes *p, int placed)
         for (size_t i = 0; i < curve->n; i++) {
             int column, row, other;
             if (!figure_cell(own, curve->x[i], curve->y[i], &column, &row) ||
-                !figure_cell(axis, curve->x[i], axis->y.from, &other, &row))
+                !figure_cell(axis, curve->x[i], axis->y.first_value, &other, &row))
                 continue;
             if (own->left + column != axis->left + other)
                 fail_msg("%dx%d: a sample of pane %d at x = %g is in column %d, the axis has it in "
@@ -284,14 +284,14 @@ static bool read_pane(const struct panes *p, int placed, const struct canvas *ca
                       struct reader *reader)
 {
     const struct placed_pane *bottom = &p->placed[printed_by(p, placed)];
-    const struct rectangle at = p->placed[placed].at;
+    const struct rectangle at = p->placed[placed].area;
     const struct figure *figure = &p->figure[placed];
     *reader = (struct reader){.canvas = canvas,
                               .left = at.x,
                               .right = at.x + at.width - 1,
                               .top = at.y,
                               .bottom = at.y + at.height - (p->placed[placed].open ? 0 : 1),
-                              .axis_row = bottom->at.y + bottom->at.height - 3};
+                              .axis_row = bottom->area.y + bottom->area.height - 3};
     return p->layout[placed].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
            read_y_axis(reader, axis_unit(&figure->y), p->layout[placed].y.log) &&
            p->layout[placed].y_decades == p->layout[placed].y.log;

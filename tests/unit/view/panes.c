@@ -190,15 +190,15 @@ static void set_cursors(struct session *session)
 {
     struct cursors *cursors = &session->view.cursors;
     cursors->shown = true;
-    cursors->at[0].set = cursors->at[1].set = true;
-    cursors->at[0].t = 1.4530;
-    cursors->at[1].t = 9.2022;
-    cursors->at[0].t_uncertainty = cursors->at[1].t_uncertainty = 4e-4;
-    cursors->at[0].amplitude = 0.04;
-    cursors->at[1].amplitude = 0.04 * exp(-0.035 * (9.2022 - 1.4530));
+    cursors->cursor[0].set = cursors->cursor[1].set = true;
+    cursors->cursor[0].t = 1.4530;
+    cursors->cursor[1].t = 9.2022;
+    cursors->cursor[0].t_uncertainty = cursors->cursor[1].t_uncertainty = 4e-4;
+    cursors->cursor[0].amplitude = 0.04;
+    cursors->cursor[1].amplitude = 0.04 * exp(-0.035 * (9.2022 - 1.4530));
     cursors->quantity = QUANTITY_LENGTH;
-    cursors->at[0].crossing = 1;
-    cursors->at[1].crossing = 5;
+    cursors->cursor[0].crossing = 1;
+    cursors->cursor[1].crossing = 5;
     cursors->periods = 4;
 }
 
@@ -271,7 +271,7 @@ static struct figure figure_of(const struct session *session, enum plot_kind kin
                                      .follow = follow,
                                      .pages = 4,
                                      .span = follow ? 1000 : 0,
-                                     .until = NAN};
+                                     .t_end = NAN};
     struct figure figure;
     struct error error;
     if (!session_figure(session, &request, arena, &figure, &error))

@@ -15,9 +15,9 @@ TEST(every_size_can_be_drawn)
     for (int utf8 = 0; utf8 < 2; utf8++) {
         struct session *session = begin(utf8, swing);
         tell(session, "run 30 s");
-        session->view.cursors.at[0].set = session->view.cursors.at[1].set = true;
-        session->view.cursors.at[0].t = 25;
-        session->view.cursors.at[1].t = 29;
+        session->view.cursors.cursor[0].set = session->view.cursors.cursor[1].set = true;
+        session->view.cursors.cursor[0].t = 25;
+        session->view.cursors.cursor[1].t = 29;
         session->live.marks[session->live.mark_count++] = 27;
         for (size_t layout = 0; layout < layout_catalog.count; layout++) {
             session->view.layout = (enum layout)layout;

@@ -31,7 +31,7 @@ enum {
 
 /* The arrival of the line at place x: from + interval x. */
 struct arrival_line {
-    double from, interval;
+    double intercept, interval;
 };
 
 static double median_slope(const struct arrivals *a, const double *place, double *scratch)
@@ -47,7 +47,7 @@ static double median_slope(const struct arrivals *a, const double *place, double
 static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
                     size_t i)
 {
-    return a->arrival[i] - line.from - line.interval * place[i];
+    return a->arrival[i] - line.intercept - line.interval * place[i];
 }
 
 /* Through those that are no later or earlier than `limit` [s] by the line as it is. */
@@ -67,7 +67,7 @@ static void least_squares(const struct arrivals *a, const double *place, double 
             xy += (place[i] - x) * (a->arrival[i] - y);
         }
     line->interval = xx > 0 ? xy / xx : NAN;
-    line->from = y - line->interval * x;
+    line->intercept = y - line->interval * x;
 }
 
 static size_t block_of(const struct arrivals *a)
@@ -115,36 +115,37 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
         scratch[n++] = fabs(smallest(a, place, line, k) - smallest(a, place, line, k - 1));
     const double least = several_at_once(a, line) ? 1 + STEP_MIN : STEP_MIN;
     const double usual = STEP_SIGMAS * MAD_TO_SIGMA * values_quantile(scratch, n, 0.5);
-    double before = smallest(a, place, line, 0), at = 0;
+    double previous = smallest(a, place, line, 0), lost_time = 0;
     memset(scratch, 0, each * sizeof *scratch);
     for (size_t k = 1; k < blocks; k++) {
-        const double now = smallest(a, place, line, k) - at, step = now - before;
+        const double now = smallest(a, place, line, k) - lost_time, step = now - previous;
         const bool steps = step > usual && step > least * line.interval;
         /* none of these has lines before it, and what only waited comes in time again */
-        double after = k + 1 < blocks || !steps ? HUGE_VAL : step;
+        double remaining_rise = k + 1 < blocks || !steps ? HUGE_VAL : step;
         for (size_t j = k + 1; steps && j < blocks && j <= k + AHEAD; j++)
-            after = fmin(after, smallest(a, place, line, j) - at - before);
-        const double whole = nearbyint(after / line.interval);
+            remaining_rise =
+                fmin(remaining_rise, smallest(a, place, line, j) - lost_time - previous);
+        const double whole = nearbyint(remaining_rise / line.interval);
         if (!steps || whole < 1) {
-            before = steps ? before : fmin(now, before + usual);
+            previous = steps ? previous : fmin(now, previous + usual);
             for (size_t i = k * each; i < (k + 1) * each; i++)
-                scratch[i] = at / line.interval;
+                scratch[i] = lost_time / line.interval;
             continue;
         }
         size_t first = k * each;
         /* where it begins: behind the last line that came in time */
-        const double half = before + at + 0.5 * whole * line.interval;
+        const double half = previous + lost_time + 0.5 * whole * line.interval;
         while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
             first++;
         while (first > (k - 1) * each && delay(a, place, line, first - 1) > half)
             first--;
-        at += whole * line.interval;
+        lost_time += whole * line.interval;
         moved += (size_t)whole;
         *lost += pauses(a, first) ? 0 : (size_t)whole;
         for (size_t i = k * each; i < first; i++)
-            scratch[i] = at / line.interval - whole;
+            scratch[i] = lost_time / line.interval - whole;
         for (size_t i = first; i < (k + 1) * each; i++)
-            scratch[i] = at / line.interval;
+            scratch[i] = lost_time / line.interval;
     }
     for (size_t i = 0; i < a->n; i++)
         place[i] += nearbyint(scratch[i < blocks * each ? i : blocks * each - 1]);
@@ -193,7 +194,7 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     }
     for (size_t i = 0; i < n; i++)
         scratch[i] = delay(a, place, line, i);
-    line.from += values_quantile(scratch, n, 0.5);
+    line.intercept += values_quantile(scratch, n, 0.5);
     least_squares(a, place,
                   LATE_LINE_SIGMAS * scatter(a, place, line, 1, scratch) + ARRIVAL_ROUNDING_SECONDS,
                   &line);
@@ -216,6 +217,6 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     collected->rate =
         (struct measured){1 / line.interval, of_interval / (line.interval * line.interval)};
     for (size_t i = 0; i < n; i++)
-        t[i] = line.from + line.interval * place[i];
+        t[i] = line.intercept + line.interval * place[i];
     return true;
 }

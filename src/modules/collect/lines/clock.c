@@ -33,7 +33,7 @@ static const double full[] = {65536, 4294967296, 4294967.296, 4294.967296, 256};
 /* Steps between the stamps of a column. */
 struct clock_steps {
     double usual; /* the median of those that go up; NAN if none does */
-    size_t up, back, all;
+    size_t rises, back, all;
     bool whole; /* all stamps are whole numbers */
 };
 
@@ -41,17 +41,17 @@ static struct clock_steps clock_steps_count(const double *v, size_t n, double *s
 {
     struct clock_steps steps = {.usual = NAN, .whole = true};
     size_t rising = 0;
-    double before = NAN;
+    double previous = NAN;
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(v[i]))
             continue;
-        steps.all += isnan(before) ? 0 : 1;
-        steps.up += v[i] >= before ? 1 : 0;
-        steps.back += v[i] < before ? 1 : 0;
+        steps.all += isnan(previous) ? 0 : 1;
+        steps.rises += v[i] >= previous ? 1 : 0;
+        steps.back += v[i] < previous ? 1 : 0;
         steps.whole = steps.whole && v[i] == floor(v[i]);
-        if (v[i] > before)
-            scratch[rising++] = v[i] - before;
-        before = v[i];
+        if (v[i] > previous)
+            scratch[rising++] = v[i] - previous;
+        previous = v[i];
     }
     if (rising > 0)
         steps.usual = values_quantile(scratch, rising, 0.5);
@@ -156,26 +156,26 @@ static bool steps_are_even(const double *v, size_t n, const struct clock_steps *
     size_t even = 0;
     for (size_t i = 1; i < n; i++)
         even += fabs(v[i] - v[i - 1] - steps->usual) <= 0.5 * steps->usual ? 1 : 0;
-    return (double)even >= RISING_UNNAMED * (double)steps->up;
+    return (double)even >= RISING_UNNAMED * (double)steps->rises;
 }
 
 bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended)
 {
     double *scratch = arena_array(arena, a->n + 1, sizeof *scratch), offset = 0, was = NAN;
-    *mended = (struct clock_mended){.after = arena_array(arena, a->n + 1, sizeof(bool))};
-    if (!scratch || !mended->after)
+    *mended = (struct clock_mended){.is_restart = arena_array(arena, a->n + 1, sizeof(bool))};
+    if (!scratch || !mended->is_restart)
         return false;
     const double pace = clock_pace(a, v, scratch);
     const struct clock_steps steps = clock_steps_count(v, a->n, scratch);
-    const double usual = steps.usual, up = (double)steps.up, all = (double)steps.all;
-    const bool one_start = steps.back == 1 && steps.up > 2 && steps_are_even(v, a->n, &steps),
-               rises = steps.up > 1 && (up >= RISING_UNNAMED * all || one_start ||
-                                        (trusted && up >= RISING_KNOWN * all));
+    const double usual = steps.usual, rise_count = (double)steps.rises, all = (double)steps.all;
+    const bool one_start = steps.back == 1 && steps.rises > 2 && steps_are_even(v, a->n, &steps),
+               rises = steps.rises > 1 && (rise_count >= RISING_UNNAMED * all || one_start ||
+                                           (trusted && rise_count >= RISING_KNOWN * all));
     const bool is_clock = rises && (trusted || !is_sawtooth(v, a->n, &steps));
     size_t last = 0;
     for (size_t i = 0; rises && i < a->n; i++) {
-        mended->after[i] = false;
+        mended->is_restart[i] = false;
         if (!isfinite(v[i]))
             continue;
         const double now = v[i];
@@ -191,7 +191,7 @@ bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, dou
             offset += was - now + step_over(was, now, passed > 0 ? passed : 0, &steps, &wrapped);
             mended->starts += wrapped ? 0 : 1;
             mended->wraps += wrapped ? 1 : 0;
-            mended->after[i] = !wrapped;
+            mended->is_restart[i] = !wrapped;
         }
         was = now;
         last = i;
@@ -200,8 +200,8 @@ bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, dou
     return true;
 }
 
-size_t clock_lost(const struct arrivals *a, const double *t, const bool *after, double *scratch,
-                  bool *known)
+size_t clock_lost(const struct arrivals *a, const double *t, const bool *is_restart,
+                  double *scratch, bool *known)
 {
     size_t lost = 0, even = 0;
     for (size_t i = 0; i + 1 < a->n; i++)
@@ -209,11 +209,11 @@ size_t clock_lost(const struct arrivals *a, const double *t, const bool *after, 
     const double usual = a->n > 1 ? values_quantile(scratch, a->n - 1, 0.5) : NAN;
     for (size_t i = 0; i + 1 < a->n; i++) {
         const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
-                     between = a->order[i + 1] - a->order[i]; /* with those that were garbled */
+                     received = a->order[i + 1] - a->order[i]; /* with those that were garbled */
         even += fabs(steps - whole) < EVEN_STEP_TOLERANCE ? 1 : 0;
-        if (steps > GAP_STEPS && steps < 1e9 && whole > between && !(after && after[i + 1]) &&
-            !(a->pause && a->pause[i + 1]))
-            lost += (size_t)(whole - between);
+        if (steps > GAP_STEPS && steps < 1e9 && whole > received &&
+            !(is_restart && is_restart[i + 1]) && !(a->pause && a->pause[i + 1]))
+            lost += (size_t)(whole - received);
     }
     *known = (double)even >= EVEN_MIN * (double)(a->n - 1);
     return *known ? lost : 0;

@@ -23,11 +23,11 @@
 
 static bool is_plain(struct text line, size_t i, size_t *len)
 {
-    const unsigned char c = (unsigned char)line.at[i];
+    const unsigned char c = (unsigned char)line.data[i];
     *len = 1;
     if (c < 0x80)
         return c == '\t' || (c >= ' ' && c < 0x7F);
-    const uint32_t codepoint = text_codepoint((struct text){line.at + i, line.len - i}, len);
+    const uint32_t codepoint = text_codepoint((struct text){line.data + i, line.len - i}, len);
     const bool plain = codepoint != CODEPOINT_INVALID && !codepoint_hidden(codepoint);
     *len = plain ? *len : 1;
     return plain;
@@ -35,15 +35,15 @@ static bool is_plain(struct text line, size_t i, size_t *len)
 
 void collected_put(struct buffer *file, double arrival, struct text line)
 {
-    while (line.len > 0 && line.at[line.len - 1] == '\r')
+    while (line.len > 0 && line.data[line.len - 1] == '\r')
         line.len--;
     buffer_format(file, "%.6f\t", arrival);
     const size_t end = line.len < COLLECTED_LINE ? line.len : COLLECTED_LINE;
     for (size_t i = 0, len; i < end; i += len)
         if (is_plain(line, i, &len))
-            buffer_put(file, (struct text){line.at + i, len});
+            buffer_put(file, (struct text){line.data + i, len});
         else
-            buffer_format(file, "\\x%02X", (unsigned char)line.at[i]);
+            buffer_format(file, "\\x%02X", (unsigned char)line.data[i]);
     buffer_put(file, line.len > end ? TEXT(CUT_MARK "\n") : TEXT("\n"));
 }
 
@@ -58,54 +58,54 @@ struct collected_text {
 };
 
 static bool split_lines(const struct table_text *text, struct arena *arena,
-                        struct collected *collected, struct collected_text *out)
+                        struct collected *collected, struct collected_text *result)
 {
     struct text rest = text->text, line;
     size_t max = 1;
     bool pause = false;
     for (size_t i = 0; i < rest.len; i++)
-        max += rest.at[i] == '\n';
-    out->arrival = arena_array(arena, max, sizeof *out->arrival);
-    out->order = arena_array(arena, max, sizeof *out->order);
-    out->pause = arena_array(arena, max, sizeof *out->pause);
-    if (!out->arrival || !out->order || !out->pause)
+        max += rest.data[i] == '\n';
+    result->arrival = arena_array(arena, max, sizeof *result->arrival);
+    result->order = arena_array(arena, max, sizeof *result->order);
+    result->pause = arena_array(arena, max, sizeof *result->pause);
+    if (!result->arrival || !result->order || !result->pause)
         return false;
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         const struct text mark = TEXT(COLLECTED_STATEMENT);
         size_t used = 0;
         double arrival;
         if (text_starts(line, mark)) {
-            collected->statement = (struct text){line.at + mark.len, line.len - mark.len};
+            collected->statement = (struct text){line.data + mark.len, line.len - mark.len};
             continue;
         }
         if (text_starts(line, TEXT(COLLECTED_CALIBRATION))) {
             const size_t len = strlen(COLLECTED_CALIBRATION);
-            calibration_take_line((struct text){line.at + len, line.len - len},
+            calibration_take_line((struct text){line.data + len, line.len - len},
                                   &collected->calibration);
             continue;
         }
         pause |= text_is(line, COLLECTED_PAUSE);
-        if (line.len == 0 || line.at[0] == '#' ||
+        if (line.len == 0 || line.data[0] == '#' ||
             real_scan(line, '.', &arrival, &used) != REAL_OK || used == line.len ||
-            line.at[used] != '\t' || out->count == max)
+            line.data[used] != '\t' || result->count == max)
             continue;
-        struct text came = {line.at + used + 1, line.len - used - 1};
-        if (out->count == 0 && text_starts(came, TEXT(BYTE_ORDER_MARK)))
-            came = (struct text){came.at + strlen(BYTE_ORDER_MARK),
+        struct text came = {line.data + used + 1, line.len - used - 1};
+        if (result->count == 0 && text_starts(came, TEXT(BYTE_ORDER_MARK)))
+            came = (struct text){came.data + strlen(BYTE_ORDER_MARK),
                                  came.len - strlen(BYTE_ORDER_MARK)};
-        const bool garbled = came.len > 0 && memchr(came.at, '\\', came.len);
-        out->arrival[out->count] = arrival;
-        out->pause[out->count] = pause && out->count > 0;
+        const bool garbled = came.len > 0 && memchr(came.data, '\\', came.len);
+        result->arrival[result->count] = arrival;
+        result->pause[result->count] = pause && result->count > 0;
         pause = false;
-        out->order[out->count++] = (double)out->came;
+        result->order[result->count++] = (double)result->came;
         const bool remark = !garbled && table_comment(came);
-        out->remarks += remark;
-        out->came += garbled || (text_trim(came).len > 0 && !remark);
+        result->remarks += remark;
+        result->came += garbled || (text_trim(came).len > 0 && !remark);
         if (!garbled)
-            buffer_put(&out->lines, came);
-        buffer_char(&out->lines, '\n');
+            buffer_put(&result->lines, came);
+        buffer_char(&result->lines, '\n');
     }
-    return !out->lines.failed;
+    return !result->lines.failed;
 }
 
 /* ---- times ---- */
@@ -125,13 +125,13 @@ static const struct unit *clock_unit(struct recording *recording, double pace)
 }
 
 static bool lines_of(const struct recording *recording, const struct collected_text *lines,
-                     struct arena *arena, struct arrivals *out)
+                     struct arena *arena, struct arrivals *result)
 {
     const size_t n = recording->rows;
     double *arrival = arena_array(arena, n + 1, sizeof *arrival),
            *order = arena_array(arena, n + 1, sizeof *order);
     bool *pause = arena_array(arena, n + 1, sizeof *pause);
-    *out = (struct arrivals){arrival, order, n, false, pause};
+    *result = (struct arrivals){arrival, order, n, false, pause};
     for (size_t i = 0, line = 0; arrival && order && pause && i < n; i++) {
         for (pause[i] = false; line < recording->line[i]; line++)
             pause[i] |= i > 0 && lines->pause[line];
@@ -146,16 +146,16 @@ static bool count_by(const struct arrivals *a, const double *counter, struct are
                      struct collected *collected, struct arrivals *counted)
 {
     double *order = arena_array(arena, a->n + 1, sizeof *order);
-    double before = 0;
-    for (size_t i = 0, at = 0; order && i < a->n; i++) {
-        const double came = i > 0 ? a->order[i] - a->order[at] : 0;
-        order[i] = before + came;
+    double previous_order = 0;
+    for (size_t i = 0, previous_index = 0; order && i < a->n; i++) {
+        const double came = i > 0 ? a->order[i] - a->order[previous_index] : 0;
+        order[i] = previous_order + came;
         if (isfinite(counter[i])) {
-            order[i] = fmax(before + came, counter[i] - counter[0]);
-            collected->lost += a->pause[i] ? 0 : (size_t)(order[i] - before - came);
+            order[i] = fmax(previous_order + came, counter[i] - counter[0]);
+            collected->lost += a->pause[i] ? 0 : (size_t)(order[i] - previous_order - came);
         }
-        before = order[i];
-        at = i;
+        previous_order = order[i];
+        previous_index = i;
     }
     collected->lost_known = true;
     *counted = (struct arrivals){a->arrival, order, a->n, true, a->pause};
@@ -190,13 +190,14 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
 
 /* Stamps that go back are mended before anybody looks at them: of a column that nobody has named
  * only where the arrivals say that it is a clock. */
-static bool mend_clock(struct recording *recording, const struct arrivals *arrivals, int at,
-                       bool said, struct arena *arena, struct clock_mended *mended)
+static bool mend_clock(struct recording *recording, const struct arrivals *arrivals,
+                       int column_index, bool said, struct arena *arena,
+                       struct clock_mended *mended)
 {
     static const double units[] = {1, 1e3, 1e6}; /* of a second: 1, ms, us */
-    if (at < 0)
+    if (column_index < 0)
         return true;
-    const struct column *column = &recording->column[at];
+    const struct column *column = &recording->column[column_index];
     double *scratch = arena_array(arena, arrivals->n + 1, sizeof *scratch);
     if (!scratch)
         return false;
@@ -225,11 +226,11 @@ static bool counts_time(double pace)
 }
 
 /* By that column. */
-static bool choose_time(struct recording *recording, struct load_options *options, int at,
+static bool choose_time(struct recording *recording, struct load_options *options, int column_index,
                         struct arena *arena, struct error *error)
 {
     char number[16];
-    snprintf(number, sizeof number, "%d", at + 1);
+    snprintf(number, sizeof number, "%d", column_index + 1);
     const char *copy = arena_text(arena, text_of(number));
     options->time = copy ? text_of(copy) : options->time;
     return copy ? recording_choose(recording, options, error) : error_memory(error);
@@ -270,8 +271,10 @@ static bool choose_columns(struct recording *recording, const struct collected_t
     double *scratch = arena_array(arena, arrivals.n + 1, sizeof *scratch);
     if (!scratch)
         return error_memory(error);
-    const int at = chosen ? recording->time : counter;
-    const double pace = at < 0 ? NAN : clock_pace(&arrivals, recording->column[at].value, scratch);
+    const int column_index = chosen ? recording->time : counter;
+    const double pace = column_index < 0
+                            ? NAN
+                            : clock_pace(&arrivals, recording->column[column_index].value, scratch);
     if (counter >= 0 && !given && (options->time_unit || counts_time(pace)))
         chosen = choose_time(recording, options, counter, arena, &none);
     if (chosen && recording->source == TIME_COLUMN) {
@@ -303,15 +306,16 @@ static bool count_lost(const struct recording *recording, const struct collected
 {
     struct arrivals arrivals;
     double *scratch = arena_array(arena, recording->rows + 1, sizeof *scratch);
-    bool *after = arena_array(arena, recording->rows + 1, sizeof *after);
-    if (!scratch || !after || !lines_of(recording, lines, arena, &arrivals))
+    bool *is_restart = arena_array(arena, recording->rows + 1, sizeof *is_restart);
+    if (!scratch || !is_restart || !lines_of(recording, lines, arena, &arrivals))
         return false;
-    for (size_t i = 0, row = 0; mended->after && i < recording->rows; i++) {
+    for (size_t i = 0, row = 0; mended->is_restart && i < recording->rows; i++) {
         for (; row < rows && line[row] < recording->line[i]; row++)
-            after[i] |= mended->after[row];
-        after[i] |= row < rows && mended->after[row];
+            is_restart[i] |= mended->is_restart[row];
+        is_restart[i] |= row < rows && mended->is_restart[row];
     }
-    collected->lost = clock_lost(&arrivals, recording->t, after, scratch, &collected->lost_known);
+    collected->lost =
+        clock_lost(&arrivals, recording->t, is_restart, scratch, &collected->lost_known);
     return true;
 }
 
@@ -375,11 +379,11 @@ static const struct unit *stated_unit(struct text statement)
 {
     const struct text key = TEXT(" unit=");
     while (statement.len > 0 && !text_starts(statement, key))
-        statement = (struct text){statement.at + 1, statement.len - 1};
+        statement = (struct text){statement.data + 1, statement.len - 1};
     size_t len = key.len;
-    while (len < statement.len && statement.at[len] != ' ')
+    while (len < statement.len && statement.data[len] != ' ')
         len++;
-    return statement.len > 0 ? unit_find((struct text){statement.at + key.len, len - key.len})
+    return statement.len > 0 ? unit_find((struct text){statement.data + key.len, len - key.len})
                              : NULL;
 }
 
@@ -401,7 +405,7 @@ static bool read_lines(const struct table_text *text, struct collected_text *lin
         return false;
     const size_t rows = recording->rows;
     uint32_t *line = arena_array(arena, rows, sizeof *line);
-    struct clock_mended mended = {.after = NULL};
+    struct clock_mended mended = {.is_restart = NULL};
     if (!line)
         return error_memory(error);
     memcpy(line, recording->line, rows * sizeof *line);

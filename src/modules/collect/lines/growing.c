@@ -43,14 +43,14 @@ static bool rows_reserve(struct lengthening *growth, struct recording *recording
     return true;
 }
 
-static void move_row(struct recording *to, const struct recording *from, size_t row)
+static void move_row(struct recording *target, const struct recording *source, size_t row)
 {
-    const size_t at = to->rows++;
-    for (int i = 0; i < to->columns; i++)
-        to->column[i].value[at] = from->column[i].value[row];
-    to->t[at] = from->t[row];
-    to->y[at] = from->y[row];
-    to->line[at] = from->line[row];
+    const size_t target_row = target->rows++;
+    for (int i = 0; i < target->columns; i++)
+        target->column[i].value[target_row] = source->column[i].value[row];
+    target->t[target_row] = source->t[row];
+    target->y[target_row] = source->y[row];
+    target->line[target_row] = source->line[row];
 }
 
 /* Every second row stays, where there are too many. */

@@ -64,16 +64,16 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     speed_t speed = B0;
     if (!find_speed(baud, &speed, error))
         return false;
-    if (tcgetattr(device->fd, &device->before) != 0)
+    if (tcgetattr(device->fd, &device->old_modes) != 0)
         return device_refuse(path, strerror(errno), error);
-    modes = device->before;
+    modes = device->old_modes;
     cfmakeraw(&modes);
     cfsetispeed(&modes, speed);
     cfsetospeed(&modes, speed);
     modes.c_cflag |= CLOCAL | CREAD;
     modes.c_cc[VMIN] = 1;
     modes.c_cc[VTIME] = 0;
-    crash_line(device->fd, &device->before);
+    crash_line(device->fd, &device->old_modes);
     device->serial = true;
     if (tcsetattr(device->fd, TCSANOW, &modes) != 0)
         return device_refuse(path, strerror(errno), error);
@@ -130,7 +130,7 @@ void device_close(struct device *device)
 {
     if (device->serial) {
         ioctl(device->fd, TIOCNXCL);
-        tcsetattr(device->fd, TCSANOW, &device->before);
+        tcsetattr(device->fd, TCSANOW, &device->old_modes);
         crash_line(-1, NULL);
     }
     if (device->fd >= 0)

@@ -29,12 +29,12 @@ struct feed {
     struct device device;
     int file, wake[2];
     uint64_t max;
-    double from;   /* [s] */
-    int64_t begun; /* [clock_ns] */
+    double t_begin; /* [s] */
+    int64_t begun;  /* [clock_ns] */
     pthread_t thread;
     pthread_mutex_t lock; /* of what is below, but `part` and `lines` */
     struct feed_look look;
-    double until; /* [s] later lines are not wanted */
+    double t_end; /* [s] later lines are not wanted */
     bool paused, stopping;
     /* of the thread alone */
     struct buffer part;  /* the line at hand, COLLECTED_LINE + 1 bytes of it at most */
@@ -49,10 +49,10 @@ struct feed {
 
 static double seconds_of(const struct feed *feed, int64_t now)
 {
-    return feed->from + 1e-9 * (double)(now - feed->begun);
+    return feed->t_begin + 1e-9 * (double)(now - feed->begun);
 }
 
-static void end(struct feed *feed, enum feed_end how, const char *failure)
+static void feed_finish(struct feed *feed, enum feed_end how, const char *failure)
 {
     pthread_mutex_lock(&feed->lock);
     if (feed->look.end == FEED_GOES_ON) {
@@ -70,7 +70,7 @@ static void flush(struct feed *feed, int64_t now, bool sync)
     if (feed->lines.len == 0 && !(sync && feed->dirty))
         return;
     if (feed->lines.failed || !append_lines(feed->file, buffer_text(&feed->lines), sync, &error)) {
-        end(feed, FEED_FAILED, feed->lines.failed ? "out of memory" : error.text);
+        feed_finish(feed, FEED_FAILED, feed->lines.failed ? "out of memory" : error.text);
         return;
     }
     feed->written += feed->lines.len;
@@ -102,7 +102,7 @@ static void take_line(struct feed *feed, double arrival, bool cut)
                       feed->written + feed->lines.len + 2 * COLLECTED_LINE > LIMIT_FILE;
     pthread_mutex_unlock(&feed->lock);
     if (full)
-        end(feed, FEED_FULL, "");
+        feed_finish(feed, FEED_FULL, "");
 }
 
 static void take_bytes(struct feed *feed, struct text piece, int64_t now)
@@ -110,10 +110,10 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
     const double arrival = seconds_of(feed, now);
     pthread_mutex_lock(&feed->lock);
     feed->look.bytes += piece.len;
-    const bool paused = feed->paused, late = arrival > feed->until;
+    const bool paused = feed->paused, late = arrival > feed->t_end;
     pthread_mutex_unlock(&feed->lock);
     if (late) {
-        end(feed, FEED_IN_TIME, "");
+        feed_finish(feed, FEED_IN_TIME, "");
         return;
     }
     if (paused) {
@@ -121,13 +121,13 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
         feed->half = feed->rested = true;
         return;
     }
-    for (size_t i = 0, from = 0; i <= piece.len; i++) {
-        const bool ends = i < piece.len && (piece.at[i] == '\n' || piece.at[i] == '\r');
+    for (size_t i = 0, begin = 0; i <= piece.len; i++) {
+        const bool ends = i < piece.len && (piece.data[i] == '\n' || piece.data[i] == '\r');
         if (!ends && i < piece.len)
             continue;
-        const size_t room = COLLECTED_LINE + 1 - feed->part.len, len = i - from;
-        buffer_put(&feed->part, (struct text){piece.at + from, len < room ? len : room});
-        from = i + 1;
+        const size_t room = COLLECTED_LINE + 1 - feed->part.len, len = i - begin;
+        buffer_put(&feed->part, (struct text){piece.data + begin, len < room ? len : room});
+        begin = i + 1;
         if (ends && feed->part.len > 0)
             take_line(feed, arrival, feed->half);
         feed->half &= !ends;
@@ -151,8 +151,8 @@ static bool read_some(struct feed *feed)
         return true;
     if (got == 0 && feed->device.grows)
         return true;
-    end(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED,
-        got < 0 ? strerror(errno) : "");
+    feed_finish(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED,
+                got < 0 ? strerror(errno) : "");
     return false;
 }
 
@@ -164,7 +164,7 @@ static bool is_stopping(struct feed *feed)
     return stopping;
 }
 
-static void *run(void *context)
+static void *feed_thread_run(void *context)
 {
     struct feed *feed = context;
     bool more = true;
@@ -179,8 +179,8 @@ static void *run(void *context)
                                                : -1;
         const int got = poll(ready, count, wait);
         if (feed->device.grows) {
-            for (uint64_t before = UINT64_MAX; more && before != feed->look.bytes;) {
-                before = feed->look.bytes;
+            for (uint64_t old_bytes = UINT64_MAX; more && old_bytes != feed->look.bytes;) {
+                old_bytes = feed->look.bytes;
                 more = read_some(feed);
             }
         } else if (got > 0 && ready[1].revents) {
@@ -218,11 +218,11 @@ static void destroy(struct feed *feed)
 /* Signals are for the thread that asks about them. */
 static int start(struct feed *feed)
 {
-    sigset_t all, before;
+    sigset_t all, old_mask;
     sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int number = pthread_create(&feed->thread, NULL, run, feed);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_sigmask(SIG_SETMASK, &all, &old_mask);
+    const int number = pthread_create(&feed->thread, NULL, feed_thread_run, feed);
+    pthread_sigmask(SIG_SETMASK, &old_mask, NULL);
     return number;
 }
 
@@ -237,8 +237,8 @@ static struct feed *open_feed(const struct feed_request *request, struct error *
     *feed = (struct feed){.file = request->file,
                           .wake = {-1, -1},
                           .max = request->max,
-                          .until = HUGE_VAL,
-                          .from = request->from,
+                          .t_end = HUGE_VAL,
+                          .t_begin = request->t_begin,
                           .look = {.first = NAN, .last = NAN}};
     pthread_mutex_init(&feed->lock, NULL);
     bool ok = device_open(&feed->device, request->source, request->baud, request->safe, error);
@@ -266,10 +266,10 @@ static void pause_feed(struct feed *feed, bool pause)
     pthread_mutex_unlock(&feed->lock);
 }
 
-static void limit_feed(struct feed *feed, double until)
+static void limit_feed(struct feed *feed, double t_end)
 {
     pthread_mutex_lock(&feed->lock);
-    feed->until = until;
+    feed->t_end = t_end;
     pthread_mutex_unlock(&feed->lock);
 }
 
@@ -294,6 +294,6 @@ static void heeded(void)
 const struct feed_access sensor_feed = {.open = open_feed,
                                         .look = look_at,
                                         .pause = pause_feed,
-                                        .until = limit_feed,
+                                        .limit = limit_feed,
                                         .close = close_feed,
                                         .heeded = heeded};

@@ -23,7 +23,7 @@ extern const struct feed_access sensor_feed;
 struct device {
     int fd;
     bool serial, grows; /* grows: a file, whose end is none */
-    struct termios before;
+    struct termios old_modes;
 };
 
 bool device_open(struct device *device, const char *path, long baud, bool safe,

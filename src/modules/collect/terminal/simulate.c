@@ -52,7 +52,7 @@ static bool read_number(struct text value, enum quantity quantity, double *si)
     double number;
     if (real_scan(value, '.', &number, &used) != REAL_OK || used == 0)
         return false;
-    const struct text name = text_trim((struct text){value.at + used, value.len - used});
+    const struct text name = text_trim((struct text){value.data + used, value.len - used});
     const struct unit *unit = name.len ? unit_find(name) : NULL;
     *si = number;
     return name.len == 0 || (unit && unit_convert(unit, quantity, number, si));
@@ -68,7 +68,7 @@ static bool say_nothing(void *context, struct text text)
 static bool complain(void *context, struct text text)
 {
     (void)context;
-    return fwrite(text.at, 1, text.len, stderr) == text.len;
+    return fwrite(text.data, 1, text.len, stderr) == text.len;
 }
 
 static bool execute(struct session *session, const char *command, struct text rest)
@@ -87,11 +87,11 @@ static bool execute(struct session *session, const char *command, struct text re
 /* KEY=VALUE, of the sensor or of the scene. */
 static bool take_word(struct session *session, struct sensor *sensor, struct text word)
 {
-    const char *mark = memchr(word.at, '=', word.len);
+    const char *mark = memchr(word.data, '=', word.len);
     if (!mark)
         return word_refuse(word, "KEY=VALUE is wanted: rate= noise= seed= for= time= quirks=, or a "
                                  "parameter of the scene");
-    const struct text key = {word.at, (size_t)(mark - word.at)},
+    const struct text key = {word.data, (size_t)(mark - word.data)},
                       value = {mark + 1, word.len - key.len - 1};
     static const char *const stamps[] = {[STAMP_MS] = "ms", [STAMP_S] = "s", [STAMP_NONE] = "none"};
     double seed = 0;
@@ -199,7 +199,7 @@ static void simulated_start_put(const struct sensor *sensor, struct buffer *text
 
 /* Writes the lines, each when it is due. Returns false if the run failed. *failure: errno of a
  * write that failed, or 0. */
-static bool send(struct sensor *sensor, int *failure)
+static bool sensor_send_lines(struct sensor *sensor, int *failure)
 {
     struct buffer line = {0};
     bool ok = true, open = wait_until(clock_ns() + (int64_t)(sensor->silent * 1e9));
@@ -230,7 +230,8 @@ int simulate_sensor(struct session *session, const char *const *word, int words,
     if (!simulation_begin(session, word, words, &sensor))
         return ERROR_USAGE;
     int failure = 0;
-    const bool ok = send(&sensor, &failure), is_lost = failure != 0 && failure != EPIPE;
+    const bool ok = sensor_send_lines(&sensor, &failure),
+               is_lost = failure != 0 && failure != EPIPE;
     if (is_lost)
         fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(failure));
     else if (!ok)

@@ -66,7 +66,7 @@ struct reference {
     double span;                       /* [s] */
     double amplitude[LIMIT_VARIABLES]; /* > 0 */
     bool exact;
-    const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
+    const struct method *method[2]; /* unless exact: the solution, and what confirmed it */
     double accuracy; /* distance between both, or the conditioning floor of the closed form */
     struct singularity singular; /* where there is no reference because the solution ends */
     double meaning; /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
@@ -76,7 +76,7 @@ struct reference {
     double bound; /* [s] no step of it is longer, except of one of the two methods */
     bool again;   /* computed again, in shorter steps, because finer runs disagreed with it */
     /* their runs agree with each other and not with it: not resolved; NULL: nobody */
-    const struct method *against[2];
+    const struct method *dissenting_method[2];
     double apart; /* by so much, in amplitudes */
     bool stored;  /* by an earlier study of the same scene */
 };
@@ -144,7 +144,7 @@ struct method_choice {
     enum drag drag; /* DRAG_DEFAULT: the method's own */
 };
 
-const char *contender_drag(const struct method_choice *by); /* NULL: the method's own */
+const char *contender_drag(const struct method_choice *choice); /* NULL: the method's own */
 
 struct precision_request {
     const struct scene *scene;
@@ -179,9 +179,9 @@ struct precision_point {
     /* the time is that of so many, scaled to all of them; 0: of whole solves */
     int64_t timed_steps;
     double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
-    bool below;   /* below the accuracy of the reference */
-    bool asymptotic;  /* takes part in the fit */
-    enum kernel path; /* as study_path() */
+    bool is_below_reference; /* below the accuracy of the reference */
+    bool asymptotic;         /* takes part in the fit */
+    enum kernel path;        /* as study_path() */
     struct timing_result time;
     /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
     double recording;
@@ -189,7 +189,7 @@ struct precision_point {
 
 /* One method: its points from coarse to fine, and the line through the asymptotic ones. */
 struct precision_curve {
-    struct method_choice by;
+    struct method_choice choice;
     bool adaptive;
     int first, count;
     double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
@@ -346,7 +346,7 @@ void comparison_free(struct comparison *row); /* destroys the run if it is still
 
 /* A comparison as it is shown, written and kept: without the run, which has a life of its own. */
 struct compared_row {
-    struct comparison by; /* its run NULL */
+    struct comparison comparison; /* its run NULL */
     const struct method *method;
     double dt, tol; /* [s] and a number; NAN: the other one */
     int64_t steps;
@@ -362,7 +362,7 @@ struct compared_row {
 };
 
 /* Takes over what is known; period, data and `mixed` are to be filled in. */
-void compared_init(struct compared_row *row, const struct comparison *from);
+void compared_init(struct compared_row *row, const struct comparison *comparison);
 /* "10 ms", "tol 1e-06" */
 void compared_setting(const struct compared_row *row, struct buffer *text);
 extern const struct result_columns compared_columns; /* of struct compared_row */
@@ -376,7 +376,7 @@ extern const struct result_columns compared_columns; /* of struct compared_row *
 
 struct order_request {
     const struct scene *scene;
-    struct method_choice by;
+    struct method_choice choice;
     double dt[2];                  /* [s] ends of the sweep, NAN: choose */
     double duration;               /* [s] */
     struct references *references; /* kept between studies, NULL: not */
@@ -410,7 +410,7 @@ enum order_verdict {
 extern const struct catalog order_verdict_catalog; /* struct row at the enum's place */
 
 struct order {
-    struct method_choice by;
+    struct method_choice choice;
     int claimed; /* by the row; explicit drag claims 1 on a scene with drag */
     /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
     double slope, guard, r2;

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-void compared_init(struct compared_row *row, const struct comparison *from)
+void compared_init(struct compared_row *row, const struct comparison *comparison)
 {
-    const struct run *run = from->run;
-    *row = (struct compared_row){.by = *from,
+    const struct run *run = comparison->run;
+    *row = (struct compared_row){.comparison = *comparison,
                                  .method = run->method,
                                  .dt = run->plan.adaptive ? NAN : run->settings.dt,
                                  .tol = run->plan.adaptive ? run->settings.tol : NAN,
@@ -21,7 +21,7 @@ void compared_init(struct compared_row *row, const struct comparison *from)
                                  .period = {NAN, NAN},
                                  .data_rms = NAN,
                                  .balanced = run->plan.ledger};
-    row->by.run = NULL;
+    row->comparison.run = NULL;
 }
 
 static const struct compared_row *compared(const void *row)
@@ -33,7 +33,7 @@ static const struct compared_row *compared(const void *row)
 
 static double step_ns(const void *row)
 {
-    return timing_step_ns(&compared(row)->by.time, compared(row)->steps);
+    return timing_step_ns(&compared(row)->comparison.time, compared(row)->steps);
 }
 
 static const char *comparison_status(const void *row)
@@ -49,7 +49,8 @@ static enum quantity data_quantity(const void *row)
 /* A method that fails says so in the column of its energy. */
 static bool has_energy(const void *row)
 {
-    return isfinite(compared(row)->by.ledger.error_max) || stop_is_failure(compared(row)->stop);
+    return isfinite(compared(row)->comparison.ledger.error_max) ||
+           stop_is_failure(compared(row)->stop);
 }
 
 static bool has_data(const void *row)
@@ -59,7 +60,7 @@ static bool has_data(const void *row)
 
 static bool comparison_is_timed(const void *row)
 {
-    return isfinite(compared(row)->by.time.minimum);
+    return isfinite(compared(row)->comparison.time.minimum);
 }
 
 /* ---- for people ---- */
@@ -85,7 +86,7 @@ static void energy_cell(struct text_table *table, const void *row)
     if (stop_is_failure(stop) || stop == STOP_GIVEN_UP)
         cell_text(table, stop_name(stop));
     else
-        cell_quantity(table, compared(row)->by.ledger.error_max, QUANTITY_NUMBER, 3);
+        cell_quantity(table, compared(row)->comparison.ledger.error_max, QUANTITY_NUMBER, 3);
 }
 
 /* Names what the column holds: the energy balance where drag or a drive changes the energy. */
@@ -115,14 +116,14 @@ static void angle_cell(struct text_table *table, double radians)
 /* Marked where the times of other rows are by other code. */
 static void step_time_cell(struct text_table *table, const void *row)
 {
-    const bool marked = compared(row)->mixed && compared(row)->by.path == KERNEL_GENERAL;
+    const bool marked = compared(row)->mixed && compared(row)->comparison.path == KERNEL_GENERAL;
     const double ns = step_ns(row);
     cell_format(table, isnan(ns) ? "-" : ns < 1000 ? "%.3g%s" : "%.0f%s", ns, marked ? " (!)" : "");
 }
 
 /* ---- the columns ---- */
 
-#define AT(member) .at = offsetof(struct compared_row, member)
+#define AT(member) .offset = offsetof(struct compared_row, member)
 
 /* clang-format off */
 static const struct result_column columns[] = {
@@ -133,13 +134,13 @@ static const struct result_column columns[] = {
     {.name = "steps", .kind = COLUMN_COUNT, AT(steps), .index = 3, .heading = "steps"},
     {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
     {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
-    {.name = "error", AT(by.errors.max), .index = 5, .heading = "max error"},
-    {.name = "energy_error", AT(by.ledger.error_max), .index = 4, .head = energy_head,
+    {.name = "error", AT(comparison.errors.max), .index = 5, .heading = "max error"},
+    {.name = "energy_error", AT(comparison.ledger.error_max), .index = 4, .head = energy_head,
      .cell = energy_cell, .flags = COLUMN_IF_ANY, .any = has_energy},
-    {.name = "energy_factor", AT(by.energy_factor)},
-    {.name = "predicted_factor", AT(by.predicted_factor)},
-    {.name = "order", AT(by.order)},
-    {.name = "phase_error", AT(by.errors.phase), .quantity = QUANTITY_ANGLE,
+    {.name = "energy_factor", AT(comparison.energy_factor)},
+    {.name = "predicted_factor", AT(comparison.predicted_factor)},
+    {.name = "order", AT(comparison.order)},
+    {.name = "phase_error", AT(comparison.errors.phase), .quantity = QUANTITY_ANGLE,
      .index = 8, .heading = "phase err", .look = angle_cell, .flags = COLUMN_IF_ANY},
     {.name = "period", AT(period.value), .quantity = QUANTITY_TIME, .index = 7,
      .heading = "period T", .cell = period_cell, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD},
@@ -147,16 +148,16 @@ static const struct result_column columns[] = {
      .flags = COLUMN_NO_RECORD},
     {.name = "data_rms", AT(data_rms), .quantity_of = data_quantity, .index = 6,
      .head = data_head, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD, .any = has_data},
-    {.name = "time_min", AT(by.time.minimum), .quantity = QUANTITY_TIME,
+    {.name = "time_min", AT(comparison.time.minimum), .quantity = QUANTITY_TIME,
      .index = 9, .heading = "time", .look = cell_seconds},
-    {.name = "time_median", AT(by.time.median), .quantity = QUANTITY_TIME},
+    {.name = "time_median", AT(comparison.time.median), .quantity = QUANTITY_TIME},
     {.name = "ns_per_step", .real = step_ns, .index = 10, .heading = "ns/step",
      .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = comparison_is_timed},
-    {.name = "path", .kind = COLUMN_CHOICE, AT(by.path), .choices = &kernel_catalog},
+    {.name = "path", .kind = COLUMN_CHOICE, AT(comparison.path), .choices = &kernel_catalog},
     {.name = "status", .kind = COLUMN_NAME, .text = comparison_status},
-    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(by.reference_stored),
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(comparison.reference_stored),
      .flags = COLUMN_NO_FILE},
-    {.name = "verdict", .kind = COLUMN_CHARS, AT(by.verdict), .flags = COLUMN_NO_FILE},
+    {.name = "verdict", .kind = COLUMN_CHARS, AT(comparison.verdict), .flags = COLUMN_NO_FILE},
     {.name = "run", .kind = COLUMN_INT, AT(number)},
 };
 /* clang-format on */

@@ -119,62 +119,62 @@ static double energy_trend(const struct run *run)
 #define ENERGY_TREND_MAX 1.5
 
 /* Appends "within 0.01 of E0" or "off by 1700 times E0". */
-static void put_energy_off(double error, struct buffer *out)
+static void put_energy_off(double error, struct buffer *output)
 {
-    buffer_format(out, error < 1 ? "within %.2g of E0" : "off by %.2g times E0", error);
+    buffer_format(output, error < 1 ? "within %.2g of E0" : "off by %.2g times E0", error);
 }
 
 /* What the energy was seen to do where nothing predicts it. */
-static void observe(const struct comparison *row, const char *span, struct buffer *out)
+static void observe(const struct comparison *row, const char *span, struct buffer *output)
 {
     const struct run *run = row->run;
     const struct ledger *ledger = &row->ledger;
     const double peak = run_energy_peak(run, ledger);
     if (isnan(ledger->error_max)) {
-        buffer_format(out, "reached %s", span);
+        buffer_format(output, "reached %s", span);
         return;
     }
     if (ledger->error_max <= ENERGY_ROUNDING) {
-        buffer_format(out, "energy%s kept to rounding", run->plan.ledger ? " balance" : "");
+        buffer_format(output, "energy%s kept to rounding", run->plan.ledger ? " balance" : "");
     } else if (row->energy_factor == 0) {
-        buffer_put(out, TEXT("vanished: the energy is below the smallest number"));
+        buffer_put(output, TEXT("vanished: the energy is below the smallest number"));
     } else if (!run->system.conservative && isnan(peak)) {
-        buffer_put(out, TEXT("energy balance "));
-        put_energy_off(ledger->error_max, out);
+        buffer_put(output, TEXT("energy balance "));
+        put_energy_off(ledger->error_max, output);
     } else if (!run->system.conservative) {
-        buffer_format(out,
+        buffer_format(output,
                       "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
                       ledger->error_max / peak, span, peak);
         return;
     } else if (energy_trend(run) <=
                ENERGY_TREND_MAX) { /* after an orbit or two, of others too: they drift */
-        buffer_format(out, "energy %s",
+        buffer_format(output, "energy %s",
                       run->method->flags & KEEPS_ENERGY && !run->plan.adaptive ? "bounded: " : "");
-        put_energy_off(ledger->error_max, out);
+        put_energy_off(ledger->error_max, output);
     } else if (row->energy_factor > 2 || (row->energy_factor < 0.5 && row->energy_factor >= 0)) {
-        buffer_format(out, "%s by the method: energy x %.4g",
+        buffer_format(output, "%s by the method: energy x %.4g",
                       row->energy_factor > 2 ? "driven up" : "damped away", row->energy_factor);
     } else {
-        buffer_format(out, "energy drifts: by %.2g E0", ledger->error);
+        buffer_format(output, "energy drifts: by %.2g E0", ledger->error);
     }
-    buffer_format(out, " in %s", span);
+    buffer_format(output, " in %s", span);
 }
 
 /* What it did beside what the method's matrix says. */
 static void confirm(struct comparison *row, const struct prediction *prediction, const char *span,
-                    struct buffer *out)
+                    struct buffer *output)
 {
     const bool conservative = row->run->system.conservative;
     const double predicted = 2 * prediction->amplitude, /* the factor may be below all numbers */
         swing = isnan(prediction->swing) ? 0 : prediction->swing;
     row->predicted_factor = prediction->factor;
     if (conservative && fabs(predicted) <= BOUNDED_GROWTH_MAX) {
-        buffer_format(out, "energy bounded, %s: ",
+        buffer_format(output, "energy bounded, %s: ",
                       row->ledger.error_max <= 1.001 * swing + BOUNDED_GROWTH_MAX
                           ? "as predicted"
                           : "but NOT as predicted");
-        put_energy_off(row->ledger.error_max, out);
-        buffer_format(out, " in %s", span);
+        put_energy_off(row->ledger.error_max, output);
+        buffer_format(output, " in %s", span);
         return;
     }
     const bool vanished = row->energy_factor == 0,
@@ -184,13 +184,13 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
                                        0.1 * fabs(predicted) + BOUNDED_GROWTH_MAX + swing;
     const char *as = agrees ? "as predicted" : "NOT as predicted";
     if (vanished)
-        buffer_format(out, "vanished, %s: the energy is below the smallest number in %s, ", as,
+        buffer_format(output, "vanished, %s: the energy is below the smallest number in %s, ", as,
                       span);
     else
-        buffer_format(out, "energy x %.4g in %s, %s: ", row->energy_factor, span, as);
-    buffer_format(out, "amplitude x %.6g a step", prediction->growth);
+        buffer_format(output, "energy x %.4g in %s, %s: ", row->energy_factor, span, as);
+    buffer_format(output, "amplitude x %.6g a step", prediction->growth);
     if (!conservative || vanished)
-        buffer_format(out, " (exact: energy x %.4g)", prediction->exact);
+        buffer_format(output, " (exact: energy x %.4g)", prediction->exact);
 }
 
 static void comparison_verdict(struct comparison *row)
@@ -281,7 +281,7 @@ static bool compare_one(const struct compare_request *request, const struct meth
     }
     run_errors(row->run, &row->errors);
     if (reference->y) {
-        memcpy(row->reference, reference->by, sizeof row->reference);
+        memcpy(row->reference, reference->method, sizeof row->reference);
         row->reference_stored = reference->stored;
         row->errors.floor = reference->accuracy;
         if (row->run->stop == STOP_END)

@@ -5,9 +5,11 @@
 
 #include <math.h>
 
-const char *contender_drag(const struct method_choice *by)
+const char *contender_drag(const struct method_choice *choice)
 {
-    return by->drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)by->drag - 1)->name;
+    return choice->drag == DRAG_DEFAULT
+               ? NULL
+               : catalog_row(&drag_catalog, (size_t)choice->drag - 1)->name;
 }
 
 /* ---- the whole ---- */
@@ -17,7 +19,7 @@ static void order_cell(struct text_table *table, double order)
     cell_format(table, isfinite(order) ? "%.3f" : "-", order);
 }
 
-#define AT(member) .at = offsetof(struct order, member)
+#define AT(member) .offset = offsetof(struct order, member)
 
 static const void *list_points(const void *row, size_t *count)
 {
@@ -26,10 +28,10 @@ static const void *list_points(const void *row, size_t *count)
 }
 
 static const struct result_column of_order[] = {
-    {.name = "method", .kind = COLUMN_ROW, AT(by.method), .index = 1, .heading = "method"},
+    {.name = "method", .kind = COLUMN_ROW, AT(choice.method), .index = 1, .heading = "method"},
     {.name = "drag",
      .kind = COLUMN_CHOICE,
-     AT(by.drag),
+     AT(choice.drag),
      .choices = &drag_catalog,
      .choice_first = DRAG_EXACT},
     {.name = "order_claimed", .kind = COLUMN_INT, AT(claimed), .index = 2, .heading = "claimed"},
@@ -69,7 +71,7 @@ static void state_cell(struct text_table *table, const void *row)
                                                 : "");
 }
 
-#define IN(member) .at = offsetof(struct order_point, member)
+#define IN(member) .offset = offsetof(struct order_point, member)
 
 /* clang-format off */
 #define POINT_COLUMNS \
@@ -84,7 +86,7 @@ static void state_cell(struct text_table *table, const void *row)
 
 static const struct result_column of_point[] = {POINT_COLUMNS};
 
-#define ROW(member) .at = offsetof(struct order_row, member)
+#define ROW(member) .offset = offsetof(struct order_row, member)
 
 static const struct result_column of_row[] = {
     {.name = "method", .kind = COLUMN_ROW, ROW(method)},
@@ -109,7 +111,7 @@ size_t order_rows(const struct order *order, struct order_row *rows)
         const struct order_point *point = &order->point[i];
         rows[i] = (struct order_row){
             .point = *point,
-            .method = order->by.method,
+            .method = order->choice.method,
             .order = order->slope,
             .line = point->fitted ? exp(error + order->slope * (log(point->dt) - dt)) : NAN};
     }

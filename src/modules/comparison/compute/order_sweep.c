@@ -66,19 +66,20 @@ static double state_distance(const struct sweep_target *target, int64_t steps, c
     return sqrt(sum / count);
 }
 
-static bool solve_point(const struct sweep_target *target, const struct method_choice *by,
+static bool solve_point(const struct sweep_target *target, const struct method_choice *choice,
                         double *grid, struct order_point *point, int64_t *cost)
 {
-    const struct run_settings settings = {.dt = point->dt, .drag = by->drag, .compensated = true};
+    const struct run_settings settings = {
+        .dt = point->dt, .drag = choice->drag, .compensated = true};
     struct error ignored;
     struct solver solver;
     *cost = 0;
     point->error = point->slope = NAN;
-    if (!method_fits(by->method, target->system, by->drag, point->dt, &ignored)) {
+    if (!method_fits(choice->method, target->system, choice->drag, point->dt, &ignored)) {
         point->refused = true;
         return true;
     }
-    if (!solver_init(&solver, target->system, by->method, &settings, target->span))
+    if (!solver_init(&solver, target->system, choice->method, &settings, target->span))
         return false;
     solver.max = target->max;
     point->stop = solver_run(&solver, grid, target->cancel);
@@ -113,10 +114,10 @@ static double log_slope(const struct order_point *coarse, const struct order_poi
 /* Returns true if no step from point i on has an error far below that of the point before it. */
 static bool gains_nothing(const struct order *order, int i)
 {
-    const double before = order->point[i - 1].error;
-    bool gains = !(before < ROUNDING_ERROR_MAX && order->point[i].slope < SLOPE_IDLE);
+    const double previous_error = order->point[i - 1].error;
+    bool gains = !(previous_error < ROUNDING_ERROR_MAX && order->point[i].slope < SLOPE_IDLE);
     for (; !gains && i < order->points; i++)
-        gains = order->point[i].error < before / ROUNDING_FACTOR;
+        gains = order->point[i].error < previous_error / ROUNDING_FACTOR;
     return !gains;
 }
 
@@ -154,7 +155,7 @@ struct order_line {
  * one; with three points c = 0. guard: the standard error, half of what that term changes, or how
  * far local slopes are from a line.
  */
-static struct order_line fit(const struct order_point *point, int n)
+static struct order_line order_line_fit(const struct order_point *point, int n)
 {
     double x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, hh = 0, hy = 0;
     for (int i = 0; i < n; i++) {
@@ -237,7 +238,7 @@ static bool fit_window(struct order *order, int last, int size)
     double rest;
     if (!slopes_settle(order, first, size, &rest))
         return false;
-    const struct order_line line = fit(first, size);
+    const struct order_line line = order_line_fit(first, size);
     const double ahead = fmax(fabs(line.slope - finest->slope), point_noise(order, finest)),
                  guard = fmax(line.guard, rest + ahead);
     if (!(line.slope > SLOPE_IDLE) || guard > GUARD_MAX)
@@ -260,9 +261,9 @@ static bool fit_window(struct order *order, int last, int size)
 static bool has_kink(const struct order_point *point)
 {
     const double change = fabs(point[0].slope - point[-1].slope),
-                 before = fabs(point[-1].slope - point[-2].slope),
+                 previous_change = fabs(point[-1].slope - point[-2].slope),
                  growth = pow(point[-1].dt / point[0].dt, fabs(point[-1].slope) / 2);
-    return change > SLOPE_KINK && change > fmax(2, growth) * before;
+    return change > SLOPE_KINK && change > fmax(2, growth) * previous_change;
 }
 
 /* Returns the error below which a point may have traces of rounding, which grows with the number of
@@ -307,9 +308,10 @@ static bool slopes_approach_claim(const struct order *order)
     const struct order_point *first = order->point;
     while (!first->fitted)
         first++;
-    const double before = fabs(first[1].slope - order->claimed),
-                 after = fabs(first[order->fitted - 1].slope - order->claimed);
-    return before - after > SLOPE_APPROACH_MIN + 2 * point_noise(order, &first[order->fitted - 1]);
+    const double first_deviation = fabs(first[1].slope - order->claimed),
+                 last_deviation = fabs(first[order->fitted - 1].slope - order->claimed);
+    return first_deviation - last_deviation >
+           SLOPE_APPROACH_MIN + 2 * point_noise(order, &first[order->fitted - 1]);
 }
 
 static void forget_window(struct order *order)
@@ -330,8 +332,8 @@ static enum order_verdict order_judge(struct order *order, bool finest)
         exact &= order->point[i].error <= fmax(1e-12, 10 * order->floor);
     if (exact)
         return ORDER_EXACT;
-    const double near = fmax(ORDER_DISTANCE_MAX, AGREES_SHARE * order->claimed);
-    if (order->fitted && fabs(order->slope - order->claimed) <= fmax(near, 2 * order->guard))
+    const double tolerance = fmax(ORDER_DISTANCE_MAX, AGREES_SHARE * order->claimed);
+    if (order->fitted && fabs(order->slope - order->claimed) <= fmax(tolerance, 2 * order->guard))
         return ORDER_AGREES;
     if (order->fitted && (!finest || order->fitted < FIT_POINTS || slopes_approach_claim(order)))
         forget_window(order);
@@ -355,15 +357,15 @@ static bool sweep_steps(const struct sweep_target *target, double *grid, struct 
         if (steps == last)
             continue;
         last = steps;
-        if (!solve_point(target, &order->by, grid, &point, &cost))
+        if (!solve_point(target, &order->choice, grid, &point, &cost))
             return error_memory(error);
         if (cancelled(target->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped after %d step sizes", order->points);
-        struct order_point *before = order->points ? &order->point[order->points - 1] : NULL;
-        if (before)
-            point.slope = log_slope(before, &point);
+        struct order_point *previous = order->points ? &order->point[order->points - 1] : NULL;
+        if (previous)
+            point.slope = log_slope(previous, &point);
         /* Of the steps too coarse to arrive only the last is of interest. */
-        const bool instead = before && !wanted && isnan(before->error) && isnan(point.error);
+        const bool instead = previous && !wanted && isnan(previous->error) && isnan(point.error);
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;
         low += point.error <= fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
@@ -397,20 +399,20 @@ bool study_order(const struct order_request *request, struct order *order, struc
 {
     struct system system;
     struct reference reference;
-    *order = (struct order){.by = request->by, .slope = NAN, .guard = NAN, .r2 = NAN};
-    if (request->by.method->flags & METHOD_EXTERNAL)
+    *order = (struct order){.choice = request->choice, .slope = NAN, .guard = NAN, .r2 = NAN};
+    if (request->choice.method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND, "%s chooses its steps itself: it has no order in dt",
-                         request->by.method->row.name);
+                         request->choice.method->row.name);
     if (!(request->duration > 0) || !isfinite(request->duration))
         return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",
                          request->duration);
     if (!scene_bind(request->scene, &system, error) ||
-        !method_applies(request->by.method, &system, &order->by.drag, error) ||
+        !method_applies(request->choice.method, &system, &order->choice.drag, error) ||
         !references_get(request->references, request->scene, &system, request->duration,
                         request->cancel, &reference, error))
         return false;
-    const bool first = order->by.drag == DRAG_EXPLICIT && system.velocity;
-    order->claimed = first && request->by.method->order > 1 ? 1 : request->by.method->order;
+    const bool first = order->choice.drag == DRAG_EXPLICIT && system.velocity;
+    order->claimed = first && request->choice.method->order > 1 ? 1 : request->choice.method->order;
     order->floor = reference.accuracy;
     order->reference_stored = reference.stored;
     struct sweep_target target = {.system = &system,

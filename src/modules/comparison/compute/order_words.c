@@ -28,9 +28,9 @@ static double fastest(const struct system *system)
 static const char *explain_jumps(const struct system *system, const struct order *order,
                                  bool misses)
 {
-    const struct method *method = order->by.method;
+    const struct method *method = order->choice.method;
     const bool meets = method_meets_switches(method, system), turns = method_turns(method, system);
-    if (misses && system->oscillator.friction != 0 && system->across)
+    if (misses && system->oscillator.friction != 0 && system->steps_across_kinks)
         return "dry friction jumps where the velocity is 0: each turning point that is crossed "
                "spoils the order";
     if (misses && system->switches > 0 && !meets && !turns)
@@ -55,7 +55,7 @@ static const char *explain_jumps(const struct system *system, const struct order
 static void explain_sizes(const struct system *system, struct order *order)
 {
     const bool none = order->verdict == ORDER_NO_RANGE,
-               explicit = !(order->by.method->flags & METHOD_IMPLICIT);
+               explicit = !(order->choice.method->flags & METHOD_IMPLICIT);
     const double rate = fastest(system),
                  last = order->points ? order->point[order->points - 1].dt : NAN;
     double dt = NAN, best = HUGE_VAL;
@@ -65,30 +65,30 @@ static void explain_sizes(const struct system *system, struct order *order)
             dt = order->point[i].dt;
         best = fmin(best, order->point[i].error);
     }
-    char *out = order->words;
+    char *words = order->words;
     const size_t size = sizeof order->words;
     if ((none && explicit && !(best < ORDER_ERROR_MAX) && rate * last > 0.5) || rate * dt > 1)
-        snprintf(out, size,
+        snprintf(words, size,
                  "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
                  "lose order (order reduction), or do not arrive%s",
                  rate, explicit ? "; an implicit method may do" : "");
     else if (none && !(best < ORDER_ERROR_MAX))
-        snprintf(out, size, "no step that could be afforded gave an error below %.1g",
+        snprintf(words, size, "no step that could be afforded gave an error below %.1g",
                  ORDER_ERROR_MAX);
     else if (none)
-        snprintf(out, size,
+        snprintf(words, size,
                  "no asymptotic part: too few of the steps that could be afforded gave an error "
                  "between %.1g and what the reference (good to %.1g) and rounding allow; a longer "
                  "duration may help",
                  ORDER_ERROR_MAX, order->floor);
     else if (order->unsettled)
-        snprintf(out, size,
+        snprintf(words, size,
                  "the slopes of the finest steps above rounding have not settled: the leading term "
                  "of the error does not dominate yet (a longer duration may help), or the scene is "
                  "not smooth");
     else
         snprintf(
-            out, size,
+            words, size,
             "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
 }
 
@@ -118,26 +118,27 @@ static void explain_plateau(const struct system *system, struct order *order)
     const int slopes = find_plateau(order, &first);
     if (slopes < PLATEAU_SLOPES)
         return;
-    const struct order_point *from = &order->point[first], *to = &order->point[first + slopes];
-    const double rate = fastest(system),
-                 slope = log(from->error / to->error) / log(from->dt / to->dt);
-    if (!(rate * to->dt > 1) || !(fabs(slope - order->claimed) > PLATEAU_APART))
+    const struct order_point *first_point = &order->point[first],
+                             *last_point = &order->point[first + slopes];
+    const double rate = fastest(system), slope = log(first_point->error / last_point->error) /
+                                                 log(first_point->dt / last_point->dt);
+    if (!(rate * last_point->dt > 1) || !(fabs(slope - order->claimed) > PLATEAU_APART))
         return;
     snprintf(order->words, sizeof order->words,
              "order reduction: from dt = %.3g s to %.3g s, which leave the fastest motion (%.2g "
              "1/s) unresolved, the slope is %.2f",
-             from->dt, to->dt, rate, slope);
+             first_point->dt, last_point->dt, rate, slope);
 }
 
 void order_explain(const struct system *system, bool rests, struct order *order)
 {
     const bool misses = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC ||
                         order->verdict == ORDER_NO_RANGE;
-    const struct method *method = order->by.method;
+    const struct method *method = order->choice.method;
     const char *jumps = explain_jumps(system, order, misses);
     const size_t size = sizeof order->words;
     order->switches = system->switches > system->dry;
-    if (order->by.drag == DRAG_EXPLICIT && method->drag != DRAG_EXPLICIT && system->velocity)
+    if (order->choice.drag == DRAG_EXPLICIT && method->drag != DRAG_EXPLICIT && system->velocity)
         snprintf(order->words, size, "with drag=explicit %s is of first order, not %d",
                  method->row.name, method->order);
     else if (order->verdict != ORDER_AGREES && rests)

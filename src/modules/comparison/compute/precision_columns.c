@@ -15,7 +15,7 @@ const struct precision_row *precision_rows(const struct precision *precision, st
                                         .curve = precision->curve[point->curve],
                                         .accuracy = precision->reference.accuracy,
                                         .stored = precision->reference.stored,
-                                        .resolved = !precision->reference.against[0],
+                                        .resolved = !precision->reference.dissenting_method[0],
                                         .precision = precision};
     }
     return row;
@@ -54,7 +54,7 @@ const char *precision_failure(const struct precision *precision,
         return stop_name(point->stop);
     if (precision_meaningful(point))
         return "";
-    return precision->reference.against[0] ? "apart" : "lost";
+    return precision->reference.dissenting_method[0] ? "apart" : "lost";
 }
 
 static const char *failure_of(const void *row)
@@ -129,18 +129,19 @@ static void marks_cell(struct text_table *table, const void *row)
     const struct precision_point *point = point_of(row);
     const bool is_noisy = point->time.spread > TIMING_SPREAD || point->time.others > TIMING_OTHERS;
     cell_format(table, "%s%s%s%s%s%s%s", failure_of(row), point->asymptotic ? "*" : "",
-                point->below ? "<" : "", is_noisy ? "~" : "", point->time.few ? "!" : "",
-                point->timed_steps > 0 ? "+" : "", point->probed ? " probe" : "");
+                point->is_below_reference ? "<" : "", is_noisy ? "~" : "",
+                point->time.few ? "!" : "", point->timed_steps > 0 ? "+" : "",
+                point->probed ? " probe" : "");
 }
 
 /* ---- the columns ---- */
 
-#define AT(member) .at = offsetof(struct precision_row, member)
+#define AT(member) .offset = offsetof(struct precision_row, member)
 #define COUNTED(member) .kind = COLUMN_COUNT, AT(point.cost.member)
 
 /* clang-format off */
 static const struct result_column columns[] = {
-    {.name = "method", .kind = COLUMN_ROW, AT(curve.by.method)},
+    {.name = "method", .kind = COLUMN_ROW, AT(curve.choice.method)},
     {.name = "dt", .real = dt_of, .quantity = QUANTITY_TIME,
      .index = 1, .head = setting_head, .cell = setting_cell},
     {.name = "tol", .real = tol_of},
@@ -172,7 +173,7 @@ static const struct result_column columns[] = {
     {.name = "time_recording", AT(point.recording), .index = 16, .heading = "recorded",
      .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_NO_FILE},
     {.name = "status", .kind = COLUMN_NAME, .text = status_of},
-    {.name = "below_reference", .kind = COLUMN_BOOL, AT(point.below), .flags = COLUMN_NO_FILE},
+    {.name = "below_reference", .kind = COLUMN_BOOL, AT(point.is_below_reference), .flags = COLUMN_NO_FILE},
     {.name = "asymptotic", .kind = COLUMN_BOOL, AT(point.asymptotic), .flags = COLUMN_NO_FILE},
     {.name = "reference_accuracy", AT(accuracy), .flags = COLUMN_NO_FILE},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(stored), .flags = COLUMN_NO_FILE},

@@ -98,15 +98,15 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     const struct precision *precision = sweep->precision;
     const struct reference *reference = &precision->reference;
     const double interval = precision->duration / (STUDY_TIMES - 1);
-    const double *from = reference->y + sweep->hardest * reference->n;
+    const double *y_begin = reference->y + sweep->hardest * reference->n;
     const struct run_settings settings = precision_settings(precision, point);
     struct system system = precision->system;
     struct solver solver;
     if (point->tol > 0 || point->dt > interval / 4)
         return false;
     system.t0 += interval * sweep->hardest;
-    memcpy(system.start, from, (size_t)system.n * sizeof *from);
-    *memory = solver_init(&solver, &system, sweep->curve->by.method, &settings, interval);
+    memcpy(system.start, y_begin, (size_t)system.n * sizeof *y_begin);
+    *memory = solver_init(&solver, &system, sweep->curve->choice.method, &settings, interval);
     if (!*memory)
         return false;
     const int64_t begin = clock_cpu_ns();
@@ -115,7 +115,7 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     if (point->stop == STOP_END)
-        point->errors.max = grid_distance(reference, solver.y, from + reference->n);
+        point->errors.max = grid_distance(reference, solver.y, y_begin + reference->n);
     solver_free(&solver);
     point->probed = !precision_meaningful(point);
     point->part = 1.0 / (STUDY_TIMES - 1);
@@ -127,7 +127,7 @@ static double cost_max(const struct sweeping *sweep)
 {
     if (sweep->meaningful >= POINTS_ENOUGH)
         return COST_USUAL;
-    const bool implicit = sweep->curve->by.method->flags & METHOD_IMPLICIT;
+    const bool implicit = sweep->curve->choice.method->flags & METHOD_IMPLICIT;
     return sweep->meaningful >= POINTS_FIRST || implicit ? COST_MAX : COST_FIRST;
 }
 
@@ -158,12 +158,12 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     const struct run_settings settings = precision_settings(precision, point);
     struct error ignored;
     struct solver solver;
-    point->path = study_path(&precision->system, curve->by.method, &settings);
+    point->path = study_path(&precision->system, curve->choice.method, &settings);
     point->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     point->recording = point->order = NAN;
     point->errors = (struct study_errors){NAN, NAN, NAN, NAN, NAN};
-    if (point->tol == 0 &&
-        !method_fits(curve->by.method, &precision->system, curve->by.drag, point->dt, &ignored)) {
+    if (point->tol == 0 && !method_fits(curve->choice.method, &precision->system,
+                                        curve->choice.drag, point->dt, &ignored)) {
         point->refused = true;
         return true;
     }
@@ -171,7 +171,8 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     if ((!wanted && lost_in_probe(sweep, point, &memory)) || !memory)
         return memory;
     point->errors.max = NAN;
-    if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
+    if (!solver_init(&solver, &precision->system, curve->choice.method, &settings,
+                     precision->duration))
         return false;
     const int64_t begin = clock_cpu_ns();
     point->stop = curve_solve(sweep, &solver, wanted);
@@ -186,9 +187,9 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
         witness_explain(&sweep->witnesses, precision->curves, &precision->reference,
-                        curve->by.method, point->steps, sweep->grid);
+                        curve->choice.method, point->steps, sweep->grid);
     }
-    point->below = point->errors.max <= precision->reference.accuracy;
+    point->is_below_reference = point->errors.max <= precision->reference.accuracy;
     return true;
 }
 
@@ -197,7 +198,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
-    const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
+    const double each = curve->adaptive ? pow(10, 1.0 / curve->choice.method->order) : 2;
     const double next =
         each * solve_work(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
     if (!precision_meaningful(point)) {
@@ -264,19 +265,19 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
             return error_memory(error);
         if (cancelled(sweep->request->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
-        struct precision_point *before =
+        struct precision_point *previous =
             curve->count ? &precision->point[precision->points - 1] : NULL;
-        if (before)
-            point.order = local_order(before, &point);
+        if (previous)
+            point.order = local_order(previous, &point);
         /* Of settings in a row that say nothing only the last is of interest. */
         const bool instead =
-            before && !wanted && !precision_meaningful(before) && !precision_meaningful(&point);
-        struct precision_point *index = instead ? before : add_point(sweep);
+            previous && !wanted && !precision_meaningful(previous) && !precision_meaningful(&point);
+        struct precision_point *index = instead ? previous : add_point(sweep);
         if (!index)
             return error_memory(error);
         *index = point;
-        const bool over = finished(sweep, &point, fraction);
-        if (over && (!wanted || curve->cut))
+        const bool is_finished = finished(sweep, &point, fraction);
+        if (is_finished && (!wanted || curve->cut))
             break;
     }
     precision->curves++;
@@ -306,10 +307,10 @@ static bool prepare_precision_curves(const struct precision_request *request,
         return false;
     for (int c = 0; c < request->choices; c++) {
         struct precision_curve *curve = &precision->curve[c];
-        curve->by = request->choice[c];
-        curve->adaptive = curve->by.method->flags & METHOD_ADAPTIVE && !fixed;
+        curve->choice = request->choice[c];
+        curve->adaptive = curve->choice.method->flags & METHOD_ADAPTIVE && !fixed;
         curve->slope = curve->r2 = NAN;
-        if (!method_applies(curve->by.method, &precision->system, &curve->by.drag, error))
+        if (!method_applies(curve->choice.method, &precision->system, &curve->choice.drag, error))
             return false;
     }
     return true;
@@ -323,7 +324,7 @@ static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, st
     bool ok = true;
     precision->points = precision->curves = 0;
     for (int c = 0; c < choices; c++)
-        sweep->witnesses.one[c].by = NULL;
+        sweep->witnesses.one[c].method = NULL;
     sweep->hardest = hardest_interval(precision);
     for (int c = 0; c < choices && ok; c++) {
         const double left = SWEEP_SHARE * seconds - clock_seconds(begin);

@@ -39,7 +39,7 @@ static double typical_order(const struct precision_point *point, int begin, int 
 /* A multistep method has not had its own way yet where its starter did much of the work. */
 static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
 {
-    const struct method *method = curve->by.method;
+    const struct method *method = curve->choice.method;
     return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED_STEPS * method->order;
 }
 
@@ -81,7 +81,7 @@ static int asymptotic(const struct precision *precision, const struct precision_
 void precision_fit(struct precision *precision, int c)
 {
     struct precision_curve *curve = &precision->curve[c];
-    const struct method *method = curve->by.method;
+    const struct method *method = curve->choice.method;
     double x[PRECISION_POINTS], y[PRECISION_POINTS], start, cov, residual;
     int first, n = asymptotic(precision, curve, &first);
     n = n < PRECISION_POINTS ? n : PRECISION_POINTS;
@@ -233,12 +233,12 @@ double precision_predict(const struct precision *precision, int c, double error)
 {
     const struct precision_curve *curve = &precision->curve[c];
     const struct system *system = &precision->system;
-    if (!precision_predicts(system) || curve->adaptive || curve->by.method->evals == 0)
+    if (!precision_predicts(system) || curve->adaptive || curve->choice.method->evals == 0)
         return NAN;
     const double omega = sqrt(system->oscillator.stiffness), radians = omega * precision->duration;
     const double centre = -system->oscillator.gravity / system->oscillator.stiffness;
     double q = system->start[0] - centre, p = system->start[1] / omega, size = hypot(q, p);
-    double before = NAN, before_x = NAN, slope = NAN, found = NAN;
+    double previous_error = NAN, before_x = NAN, slope = NAN, found = NAN;
     if (!(size > 0))
         return NAN;
     /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one
@@ -246,22 +246,22 @@ double precision_predict(const struct precision *precision, int c, double error)
     double x = 3;
     while (x > 1e-6) {
         double matrix[4];
-        if (!method_amplification(curve->by.method, curve->by.drag, x, 0, matrix))
+        if (!method_amplification(curve->choice.method, curve->choice.drag, x, 0, matrix))
             return NAN;
         const double wrong = predicted_error(matrix, x, radians, q / size, p / size);
         if (wrong < 1e3 * 2.220446049250313e-16 * radians / x)
             break;
         if (wrong > 0 && wrong < 0.3)
-            slope = log(before / wrong) / log(before_x / x);
-        if (wrong <= error && !(before <= error))
-            found = before > error ? x * pow(error / wrong, 1 / slope) : x;
-        before = wrong;
+            slope = log(previous_error / wrong) / log(before_x / x);
+        if (wrong <= error && !(previous_error <= error))
+            found = previous_error > error ? x * pow(error / wrong, 1 / slope) : x;
+        previous_error = wrong;
         before_x = x;
         x /= 1.09;
     }
-    if (!(before <= error))
-        found = before_x * pow(error / before, 1 / slope);
-    return curve->by.method->evals * radians / found;
+    if (!(previous_error <= error))
+        found = before_x * pow(error / previous_error, 1 / slope);
+    return curve->choice.method->evals * radians / found;
 }
 
 /* ---- the methods that are compared unless others are named ---- */
@@ -316,11 +316,11 @@ int precision_defaults(const struct system *system, double duration, struct meth
     int count = 0;
     for (size_t i = 0; i < max && count < PRECISION_DEFAULTS; i++) {
         struct error reason;
-        struct method_choice by = {method_find(names[i]), DRAG_DEFAULT};
-        if (!by.method)
+        struct method_choice candidate = {method_find(names[i]), DRAG_DEFAULT};
+        if (!candidate.method)
             continue;
-        if (method_applies(by.method, system, &by.drag, &reason))
-            choice[count++] = by;
+        if (method_applies(candidate.method, system, &candidate.drag, &reason))
+            choice[count++] = candidate;
         else if (absent)
             absent(context, names[i], reason.text);
     }

@@ -14,7 +14,7 @@ struct run_settings precision_settings(const struct precision *precision,
 {
     return (struct run_settings){.dt = point->dt,
                                  .tol = point->tol,
-                                 .drag = precision->curve[point->curve].by.drag,
+                                 .drag = precision->curve[point->curve].choice.drag,
                                  .kernel =
                                      KERNEL_SPECIALISED, /* methods are compared, not matrices */
                                  .compensated = precision->compensated};
@@ -30,7 +30,7 @@ static double time_recording(const struct precision_request *request,
         settings.dt = precision->duration / (STUDY_TIMES - 1);
     for (int i = 0; i < 3 && !(shortest > 0.1); i++) {
         struct error ignored;
-        struct run *run = run_create(request->scene, precision->curve[point->curve].by.method,
+        struct run *run = run_create(request->scene, precision->curve[point->curve].choice.method,
                                      &settings, precision->duration, &ignored);
         if (!run)
             return NAN;
@@ -139,7 +139,8 @@ bool precision_time(const struct precision_request *request, struct precision *p
             (request->timing == TIMING_QUICK && take_costly(&precision->point[i])))
             continue;
         ok = solver_init(&timed.solver[timed.count], &precision->system,
-                         precision->curve[point->curve].by.method, &settings, precision->duration);
+                         precision->curve[point->curve].choice.method, &settings,
+                         precision->duration);
         timed.index[timed.count++] = i;
     }
     if (ok) {

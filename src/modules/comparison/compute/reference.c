@@ -124,7 +124,7 @@ static bool try_candidate(struct reference_search *search, const struct candidat
     const struct method *method = method_by_name(text_of(candidate->name));
     struct error ignored;
     struct run_settings settings = {.dt = fabs(search->reference->span), .tol = candidate->tol};
-    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) ||
+    if (search->method[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) ||
         !method || !method_applies(method, search->system, &settings.drag, &ignored))
         return false;
     struct solver s;
@@ -138,7 +138,7 @@ static bool try_candidate(struct reference_search *search, const struct candidat
                               : solve_fixed(search, &s, grid);
     solver_free(&s);
     if (ok)
-        search->by[candidate->kind] = method;
+        search->method[candidate->kind] = method;
     return ok;
 }
 
@@ -150,7 +150,7 @@ static void set_meaning(const struct reference_search *search, const double *a, 
 {
     struct reference *reference = search->reference;
     const int n = search->system->n;
-    double before = 0;
+    double previous_distance = 0;
     reference->meaning = reference->span;
     reference->sudden = false;
     for (int k = 1; k < STUDY_TIMES; k++) {
@@ -158,10 +158,11 @@ static void set_meaning(const struct reference_search *search, const double *a, 
         if (!(distance < REFERENCE_MEANING)) {
             reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
             reference->sudden =
-                k > JUMP_FREE_TIMES && !(distance < JUMP_FACTOR * fmax(before, REFERENCE_ROUNDING));
+                k > JUMP_FREE_TIMES &&
+                !(distance < JUMP_FACTOR * fmax(previous_distance, REFERENCE_ROUNDING));
             return;
         }
-        before = fmax(before, distance);
+        previous_distance = fmax(previous_distance, distance);
     }
 }
 
@@ -171,18 +172,18 @@ static void confront(struct reference_search *search, enum solver_kind kind)
     struct reference *reference = search->reference;
     const double *grid = solution(search, kind);
     for (enum solver_kind other = 0; other < KIND_COUNT; other++) {
-        if (other == kind || !search->by[other])
+        if (other == kind || !search->method[other])
             continue;
-        const double *with = solution(search, other);
-        set_amplitudes(reference, search->system, with);
-        const double agreement = largest_distance(search, grid, with);
-        if (reference->by[1] && !(agreement < reference->accuracy))
+        const double *other_solution = solution(search, other);
+        set_amplitudes(reference, search->system, other_solution);
+        const double agreement = largest_distance(search, grid, other_solution);
+        if (reference->method[1] && !(agreement < reference->accuracy))
             continue;
         reference->accuracy = agreement;
-        reference->by[0] = search->by[other];
-        reference->by[1] = search->by[kind];
-        memcpy(reference->y, with, search->size * sizeof *with);
-        set_meaning(search, grid, with);
+        reference->method[0] = search->method[other];
+        reference->method[1] = search->method[kind];
+        memcpy(reference->y, other_solution, search->size * sizeof *other_solution);
+        set_meaning(search, grid, other_solution);
     }
 }
 
@@ -231,7 +232,7 @@ static void search_kinds(struct reference_search *search, bool explicit_ones, bo
             search->parts = search->parts > parts ? search->parts : parts;
             reference->bound = fabs(reference->span) / (STUDY_TIMES - 1) / search->parts;
         }
-        if (reference->by[1] && reference->accuracy <= REFERENCE_AGREEMENT)
+        if (reference->method[1] && reference->accuracy <= REFERENCE_AGREEMENT)
             break;
     }
 }
@@ -279,16 +280,16 @@ bool study_reference_again(const struct system *system, double span, double step
     }
     const bool late = shrinks_fast(&smooth, span);
     search_kinds(&search, !late, true);
-    if (late && !(reference->by[1] && reference->accuracy <= REFERENCE_AGREEMENT))
+    if (late && !(reference->method[1] && reference->accuracy <= REFERENCE_AGREEMENT))
         search_kinds(&search, true, false);
     reference->shortest = search.bursts > 0 ? HUGE_VAL : 0;
     for (int i = 0; i < search.bursts; i++)
         reference->shortest =
-            fmin(reference->shortest, fabs(search.burst[i].to - search.burst[i].from));
+            fmin(reference->shortest, fabs(search.burst[i].t_end - search.burst[i].t_begin));
     free(search.grid);
     free(search.burst);
     free(search.node);
-    if (cancelled(cancel) || search.failed || !reference->by[1]) {
+    if (cancelled(cancel) || search.failed || !reference->method[1]) {
         reference_free(reference);
         return search.failed       ? error_memory(error)
                : cancelled(cancel) ? error_set(error, ERROR_CANCELLED,

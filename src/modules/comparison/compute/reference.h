@@ -17,11 +17,11 @@ struct reference_search {
     const struct system *system;
     struct reference *reference;
     const struct cancel *cancel;
-    double *grid;                        /* [KIND_COUNT] solutions, and one to work with */
-    const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
-    size_t size;                         /* [double] of one solution */
-    bool failed;                         /* no memory */
-    int64_t left;                        /* of COST_ALL */
+    double *grid;                            /* [KIND_COUNT] solutions, and one to work with */
+    const struct method *method[KIND_COUNT]; /* NULL: none of this kind yet */
+    size_t size;                             /* [double] of one solution */
+    bool failed;                             /* no memory */
+    int64_t left;                            /* of COST_ALL */
     bool stiff; /* an explicit method became too dear: the others will, too */
     int parts;  /* adaptive steps end at so many parts of each grid interval, */
     struct burst

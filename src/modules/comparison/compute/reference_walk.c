@@ -11,23 +11,24 @@
 /* Number of times an interval is solved again with the bursts that were found in it. */
 #define BURST_ROUNDS 12
 
-/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock;
- * *at: the burst that is ahead. */
-static double next_stop(const struct reference_search *search, int *at, double t, double to,
+/* Where the next adaptive step ends at the latest, on the way from t to `t_end`; shift: of the
+ * clock; *index: the burst that is ahead. */
+static double next_stop(const struct reference_search *search, int *index, double t, double t_end,
                         double shift)
 {
-    const double way = to > t ? 1 : -1;
-    while (*at < search->bursts && way * (search->burst[*at].to - shift - t) <= 0)
-        ++*at;
-    if (*at == search->bursts)
-        return to;
-    const struct burst *burst = &search->burst[*at];
+    const double way = t_end > t ? 1 : -1;
+    while (*index < search->bursts && way * (search->burst[*index].t_end - shift - t) <= 0)
+        ++*index;
+    if (*index == search->bursts)
+        return t_end;
+    const struct burst *burst = &search->burst[*index];
     for (int k = 0; k <= PARTS_OF_BURST; k++) {
-        const double stop = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
-        if (way * (stop - t) > 0 && way * (to - stop) > 0)
+        const double stop =
+            burst->t_begin + (burst->t_end - burst->t_begin) * k / PARTS_OF_BURST - shift;
+        if (way * (stop - t) > 0 && way * (t_end - stop) > 0)
             return stop;
     }
-    return to;
+    return t_end;
 }
 
 static void add_node(struct reference_search *search, double t, const double *y)
@@ -40,15 +41,15 @@ static void add_node(struct reference_search *search, double t, const double *y)
 
 /* An interval of the grid, and its clock. */
 struct interval_of_grid {
-    double from, to, shift;
+    double t_begin, t_end, shift;
 };
 
 static enum stop cross_fixed(const struct reference_search *search, struct solver *s,
                              const struct interval_of_grid *interval, int64_t steps)
 {
     for (int64_t i = 0; i < steps; i++) {
-        const double h = (interval->to - interval->from) / (double)steps;
-        s->step.t = interval->from + h * (double)i;
+        const double h = (interval->t_end - interval->t_begin) / (double)steps;
+        s->step.t = interval->t_begin + h * (double)i;
         s->step.h = h;
         const enum step_status status = method_turning_step(s->method, &s->step);
         if (status != STEP_OK)
@@ -67,13 +68,13 @@ static enum stop cross_adaptive(struct reference_search *search, struct solver *
                                 const struct interval_of_grid *interval)
 {
     const int parts = search->parts;
-    const double from = interval->from, to = interval->to;
-    int part = 1, at = 0;
+    const double t_begin = interval->t_begin, t_end = interval->t_end;
+    int part = 1, burst_index = 0;
     search->nodes = 0;
-    add_node(search, from + interval->shift, s->y);
-    for (int64_t i = 0; s->step.t != to; i++) {
-        const double next = part < parts ? from + (to - from) * part / parts : to;
-        const double stop = next_stop(search, &at, s->step.t, next, interval->shift);
+    add_node(search, t_begin + interval->shift, s->y);
+    for (int64_t i = 0; s->step.t != t_end; i++) {
+        const double next = part < parts ? t_begin + (t_end - t_begin) * part / parts : t_end;
+        const double stop = next_stop(search, &burst_index, s->step.t, next, interval->shift);
         const enum step_status status = method_adapt(s->method, &s->step, controller, stop);
         part += s->step.t == next;
         if (status != STEP_OK)
@@ -85,14 +86,14 @@ static enum stop cross_adaptive(struct reference_search *search, struct solver *
         if ((i & 63) == 63 && cancelled(search->cancel))
             return STOP_CANCELLED;
     }
-    search->node[search->nodes].t = to + interval->shift;
+    search->node[search->nodes].t = t_end + interval->shift;
     memcpy(search->node[search->nodes++].y, s->y, (size_t)search->system->n * sizeof *s->y);
     return STOP_END;
 }
 
 static int by_time(const void *a, const void *b)
 {
-    const double x = ((const struct burst *)a)->from, y = ((const struct burst *)b)->from;
+    const double x = ((const struct burst *)a)->t_begin, y = ((const struct burst *)b)->t_begin;
     return (x > y) - (x < y);
 }
 
@@ -103,7 +104,7 @@ static int by_time_back(const void *a, const void *b)
 
 /* Bursts of the interval that was just crossed, from those before it on; false: none that are new.
  */
-static bool look_for_bursts(struct reference_search *search, int before)
+static bool look_for_bursts(struct reference_search *search, int old_count)
 {
     const bool forward = search->reference->span > 0;
     const int count = search->bursts;
@@ -111,13 +112,14 @@ static bool look_for_bursts(struct reference_search *search, int before)
         const struct reference_node *node = &search->node[i];
         const double t[2] = {node[0].t, node[1].t};
         if (t[0] != t[1])
-            search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
-                                                    search->burst + before, search->bursts - before,
-                                                    BURSTS_MAX - before);
+            search->bursts =
+                old_count + system_bursts(search->system, t, node[0].y, node[1].y, false,
+                                          search->burst + old_count, search->bursts - old_count,
+                                          BURSTS_MAX - old_count);
     }
-    qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
+    qsort(search->burst + old_count, (size_t)(search->bursts - old_count), sizeof *search->burst,
           forward ? by_time : by_time_back);
-    return search->bursts > count || search->bursts > before;
+    return search->bursts > count || search->bursts > old_count;
 }
 
 static double moved_by(const struct system *system, const double *a, const double *b)
@@ -139,23 +141,23 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
 {
     const size_t size = (size_t)search->system->n * sizeof(double);
     const struct controller at_first = *controller;
-    const int before = search->bursts;
+    const int old_count = search->bursts;
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
     memcpy(y, s->y, size);
     memcpy(low, s->low, size);
     enum stop stop = cross_adaptive(search, s, controller, interval);
-    for (int round = 0; round < BURST_ROUNDS && stop == STOP_END && look_for_bursts(search, before);
-         round++) {
+    for (int round = 0;
+         round < BURST_ROUNDS && stop == STOP_END && look_for_bursts(search, old_count); round++) {
         memcpy(last, s->y, size);
         memcpy(s->y, y, size);
         memcpy(s->low, low, size);
         *controller = at_first;
-        s->step.t = interval->from;
+        s->step.t = interval->t_begin;
         s->step.warm = s->step.again = false;
         stop = cross_adaptive(search, s, controller, interval);
         if (stop != STOP_END || moved_by(search->system, s->y, last) >= SOLUTIONS_DISTANCE_MAX)
             continue;
-        search->bursts = round == 0 ? before : search->bursts;
+        search->bursts = round == 0 ? old_count : search->bursts;
         break;
     }
     return stop;
@@ -181,7 +183,7 @@ static enum stop walk_grid(struct reference_search *search, struct solver *s, in
         const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
         const struct interval_of_grid interval = {
             anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end, anew ? begin : 0};
-        s->step.t = interval.from;
+        s->step.t = interval.t_begin;
         s->step.warm = s->step.again = false;
         const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
                                : looking ? cross_bursts(search, s, &controller, &interval)

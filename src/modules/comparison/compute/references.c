@@ -35,14 +35,14 @@ void reference_describe(const struct reference *reference, struct buffer *text)
         buffer_format(text, "the closed form, good to %s", SHOWN_SHORT(reference->accuracy, 2));
         return;
     }
-    buffer_format(text, "%s and %s, which agree to %s", reference->by[0]->row.name,
-                  reference->by[1]->row.name, SHOWN_SHORT(reference->accuracy, 2));
-    if (reference->against[0])
+    buffer_format(text, "%s and %s, which agree to %s", reference->method[0]->row.name,
+                  reference->method[1]->row.name, SHOWN_SHORT(reference->accuracy, 2));
+    if (reference->dissenting_method[0])
         buffer_format(text,
                       ", but %s and %s agree with each other and are %s from it, also after it was "
                       "computed again in shorter steps: which is right is not resolved",
-                      reference->against[0]->row.name, reference->against[1]->row.name,
-                      SHOWN_SHORT(reference->apart, 2));
+                      reference->dissenting_method[0]->row.name,
+                      reference->dissenting_method[1]->row.name, SHOWN_SHORT(reference->apart, 2));
     if (reference->meaning != reference->span) {
         buffer_format(text, " only: they part at %s",
                       SHOWN_QUANTITY(fabs(reference->meaning), QUANTITY_TIME, 3));
@@ -79,14 +79,14 @@ const struct reference *references_find(struct references *references, const str
     return stored && stored->reference.y ? &stored->reference : NULL;
 }
 
-static bool copy(const struct reference *from, struct reference *to)
+static bool reference_copy(const struct reference *source, struct reference *target)
 {
-    const size_t size = (size_t)STUDY_TIMES * (size_t)from->n;
-    *to = *from;
-    to->y = malloc(size * sizeof *to->y);
-    if (to->y)
-        memcpy(to->y, from->y, size * sizeof *to->y);
-    return to->y;
+    const size_t size = (size_t)STUDY_TIMES * (size_t)source->n;
+    *target = *source;
+    target->y = malloc(size * sizeof *target->y);
+    if (target->y)
+        memcpy(target->y, source->y, size * sizeof *target->y);
+    return target->y;
 }
 
 /* In the place of the one that was used the longest time ago; without memory it is not kept. */
@@ -103,7 +103,7 @@ static void stored_reference_keep(struct references *references, const struct sc
     if (why) {
         oldest->why = *why;
         oldest->reference.singular = reference->singular;
-    } else if (!copy(reference, &oldest->reference)) {
+    } else if (!reference_copy(reference, &oldest->reference)) {
         oldest->used = 0;
     }
 }
@@ -121,7 +121,7 @@ bool references_get(struct references *references, const struct scene *scene,
             *error = stored->why;
             return false;
         }
-        if (!copy(&stored->reference, reference))
+        if (!reference_copy(&stored->reference, reference))
             return error_memory(error);
         reference->stored = true;
         return true;
@@ -146,7 +146,7 @@ bool references_again(struct references *references, const struct scene *scene,
     struct stored_reference *stored = stored_reference_find(references, scene, span);
     if (stored) {
         reference_free(&stored->reference);
-        stored->used = copy(reference, &stored->reference) ? stored->used : 0;
+        stored->used = reference_copy(reference, &stored->reference) ? stored->used : 0;
     }
     return true;
 }

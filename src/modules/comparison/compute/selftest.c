@@ -35,8 +35,8 @@ struct check_setting {
     double value;
 };
 
-static bool bind(const char *preset, const struct check_setting *set, int count,
-                 struct system *system)
+static bool check_system_bind(const char *preset, const struct check_setting *set, int count,
+                              struct system *system)
 {
     struct scene scene;
     struct error ignored;
@@ -56,11 +56,11 @@ static bool check_order(const struct method *method, const struct cancel *cancel
 {
     const struct check_setting set[] = {{"e", 0.1}};
     struct system system;
-    struct order order = {.by = {method, DRAG_DEFAULT}, .claimed = method->order};
+    struct order order = {.choice = {method, DRAG_DEFAULT}, .claimed = method->order};
     struct error error;
     double state[STUDY_TIMES * 4];
-    if (method->order == 0 || !bind("kepler", set, 1, &system) ||
-        !method_applies(method, &system, &order.by.drag, &error))
+    if (method->order == 0 || !check_system_bind("kepler", set, 1, &system) ||
+        !method_applies(method, &system, &order.choice.drag, &error))
         return true;
     struct sweep_target target = {.system = &system,
                                   .span = 5,
@@ -92,10 +92,12 @@ static bool swing(const struct method *method, struct system *system, enum drag 
     const struct check_setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
     struct error ignored;
     *drag = DRAG_DEFAULT;
-    if (bind("pendulum", NULL, 0, system) && method_applies(method, system, drag, &ignored))
+    if (check_system_bind("pendulum", NULL, 0, system) &&
+        method_applies(method, system, drag, &ignored))
         return true;
     *drag = DRAG_DEFAULT;
-    return bind("spring", unit, 3, system) && method_applies(method, system, drag, &ignored);
+    return check_system_bind("spring", unit, 3, system) &&
+           method_applies(method, system, drag, &ignored);
 }
 
 static bool selftest_steps(const struct method *method, const struct system *system, enum drag drag,
@@ -163,30 +165,30 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
 
 static void check_stability(const struct method *method, struct selftest_row *row)
 {
-    struct method_choice by = {method, DRAG_DEFAULT};
+    struct method_choice choice = {method, DRAG_DEFAULT};
     struct mode mode = {.omega = 1};
-    struct stability_check below, above;
-    double limit = method->flags & METHOD_A_STABLE ? HUGE_VAL : mode_limit(&by, &mode);
+    struct stability_check lower, upper;
+    double limit = method->flags & METHOD_A_STABLE ? HUGE_VAL : mode_limit(&choice, &mode);
     if (limit == 0) {
         mode.zeta = 0.1;
-        limit = mode_limit(&by, &mode);
+        limit = mode_limit(&choice, &mode);
     }
-    if (isnan(mode_growth(&by, &mode, 1)) || isnan(limit))
+    if (isnan(mode_growth(&choice, &mode, 1)) || isnan(limit))
         return;
     row->check[SELFTEST_STABILITY].applies = true;
     if (isinf(limit) || limit == 0) { /* a step of 30 is far beyond any limit, and below none */
-        mode_check(&by, &mode, 30, &above);
+        mode_check(&choice, &mode, 30, &upper);
         row->check[SELFTEST_STABILITY].passed =
-            above.agrees && (above.measured > 1 + 1e-4) == (limit == 0);
+            upper.agrees && (upper.measured > 1 + 1e-4) == (limit == 0);
     } else {
-        const double aside = mode_aside(&by, &mode, limit);
-        mode_check(&by, &mode, limit * (1 - aside), &below);
-        mode_check(&by, &mode, limit * (1 + aside), &above);
+        const double aside = mode_aside(&choice, &mode, limit);
+        mode_check(&choice, &mode, limit * (1 - aside), &lower);
+        mode_check(&choice, &mode, limit * (1 + aside), &upper);
         row->check[SELFTEST_STABILITY].passed =
-            below.agrees && above.agrees && below.measured < 1 + 1e-5 && above.measured > 1;
+            lower.agrees && upper.agrees && lower.measured < 1 + 1e-5 && upper.measured > 1;
     }
-    row->check[SELFTEST_STABILITY].value = above.measured;
-    row->check[SELFTEST_STABILITY].wanted = above.predicted;
+    row->check[SELFTEST_STABILITY].value = upper.measured;
+    row->check[SELFTEST_STABILITY].wanted = upper.predicted;
 }
 
 bool selftest_method(const struct method *method, const struct cancel *cancel,

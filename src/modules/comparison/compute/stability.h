@@ -28,7 +28,7 @@ void mode_eigenvalues(const struct mode *mode, double re[2], double *im);
 
 struct stability_request {
     const struct scene *scene;
-    struct method_choice by;
+    struct method_choice choice;
     double dt, duration; /* [s] */
     const struct cancel *cancel;
 };
@@ -47,7 +47,7 @@ extern const struct catalog stability_verdict_catalog;
 #define STABILITY_MODES 48
 
 struct stability {
-    struct method_choice by;
+    struct method_choice choice;
     double dt;
     bool linear, grows; /* the scene itself grows somewhere: no step is asked to prevent that */
     struct mode mode[STABILITY_MODES]; /* those at the start first */
@@ -75,13 +75,13 @@ struct stability {
 
 extern const struct result_columns stability_columns; /* of struct stability */
 /* A growth a step for people: "1.00012", "1+2.3e-06". */
-void buffer_growth(struct buffer *out, double growth);
+void buffer_growth(struct buffer *output, double growth);
 
 bool study_stability(const struct stability_request *request, struct stability *stability,
                      struct error *error);
 /* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not
  * apply there. */
-double stability_growth(const struct method_choice *by, double re, double im);
+double stability_growth(const struct method_choice *choice, double re, double im);
 
 /* ---- stress: the stiff and the extreme, each method, one verdict each ---- */
 
@@ -108,7 +108,7 @@ struct stress_case {
         const char *param;
         double value; /* SI */
     } set[8];
-    const struct stress_scene *of; /* that scene; NULL: the preset */
+    const struct stress_scene *stress_scene; /* that scene; NULL: the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
     int param; /* PARAM: its place */
     /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
@@ -121,7 +121,7 @@ struct stress_case {
 
 /* Fills in a case: the table's, then every preset that calls itself stiff or extreme. Returns false
  * beyond the last. */
-bool stress_case_at(size_t index, struct stress_case *out);
+bool stress_case_at(size_t index, struct stress_case *result);
 
 struct stress_row {
     int index;         /* of the case */

@@ -31,7 +31,7 @@ void witnesses_free(struct witnesses *witnesses)
 }
 
 /* Largest distance over the grid, where both came by. */
-static double largest(const struct reference *reference, const double *a, const double *b)
+static double grid_distance_max(const struct reference *reference, const double *a, const double *b)
 {
     const int n = reference->n;
     double max = 0;
@@ -42,11 +42,11 @@ static double largest(const struct reference *reference, const double *a, const 
 }
 
 void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                     const struct method *by, int64_t steps, const double *grid)
+                     const struct method *method, int64_t steps, const double *grid)
 {
     struct witness *w = &witnesses->one[i];
-    w->moved = w->by ? largest(reference, w->grid, grid) : NAN;
-    w->by = by;
+    w->moved = w->method ? grid_distance_max(reference, w->grid, grid) : NAN;
+    w->method = method;
     w->step = fabs(reference->span) / (double)steps;
     memcpy(w->grid, grid, witnesses->size * sizeof *grid);
 }
@@ -54,28 +54,29 @@ void witness_explain(struct witnesses *witnesses, int i, const struct reference 
 /* Its steps are not so long that they pass over what the reference has found. */
 static bool can_tell(const struct witness *w, const struct reference *reference)
 {
-    return w->by && !isnan(w->moved) && !(reference->shortest > 0 && w->step > reference->shortest);
+    return w->method && !isnan(w->moved) &&
+           !(reference->shortest > 0 && w->step > reference->shortest);
 }
 
 bool reference_suspect(struct reference *reference, const struct witnesses *witnesses, double *step)
 {
     bool found = false;
-    reference->against[0] = reference->against[1] = NULL;
+    reference->dissenting_method[0] = reference->dissenting_method[1] = NULL;
     for (int i = 0; i < witnesses->count && !reference->exact; i++)
         for (int j = 0; j < i; j++) {
             const struct witness *a = &witnesses->one[j], *b = &witnesses->one[i];
-            if (!can_tell(a, reference) || !can_tell(b, reference) || a->by == b->by)
+            if (!can_tell(a, reference) || !can_tell(b, reference) || a->method == b->method)
                 continue;
-            const double apart = fmin(largest(reference, a->grid, reference->y),
-                                      largest(reference, b->grid, reference->y));
+            const double apart = fmin(grid_distance_max(reference, a->grid, reference->y),
+                                      grid_distance_max(reference, b->grid, reference->y));
             const double known =
-                fmax(fmax(a->moved, b->moved), largest(reference, a->grid, b->grid));
+                fmax(fmax(a->moved, b->moved), grid_distance_max(reference, a->grid, b->grid));
             if (!(apart > CONTRADICTION_FACTOR * fmax(known, reference->accuracy)) ||
                 (found && apart <= reference->apart))
                 continue;
             found = true;
-            reference->against[0] = a->by;
-            reference->against[1] = b->by;
+            reference->dissenting_method[0] = a->method;
+            reference->dissenting_method[1] = b->method;
             reference->apart = apart;
             *step = fmin(a->step, b->step);
         }

@@ -11,10 +11,10 @@
 
 /* The finest run of one choice. */
 struct witness {
-    const struct method *by; /* NULL: none has arrived yet */
-    double *grid;            /* [STUDY_TIMES * n] */
-    double moved;            /* from the run before it, in amplitudes; NAN if there was none */
-    double step;             /* [s] in the mean */
+    const struct method *method; /* NULL: none has arrived yet */
+    double *grid;                /* [STUDY_TIMES * n] */
+    double moved;                /* from the run before it, in amplitudes; NAN if there was none */
+    double step;                 /* [s] in the mean */
 };
 
 struct witnesses {
@@ -29,7 +29,7 @@ bool witnesses_init(struct witnesses *witnesses, const struct system *system, in
 void witnesses_free(struct witnesses *witnesses);
 /* A finer run of choice i has arrived, in so many steps. */
 void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                     const struct method *by, int64_t steps, const double *grid);
+                     const struct method *method, int64_t steps, const double *grid);
 /* Sets the reference's against and apart; *step [s]: steps that see what they have seen. */
 bool reference_suspect(struct reference *reference, const struct witnesses *witnesses,
                        double *step);

@@ -45,13 +45,13 @@ void order_explain(const struct system *system, bool rests, struct order *order)
  * themselves. */
 int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
              int max);
-double mode_growth(const struct method_choice *by, const struct mode *mode, double dt);
+double mode_growth(const struct method_choice *choice, const struct mode *mode, double dt);
 /* [s], as in struct stability */
-double mode_limit(const struct method_choice *by, const struct mode *mode);
+double mode_limit(const struct method_choice *choice, const struct mode *mode);
 /* Relative distance from the limit at which running tells the two sides apart. */
-double mode_aside(const struct method_choice *by, const struct mode *mode, double limit);
+double mode_aside(const struct method_choice *choice, const struct mode *mode, double limit);
 /* Runs the oscillator of this mode. */
-void mode_check(const struct method_choice *by, const struct mode *mode, double dt,
+void mode_check(const struct method_choice *choice, const struct mode *mode, double dt,
                 struct stability_check *check);
 
 #endif

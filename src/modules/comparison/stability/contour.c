@@ -18,7 +18,7 @@ struct march {
 static double node_place(const struct march *m, int axis, int i)
 {
     const struct contour_field *f = m->field;
-    return f->from[axis] + (f->to[axis] - f->from[axis]) * i / f->cells[axis];
+    return f->lower[axis] + (f->upper[axis] - f->lower[axis]) * i / f->cells[axis];
 }
 
 static bool is_inside(const struct march *m, double x, double y)
@@ -32,16 +32,16 @@ static bool node_is_inside(const struct march *m, int i, int j)
 }
 
 /* Number of the edge from node i, j to the right, or upwards. */
-static int edge_number(const struct march *m, int i, int j, bool up)
+static int edge_number(const struct march *m, int i, int j, bool vertical)
 {
-    return up ? m->nx * (m->ny + 1) + j * (m->nx + 1) + i : j * m->nx + i;
+    return vertical ? m->nx * (m->ny + 1) + j * (m->nx + 1) + i : j * m->nx + i;
 }
 
 /* Finds the root on an edge whose ends have different signs. */
-static void find_root(const struct march *m, int i, int j, bool up, double root[2])
+static void find_root(const struct march *m, int i, int j, bool vertical, double root[2])
 {
     double a[2] = {node_place(m, 0, i), node_place(m, 1, j)},
-           b[2] = {node_place(m, 0, i + !up), node_place(m, 1, j + up)};
+           b[2] = {node_place(m, 0, i + !vertical), node_place(m, 1, j + vertical)};
     const bool first = node_is_inside(m, i, j);
     for (int k = 0; k < HALVINGS; k++) {
         const double middle[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
@@ -130,12 +130,12 @@ static bool find_roots(struct march *m, const struct cancel *cancel)
 {
     for (int j = 0; j <= m->ny; j++)
         for (int i = 0; i <= m->nx; i++)
-            for (int up = 0; up < 2; up++) {
+            for (int vertical = 0; vertical < 2; vertical++) {
                 if (cancelled(cancel))
                     return false;
-                if ((up ? j < m->ny : i < m->nx) &&
-                    node_is_inside(m, i, j) != node_is_inside(m, i + !up, j + up))
-                    find_root(m, i, j, up, m->root[edge_number(m, i, j, up)]);
+                if ((vertical ? j < m->ny : i < m->nx) &&
+                    node_is_inside(m, i, j) != node_is_inside(m, i + !vertical, j + vertical))
+                    find_root(m, i, j, vertical, m->root[edge_number(m, i, j, vertical)]);
             }
     for (int j = 0; j < m->ny; j++)
         for (int i = 0; i < m->nx; i++)

@@ -17,8 +17,8 @@ struct contour_field {
     /* NAN counts as positive. */
     double (*value)(const void *context, double x, double y);
     const void *context;
-    double from[2], to[2]; /* the box: x, y */
-    int cells[2];          /* grid on which the line is looked for */
+    double lower[2], upper[2]; /* the box: x, y */
+    int cells[2];              /* grid on which the line is looked for */
 };
 
 /* Appends the lines on which the field changes its sign, each point found by bisection on an edge

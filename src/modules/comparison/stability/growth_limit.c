@@ -40,22 +40,25 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 /* ---- growth of one mode ---- */
 
 /* A step so large that it overflows grows beyond all bounds. */
-double mode_growth(const struct method_choice *by, const struct mode *mode, double dt)
+double mode_growth(const struct method_choice *choice, const struct mode *mode, double dt)
 {
-    const double x = mode->omega * dt,
-                 growth = method_growth_signed(by->method, by->drag, x, mode->zeta, mode->sign);
+    const double x = mode->omega * dt, growth = method_growth_signed(choice->method, choice->drag,
+                                                                     x, mode->zeta, mode->sign);
     return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
 }
 
-double mode_limit(const struct method_choice *by, const struct mode *mode)
+double mode_limit(const struct method_choice *choice, const struct mode *mode)
 {
-    return method_stable_limit_signed(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
+    return method_stable_limit_signed(choice->method, choice->drag, mode->zeta, mode->sign) /
+           mode->omega;
 }
 
-double stability_growth(const struct method_choice *by, double re, double im)
+double stability_growth(const struct method_choice *choice, double re, double im)
 {
     const double size = hypot(re, im);
-    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size))) : 1;
+    return size > 0
+               ? method_growth(choice->method, choice->drag, size, fmax(-1, fmin(1, -re / size)))
+               : 1;
 }
 
 void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
@@ -111,7 +114,7 @@ static bool mode_system(const struct mode *mode, double omega, struct system *sy
  * phase, what a skew pair of eigenvectors does to the norm, and what dies out at the start drop
  * out. As many steps as numbers have room.
  */
-void mode_check(const struct method_choice *by, const struct mode *mode, double dt,
+void mode_check(const struct method_choice *choice, const struct mode *mode, double dt,
                 struct stability_check *check)
 {
     struct system system;
@@ -119,27 +122,28 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
     const double unit =
                      mode->omega > RATE_EXTREME || mode->omega < 1 / RATE_EXTREME ? mode->omega : 1,
                  omega = mode->omega / unit;
-    const double expected = log(mode_growth(by, mode, dt));
+    const double expected = log(mode_growth(choice, mode, dt));
     const double possible = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
     const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, possible) / 4);
     *check = (struct stability_check){
         .dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
     if (isnan(expected) || !mode_system(mode, omega, &system))
         return;
-    double *work = malloc((method_work_size(by->method, system.n) + 1) * sizeof *work);
+    double *work = malloc((method_work_size(choice->method, system.n) + 1) * sizeof *work);
     if (!work)
         return;
     /* Both eigenvectors take part; what grows starts small, what decays starts large. */
     const double start = expected > 0 ? exp(-LOG_ROOM / 2) : exp(LOG_ROOM / 2);
     double y[2] = {start, 0.5 * omega * start}, max[4] = {0};
-    struct step step = {.system = &system, .drag = by->drag, .h = dt * unit, .y = y, .work = work};
+    struct step step = {
+        .system = &system, .drag = choice->drag, .h = dt * unit, .y = y, .work = work};
     enum step_status status = STEP_OK;
     for (int64_t i = 0; i < 4 * quarter && status == STEP_OK; i++) {
         /* A method that remembers must not only see its own start: a jump that the past knows
          * nothing of sets off the parasitic solutions too. */
-        if (i == HISTORY_STEPS && by->method->flags & METHOD_MULTISTEP)
+        if (i == HISTORY_STEPS && choice->method->flags & METHOD_MULTISTEP)
             y[0] += 0.5 * start;
-        status = method_step(by->method, &step);
+        status = method_step(choice->method, &step);
         if (isnan(y[0]) || isnan(y[1]))
             status = STEP_NONFINITE;
         max[i / quarter] = fmax(max[i / quarter], hypot(y[0], y[1] / omega));
@@ -161,10 +165,11 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
                     0.1 * fabs(expected) + root / (double)(2 * quarter);
 }
 
-double mode_aside(const struct method_choice *by, const struct mode *mode, double limit)
+double mode_aside(const struct method_choice *choice, const struct mode *mode, double limit)
 {
-    return mode_growth(by, mode, limit * (1 + LIMIT_OFFSET)) > 1 + GROWTH_ROUNDING ? LIMIT_OFFSET
-                                                                                   : ASIDE_NARROW;
+    return mode_growth(choice, mode, limit * (1 + LIMIT_OFFSET)) > 1 + GROWTH_ROUNDING
+               ? LIMIT_OFFSET
+               : ASIDE_NARROW;
 }
 
 /* ---- the scene's modes ---- */
@@ -290,11 +295,11 @@ static void modes_along(const struct system *system, const struct stability_requ
 
 /* Whether a step up to dt may be unstable for this mode: a look at a few sizes, the exact search is
  * dear. */
-static bool may_limit(const struct method_choice *by, const struct mode *mode, double dt)
+static bool may_limit(const struct method_choice *choice, const struct mode *mode, double dt)
 {
     static const double part[] = {1. / 64, 0.125, 0.25, 0.5, 0.75, 0.9, 0.99, 0.9999};
     for (size_t i = 0; i < COUNT_OF(part); i++)
-        if (!(mode_growth(by, mode, part[i] * dt) <= 1 + ON_AXIS))
+        if (!(mode_growth(choice, mode, part[i] * dt) <= 1 + ON_AXIS))
             return true;
     return false;
 }
@@ -307,9 +312,9 @@ static void find_limit(struct stability *s)
             continue;
         if (!isnan(s->dt_max) &&
             (s->dt_max == 0 ||
-             !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
+             !may_limit(&s->choice, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
             continue;
-        const double limit = mode_limit(&s->by, &s->mode[i]);
+        const double limit = mode_limit(&s->choice, &s->mode[i]);
         if (isnan(s->dt_max) || limit < s->dt_max) {
             s->dt_max = limit;
             s->tightest = s->mode[i];
@@ -320,7 +325,7 @@ static void find_limit(struct stability *s)
 /* Lowers dt_max to the longest step that the method takes: beyond it a run is refused. */
 static void bound_limit(const struct system *system, struct stability *s)
 {
-    const double longest = plan_step_limit(system, s->by.method, s->by.drag);
+    const double longest = plan_step_limit(system, s->choice.method, s->choice.drag);
     if (!(longest < s->dt_max))
         return;
     s->dt_max = longest;
@@ -331,7 +336,7 @@ static void find_growth(struct stability *s)
 {
     s->growth_predicted = s->modes ? 0 : NAN;
     for (int i = 0; i < s->modes; i++) {
-        const double growth = mode_growth(&s->by, &s->mode[i], s->dt);
+        const double growth = mode_growth(&s->choice, &s->mode[i], s->dt);
         if (growth > s->growth_predicted) {
             s->growth_predicted = growth;
             s->worst = s->mode[i];
@@ -353,7 +358,7 @@ static void name_weakness(struct stability *s)
         s->growth_predicted > 1 + GROWTH_ROUNDING ? log(2) / log(s->growth_predicted) : HUGE_VAL;
     const double x = s->worst.omega * s->dt, g = s->growth_predicted - 1;
     if (g > GROWTH_ROUNDING && g < GROWTH_WEAK && s->dt_max == 0) {
-        const double less = mode_growth(&s->by, &s->worst, s->dt / 2) - 1;
+        const double less = mode_growth(&s->choice, &s->worst, s->dt / 2) - 1;
         s->weak[1] = less > GROWTH_ROUNDING / 10 ? log2(g / less) : NAN;
         s->weak[0] = g / pow(x, s->weak[1]);
     }
@@ -361,7 +366,7 @@ static void name_weakness(struct stability *s)
         return;
     double max = 0, part = 0;
     while (part < WINDOW_MAX) {
-        const double growth = mode_growth(&s->by, &s->tightest, s->dt_max * (1 + part));
+        const double growth = mode_growth(&s->choice, &s->tightest, s->dt_max * (1 + part));
         if (max > 0 && growth <= 1 + GROWTH_ROUNDING) {
             s->window[0] = s->dt_max;
             s->window[1] = s->dt_max * (1 + part);
@@ -375,12 +380,13 @@ static void name_weakness(struct stability *s)
 
 static void verify(struct stability *s)
 {
-    mode_check(&s->by, &s->worst, s->dt, &s->check[s->checks++]);
+    mode_check(&s->choice, &s->worst, s->dt, &s->check[s->checks++]);
     s->growth_measured = s->check[0].measured;
-    const double aside = mode_aside(&s->by, &s->tightest, s->dt_max);
+    const double aside = mode_aside(&s->choice, &s->tightest, s->dt_max);
     for (int side = -1; side <= (s->refused ? -1 : 1) && s->dt_max > 0 && isfinite(s->dt_max);
          side += 2)
-        mode_check(&s->by, &s->tightest, s->dt_max * (1 + side * aside), &s->check[s->checks++]);
+        mode_check(&s->choice, &s->tightest, s->dt_max * (1 + side * aside),
+                   &s->check[s->checks++]);
     for (int i = 0; i < s->checks; i++)
         s->agrees &= s->check[i].agrees;
 }
@@ -389,11 +395,11 @@ static void verify(struct stability *s)
 static bool run_scene(const struct system *system, const struct stability_request *request,
                       struct stability *s)
 {
-    const struct run_settings settings = {.dt = request->dt, .drag = s->by.drag};
+    const struct run_settings settings = {.dt = request->dt, .drag = s->choice.drag};
     const int n = system->n;
     struct solver solver;
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
-    if (!grid || !solver_init(&solver, system, s->by.method, &settings, request->duration)) {
+    if (!grid || !solver_init(&solver, system, s->choice.method, &settings, request->duration)) {
         free(grid);
         return false;
     }
@@ -421,7 +427,7 @@ static bool run_scene(const struct system *system, const struct stability_reques
  * RATE_TOLERANCE. */
 static enum stability_verdict stability_judge(const struct stability *s, const struct mode *mode)
 {
-    const double growth = mode_growth(&s->by, mode, s->dt), rate = growth_rate(mode) * s->dt,
+    const double growth = mode_growth(&s->choice, mode, s->dt), rate = growth_rate(mode) * s->dt,
                  margin = rate > 0                      ? exp((1 + RATE_TOLERANCE) * rate)
                           : fabs(mode->zeta - 1) < 1e-3 ? 1 + ON_AXIS
                                                         : 1 + GROWTH_ROUNDING;
@@ -444,7 +450,7 @@ bool study_stability(const struct stability_request *request, struct stability *
                      struct error *error)
 {
     struct system system;
-    *s = (struct stability){.by = request->by,
+    *s = (struct stability){.choice = request->choice,
                             .dt = request->dt,
                             .dt_max = NAN,
                             .growth_predicted = NAN,
@@ -459,8 +465,8 @@ bool study_stability(const struct stability_request *request, struct stability *
     if (!(request->dt > 0) || !isfinite(request->dt))
         return error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", request->dt);
     if (!scene_bind(request->scene, &system, error) ||
-        !method_applies(request->by.method, &system, &s->by.drag, error) ||
-        !method_fits(request->by.method, &system, s->by.drag, request->dt, error))
+        !method_applies(request->choice.method, &system, &s->choice.drag, error) ||
+        !method_fits(request->choice.method, &system, s->choice.drag, request->dt, error))
         return false;
     s->linear = system.linear;
     s->grows = modes_at(&system, system.t0, system.start, s->mode, &s->modes, STABILITY_MODES) > 0;

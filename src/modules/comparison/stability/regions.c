@@ -29,7 +29,7 @@ const struct catalog region_catalog = CATALOG("plane", planes);
 
 /* ---- the columns ---- */
 
-#define AT(member) .at = offsetof(struct region_row, member)
+#define AT(member) .offset = offsetof(struct region_row, member)
 /* clang-format off */
 #define REGION_COLUMNS(across, up) \
     {.name = "part", .kind = COLUMN_NAME, AT(part)}, \
@@ -51,19 +51,19 @@ const struct result_columns *region_columns(enum region_plane plane)
 
 /* ---- the fields ---- */
 
-static double growth_in_z(const void *by, double re, double im)
+static double growth_in_z(const void *context, double re, double im)
 {
-    return stability_growth(by, re, im) - 1 - growth_rounding;
+    return stability_growth(context, re, im) - 1 - growth_rounding;
 }
 
-static double growth_in_star(const void *by, double re, double im)
+static double growth_in_star(const void *context, double re, double im)
 {
-    return stability_growth(by, re, im) * exp(-re) - 1 - growth_rounding;
+    return stability_growth(context, re, im) * exp(-re) - 1 - growth_rounding;
 }
 
-static double growth_in_damped(const void *by, double zeta, double x)
+static double growth_in_damped(const void *context, double zeta, double x)
 {
-    const struct method_choice *choice = by;
+    const struct method_choice *choice = context;
     return x > 0 ? method_growth(choice->method, choice->drag, x, zeta) - 1 - growth_rounding : -1;
 }
 
@@ -76,26 +76,26 @@ static double finite_or(double value, double otherwise)
 
 /* Returns the largest Re z at which a step of a method that is stable far to the left grows, or 0
  * if there is none. */
-static double unstable_reach(const struct method_choice *by)
+static double unstable_reach(const struct method_choice *choice)
 {
     enum { PLACES = 54 };
     double reach = 0;
     for (int i = 0; i < PLACES; i++) {
         const double re = widest_plane * pow(1.1, i - PLACES);
-        if (stability_growth(by, re, 0) > 1)
+        if (stability_growth(choice, re, 0) > 1)
             reach = re;
     }
     return reach;
 }
 
 /* Widens the box, {left, right, top}, so that it holds the boundary of a method. */
-static void include_method(const struct method_choice *by, double box[3])
+static void include_method(const struct method_choice *choice, double box[3])
 {
-    const double real = method_stable_limit(by->method, by->drag, 1),
-                 high = finite_or(method_stable_limit(by->method, by->drag, 0), 0),
-                 middle = finite_or(method_stable_limit(by->method, by->drag, 0.3), 0);
+    const double real = method_stable_limit(choice->method, choice->drag, 1),
+                 high = finite_or(method_stable_limit(choice->method, choice->drag, 0), 0),
+                 middle = finite_or(method_stable_limit(choice->method, choice->drag, 0.3), 0);
     if (isinf(real)) {
-        double reach = unstable_reach(by);
+        double reach = unstable_reach(choice);
         reach = reach < widest_plane / 1.2 ? reach : 0;
         box[0] = fmin(box[0], reach > 0 ? -0.5 * reach : -unbounded_width);
         box[1] = fmax(box[1], reach > 0 ? 1.25 * reach : unbounded_width);
@@ -107,21 +107,23 @@ static void include_method(const struct method_choice *by, double box[3])
     box[2] = fmax(box[2], 1.25 * fmax(fmax(high, middle), 0.7 * finite_or(real, 1)));
 }
 
-static struct contour_field plane_field(enum region_plane plane, const struct stability *of,
+static struct contour_field plane_field(enum region_plane plane, const struct stability *stability,
                                         int count)
 {
     double box[3] = {0, 0, 0};
     for (int i = 0; i < count && plane != REGION_DAMPED; i++)
-        include_method(&of[i].by, box);
+        include_method(&stability[i].choice, box);
     for (int i = 0; i < count && plane == REGION_DAMPED; i++)
         for (int k = 0; k <= 8; k++)
-            box[2] = fmax(box[2], finite_or(method_stable_limit(of[i].by.method, of[i].by.drag,
-                                                                zeta_max * k / 8),
-                                            0));
+            box[2] = fmax(box[2],
+                          finite_or(method_stable_limit(stability[i].choice.method,
+                                                        stability[i].choice.drag, zeta_max * k / 8),
+                                    0));
     if (plane == REGION_DAMPED)
-        return (struct contour_field){.value = growth_in_damped,
-                                      .to = {zeta_max, 1.15 * finite_or(box[2], unbounded_width)},
-                                      .cells = {DAMPED_CELLS, DAMPED_CELLS}};
+        return (struct contour_field){
+            .value = growth_in_damped,
+            .upper = {zeta_max, 1.15 * finite_or(box[2], unbounded_width)},
+            .cells = {DAMPED_CELLS, DAMPED_CELLS}};
     if (plane == REGION_STARS) {
         box[2] = fmin(fmax(-box[0], box[2]), widest_plane);
         box[0] = -box[2];
@@ -131,8 +133,8 @@ static struct contour_field plane_field(enum region_plane plane, const struct st
     const double cell = (box[1] - box[0]) / PLANE_CELLS, left = (floor(box[0] / cell) + 0.5) * cell;
     return (struct contour_field){
         .value = plane == REGION_Z ? growth_in_z : growth_in_star,
-        .from = {left, 0},
-        .to = {left + PLANE_CELLS * cell, box[2]},
+        .lower = {left, 0},
+        .upper = {left + PLANE_CELLS * cell, box[2]},
         .cells = {PLANE_CELLS, (int)fmax(8, fmin(PLANE_CELLS, ceil(box[2] / cell)))}};
 }
 
@@ -153,12 +155,13 @@ static bool region_add(struct region *region, const struct region_row *row)
 }
 
 /* Adds the boundary of one method; what is below the real axis is the mirror image. */
-static bool add_boundary(const struct contour_field *field, const struct stability *of,
+static bool add_boundary(const struct contour_field *field, const struct stability *stability,
                          bool mirrored, const struct cancel *cancel, struct region *region)
 {
     struct contour contour = {0};
-    struct region_row row = {
-        .part = "boundary", .curve = of->by.method->row.name, .dt_max = of->dt_max};
+    struct region_row row = {.part = "boundary",
+                             .curve = stability->choice.method->row.name,
+                             .dt_max = stability->dt_max};
     bool ok = contour_trace(field, cancel, &contour);
     for (int side = 1; side >= (mirrored ? -1 : 1); side -= 2)
         for (size_t i = 0; ok && i < contour.n; i++) {
@@ -172,11 +175,12 @@ static bool add_boundary(const struct contour_field *field, const struct stabili
 
 /* Adds the stretch of the imaginary axis on which a method is stable that knows no forces which
  * depend on velocity. */
-static bool add_interval(const struct stability *of, bool damped, struct region *region)
+static bool add_interval(const struct stability *stability, bool damped, struct region *region)
 {
-    const double limit = method_stable_limit(of->by.method, of->by.drag, 0);
-    struct region_row row = {
-        .part = "boundary", .curve = of->by.method->row.name, .dt_max = of->dt_max};
+    const double limit = method_stable_limit(stability->choice.method, stability->choice.drag, 0);
+    struct region_row row = {.part = "boundary",
+                             .curve = stability->choice.method->row.name,
+                             .dt_max = stability->dt_max};
     if (!isfinite(limit))
         return true;
     row.y = damped ? 0 : -limit;
@@ -208,33 +212,33 @@ static bool add_mode_points(enum region_plane plane, const struct mode *mode, do
     return ok;
 }
 
-static bool add_points(enum region_plane plane, const struct stability *of, int count,
+static bool add_points(enum region_plane plane, const struct stability *stability, int count,
                        struct region *region)
 {
     bool ok = true;
-    for (int i = 0; i < of->at_start; i++)
+    for (int i = 0; i < stability->at_start; i++)
         ok = ok &&
-             add_mode_points(plane, &of->mode[i], of->dt, "scene",
+             add_mode_points(plane, &stability->mode[i], stability->dt, "scene",
                              plane == REGION_DAMPED ? "omega dt here" : "lambda dt here", region);
     for (int i = 0; i < count; i++)
-        if (of[i].dt_max > 0 && isfinite(of[i].dt_max))
-            ok = ok && add_mode_points(plane, &of[i].tightest, of[i].dt_max, "limit", "at dt_max",
-                                       region);
+        if (stability[i].dt_max > 0 && isfinite(stability[i].dt_max))
+            ok = ok && add_mode_points(plane, &stability[i].tightest, stability[i].dt_max, "limit",
+                                       "at dt_max", region);
     return ok;
 }
 
-bool region_trace(enum region_plane plane, const struct stability *of, int count,
+bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error)
 {
-    struct contour_field field = plane_field(plane, of, count);
+    struct contour_field field = plane_field(plane, stability, count);
     bool ok = true;
     for (int i = 0; i < count && ok; i++) {
-        field.context = &of[i].by;
-        ok = isnan(stability_growth(&of[i].by, -0.5, 0.5))
-                 ? add_interval(&of[i], plane == REGION_DAMPED, region)
-                 : add_boundary(&field, &of[i], plane != REGION_DAMPED, cancel, region);
+        field.context = &stability[i].choice;
+        ok = isnan(stability_growth(&stability[i].choice, -0.5, 0.5))
+                 ? add_interval(&stability[i], plane == REGION_DAMPED, region)
+                 : add_boundary(&field, &stability[i], plane != REGION_DAMPED, cancel, region);
     }
-    ok = ok && (plane == REGION_STARS || add_points(plane, of, count, region));
+    ok = ok && (plane == REGION_STARS || add_points(plane, stability, count, region));
     if (!ok && !cancelled(cancel))
         return error_memory(error);
     return ok || error_set(error, ERROR_CANCELLED, "stopped");

@@ -32,7 +32,7 @@ const struct result_columns *region_columns(enum region_plane plane);
 
 /* Traces the boundaries of methods, and places the eigenvalues of the scene at dt. Returns false if
  * out of memory or cancelled. */
-bool region_trace(enum region_plane plane, const struct stability *of, int count,
+bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error);
 void region_free(struct region *region);
 

@@ -31,17 +31,17 @@ static double zeta_of(const void *row)
 
 /* ---- for people ---- */
 
-void buffer_growth(struct buffer *out, double growth)
+void buffer_growth(struct buffer *output, double growth)
 {
-    const double beyond = fabs(growth - 1);
-    if (beyond < 1e-4 && beyond > GROWTH_ROUNDING)
-        buffer_format(out, "1%+.2e", growth - 1);
+    const double deviation = fabs(growth - 1);
+    if (deviation < 1e-4 && deviation > GROWTH_ROUNDING)
+        buffer_format(output, "1%+.2e", growth - 1);
     else
-        buffer_format(out,
+        buffer_format(output,
                       isfinite(growth) ? "%.7g"
                       : isnan(growth)  ? "-"
                                        : "overflow",
-                      beyond > GROWTH_ROUNDING ? growth : 1);
+                      deviation > GROWTH_ROUNDING ? growth : 1);
 }
 
 static void growth_cell(struct text_table *table, double growth)
@@ -69,7 +69,7 @@ static void agrees_cell(struct text_table *table, const void *row)
 
 /* ---- the columns ---- */
 
-#define IN(member) .at = offsetof(struct stability_check, member)
+#define IN(member) .offset = offsetof(struct stability_check, member)
 
 static const struct result_column of_check[] = {
     {.name = "dt", IN(dt), .quantity = QUANTITY_TIME},
@@ -87,12 +87,12 @@ static const void *list_checks(const void *row, size_t *count)
     return stability_of(row)->check;
 }
 
-#define AT(member) .at = offsetof(struct stability, member)
+#define AT(member) .offset = offsetof(struct stability, member)
 
 /* clang-format off */
 static const struct result_column of_method[] = {
-    {.name = "method", .kind = COLUMN_ROW, AT(by.method), .index = 1, .heading = "method"},
-    {.name = "drag", .kind = COLUMN_CHOICE, AT(by.drag), .choices = &drag_catalog, .choice_first = DRAG_EXACT},
+    {.name = "method", .kind = COLUMN_ROW, AT(choice.method), .index = 1, .heading = "method"},
+    {.name = "drag", .kind = COLUMN_CHOICE, AT(choice.drag), .choices = &drag_catalog, .choice_first = DRAG_EXACT},
     {.name = "dt", AT(dt), .quantity = QUANTITY_TIME, .index = 2, .heading = "dt", .digits = 4},
     {.name = "dt_max", AT(dt_max), .quantity = QUANTITY_TIME,
      .index = 3, .heading = "dt_max", .look = limit_cell},

@@ -113,10 +113,10 @@ static bool listed(const char *preset)
     return false;
 }
 
-bool stress_case_at(size_t index, struct stress_case *out)
+bool stress_case_at(size_t index, struct stress_case *result)
 {
     if (index < COUNT_OF(cases)) {
-        *out = cases[index];
+        *result = cases[index];
         return true;
     }
     index -= COUNT_OF(cases);
@@ -125,7 +125,7 @@ bool stress_case_at(size_t index, struct stress_case *out)
         const bool named = text_starts(text_of(row->name), TEXT("stiff-")) ||
                            text_starts(text_of(row->name), TEXT("extreme-"));
         if (named && !listed(row->name) && index-- == 0) {
-            *out =
+            *result =
                 (struct stress_case){.name = row->name, .brief = row->brief, .preset = row->name};
             return true;
         }
@@ -157,10 +157,11 @@ struct stress_state {
 
 static bool set_scene(const struct stress_case *what, struct system *system, struct error *error)
 {
-    const struct row *row = what->of ? NULL : catalog_find(&preset_catalog, text_of(what->preset));
+    const struct row *row =
+        what->stress_scene ? NULL : catalog_find(&preset_catalog, text_of(what->preset));
     const struct preset *preset = preset_from(row);
     struct scene scene;
-    if (what->of)
+    if (what->stress_scene)
         return stress_scene_set(what, &scene, error) && scene_bind(&scene, system, error);
     if (!preset)
         return error_set(error, ERROR_COMMAND, "there is no scene '%s'", what->preset);
@@ -191,19 +192,19 @@ static void find_reference(struct stress_state *bench)
     *reference = (struct reference){.n = system->n, .span = bench->span, .meaning = bench->span};
     reference->scored = system->order == 2 ? system->n / 2 : system->n;
     reference->y = calloc(size, sizeof *reference->y);
-    for (size_t i = 0; reference->y && i < COUNT_OF(able) && !reference->by[1]; i++) {
+    for (size_t i = 0; reference->y && i < COUNT_OF(able) && !reference->method[1]; i++) {
         const struct run_settings settings = {.tol = REFERENCE_TOL};
         const struct method *method = method_find(able[i]);
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, bench->span))
             continue;
-        solver.max = bench->what->of ? SCENE_MAX : REFERENCE_MAX;
+        solver.max = bench->what->stress_scene ? SCENE_MAX : REFERENCE_MAX;
         const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
         solver_free(&solver);
         if (stop != STOP_END)
             continue;
-        reference->by[reference->by[0] != NULL] = method;
-        if (!reference->by[1])
+        reference->method[reference->method[0] != NULL] = method;
+        if (!reference->method[1])
             memcpy(reference->y, bench->grid, size * sizeof *reference->y);
     }
     for (int i = 0; reference->y && i < system->n; i++) {
@@ -213,11 +214,11 @@ static void find_reference(struct stress_state *bench)
         if (!(reference->amplitude[i] > 1e-18 * system->scale[i]))
             reference->amplitude[i] = system->scale[i];
     }
-    for (int k = 0; reference->by[1] && k < STUDY_TIMES; k++)
+    for (int k = 0; reference->method[1] && k < STUDY_TIMES; k++)
         reference->accuracy =
             fmax(reference->accuracy, grid_distance(reference, bench->grid + k * system->n,
                                                     reference->y + k * system->n));
-    if (!reference->by[1])
+    if (!reference->method[1])
         reference_free(reference);
 }
 
@@ -247,12 +248,13 @@ static void bench_free(struct stress_state *bench)
         reference_free(&bench->reference);
 }
 
-/* Largest position on the grid in units of the motion, from grid time `from` on; NAN states left
+/* Largest position on the grid in units of the motion, from grid time `first` on; NAN states left
  * out. */
-static double largest(const struct stress_state *bench, const double *grid, int from, int i)
+static double grid_variable_max(const struct stress_state *bench, const double *grid, int first,
+                                int i)
 {
     double max = 0;
-    for (int k = from; k < STUDY_TIMES; k++)
+    for (int k = first; k < STUDY_TIMES; k++)
         if (!isnan(grid[k * bench->system.n + i]))
             max = fmax(max, fabs(grid[k * bench->system.n + i]) / bench->reference.amplitude[i]);
     return max;
@@ -274,9 +276,9 @@ static void judge_end(const struct stress_state *bench, struct stress_row *row)
     grid_errors(&bench->system, reference, bench->grid, &errors);
     row->error = fmax(errors.max, errors.end);
     for (int i = 0; i < reference->scored; i++) {
-        const double now = largest(bench, bench->grid, last_quarter, i),
-                     real = largest(bench, reference->y, last_quarter, i);
-        size = fmax(size, largest(bench, bench->grid, 0, i));
+        const double now = grid_variable_max(bench, bench->grid, last_quarter, i),
+                     real = grid_variable_max(bench, reference->y, last_quarter, i);
+        size = fmax(size, grid_variable_max(bench, bench->grid, 0, i));
         gone |= real > 0.05 && now < DAMPED_FRACTION * real;
     }
     const bool known = reference->accuracy < ERROR_ACCURATE;
@@ -426,7 +428,7 @@ static bool keep_case(struct stress *stress, struct text only, struct error *err
         index = (int)number - 1;
     if (index == stress->count) {
         error_at(error, only, "there is no case '%.*s' of %d", (int)(only.len < 64 ? only.len : 64),
-                 only.at, stress->count);
+                 only.data, stress->count);
         return error_hint(error, "'stress --full' lists them by number and name");
     }
     stress->cases[0] = stress->cases[index];

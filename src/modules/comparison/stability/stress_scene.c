@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static struct stress_case *stress_case_add(struct stress *stress, const struct stress_scene *of,
+static struct stress_case *stress_case_add(struct stress *stress, const struct stress_scene *source,
                                            const char *name, const struct buffer *brief)
 {
     if (stress->count == STRESS_MAX)
@@ -15,15 +15,15 @@ static struct stress_case *stress_case_add(struct stress *stress, const struct s
     struct stress_case *what = &stress->cases[stress->count];
     *what = (struct stress_case){.name = arena_text(&stress->text, text_of(name)),
                                  .brief = arena_text(&stress->text, buffer_text(brief)),
-                                 .of = of,
-                                 .span = of->span};
+                                 .stress_scene = source,
+                                 .span = source->span};
     if (!what->name || !what->brief)
         return NULL;
     stress->count++;
     return what;
 }
 
-static void add_steps(struct stress *stress, const struct stress_scene *of)
+static void add_steps(struct stress *stress, const struct stress_scene *source)
 {
     static const double factors[] = {0.5, 0.99, 1.01, 2, 10, 1000};
     for (size_t i = 0; i < COUNT_OF(factors); i++) {
@@ -31,7 +31,7 @@ static void add_steps(struct stress *stress, const struct stress_scene *of)
         buffer_format(&name, "dt x %s", SHOWN_SHORT(factors[i], 4));
         buffer_put(&brief, TEXT("of the method's limit, or of the fastest time constant"));
         struct stress_case *what =
-            name.failed || brief.failed ? NULL : stress_case_add(stress, of, name.data, &brief);
+            name.failed || brief.failed ? NULL : stress_case_add(stress, source, name.data, &brief);
         if (what) {
             what->change = STRESS_STEP;
             what->fixed = true;
@@ -42,22 +42,22 @@ static void add_steps(struct stress *stress, const struct stress_scene *of)
     }
 }
 
-static void add_param(struct stress *stress, const struct stress_scene *of, int index)
+static void add_param(struct stress *stress, const struct stress_scene *source, int index)
 {
     static const struct {
         const char *sign;
         double factor;
     } change[] = {{" x 1e-6", 1e-6}, {" x 1e6", 1e6}, {" = 0", 0}, {" x -1", -1}};
-    const struct row *row = catalog_row(scene_params(of->scene), (size_t)index);
+    const struct row *row = catalog_row(scene_params(source->scene), (size_t)index);
     for (size_t i = 0; i < COUNT_OF(change); i++) {
-        const double value = of->scene->value[index] * change[i].factor;
+        const double value = source->scene->value[index] * change[i].factor;
         struct buffer name = {0}, brief = {0};
         buffer_format(&name, "%s%s", row->name, change[i].sign);
         buffer_format(&brief, "%s = %s", row->name, SHOWN_SHORT(value, 6));
         if (*row->unit)
             buffer_format(&brief, " %s", row->unit);
         struct stress_case *what =
-            name.failed || brief.failed ? NULL : stress_case_add(stress, of, name.data, &brief);
+            name.failed || brief.failed ? NULL : stress_case_add(stress, source, name.data, &brief);
         if (what) {
             what->change = STRESS_PARAM;
             what->param = index;
@@ -68,7 +68,7 @@ static void add_param(struct stress *stress, const struct stress_scene *of, int 
     }
 }
 
-static void add_starts(struct stress *stress, const struct stress_scene *of)
+static void add_starts(struct stress *stress, const struct stress_scene *source)
 {
     static const struct {
         const char *name;
@@ -78,7 +78,7 @@ static void add_starts(struct stress *stress, const struct stress_scene *of)
         struct buffer brief = {0};
         buffer_put(&brief, TEXT("initial values that are not 0, the first if all are"));
         struct stress_case *what =
-            brief.failed ? NULL : stress_case_add(stress, of, starts[i].name, &brief);
+            brief.failed ? NULL : stress_case_add(stress, source, starts[i].name, &brief);
         if (what) {
             what->change = STRESS_START;
             what->value = starts[i].value;
@@ -87,32 +87,32 @@ static void add_starts(struct stress *stress, const struct stress_scene *of)
     }
 }
 
-bool stress_scene_cases(struct stress *stress, const struct stress_scene *of)
+bool stress_scene_cases(struct stress *stress, const struct stress_scene *source)
 {
-    const int params = (int)scene_params(of->scene)->count;
+    const int params = (int)scene_params(source->scene)->count;
     struct buffer brief = {0};
     buffer_put(&brief, TEXT("nothing is changed"));
     if (!brief.failed)
-        stress_case_add(stress, of, "as it is", &brief);
+        stress_case_add(stress, source, "as it is", &brief);
     buffer_free(&brief);
-    add_steps(stress, of);
+    add_steps(stress, source);
     for (int i = 0; i < params; i++)
-        if (of->matter[i] && of->scene->value[i] != 0)
-            add_param(stress, of, i);
-    add_starts(stress, of);
+        if (source->matter[i] && source->scene->value[i] != 0)
+            add_param(stress, source, i);
+    add_starts(stress, source);
     return stress->count > 0 && stress->cases[stress->count - 1].change == STRESS_START;
 }
 
 bool stress_scene_set(const struct stress_case *what, struct scene *scene, struct error *error)
 {
-    const struct stress_scene *of = what->of;
-    const int params = (int)scene_params(of->scene)->count;
+    const struct stress_scene *source = what->stress_scene;
+    const int params = (int)scene_params(source->scene)->count;
     int first = -1, moved = 0;
-    *scene = *of->scene;
+    *scene = *source->scene;
     if (what->change == STRESS_PARAM)
         return scene_set(scene, what->param, (struct measured){what->value, 0}, error);
     for (int i = params - 1; i >= 0 && what->change == STRESS_START; i--) {
-        if (!of->start[i])
+        if (!source->start[i])
             continue;
         first = i;
         if (scene->value[i] != 0 && ++moved &&
@@ -126,7 +126,7 @@ bool stress_scene_set(const struct stress_case *what, struct scene *scene, struc
 double stress_limit(const struct system *system, const double *y, int states, int every,
                     const struct method *method)
 {
-    const struct method_choice by = {.method = method};
+    const struct method_choice choice = {.method = method};
     struct mode fastest = {0};
     for (int k = 0; k < states; k += every) {
         struct mode mode[LIMIT_VARIABLES];
@@ -136,7 +136,7 @@ double stress_limit(const struct system *system, const double *y, int states, in
             if (mode[i].omega > fastest.omega)
                 fastest = mode[i];
     }
-    const double limit = fastest.omega > 0 ? mode_limit(&by, &fastest) : HUGE_VAL;
+    const double limit = fastest.omega > 0 ? mode_limit(&choice, &fastest) : HUGE_VAL;
     /* 0, NaN: no step is better than another */
     return limit > 0 && isfinite(limit) ? limit : 1 / fastest.omega;
 }

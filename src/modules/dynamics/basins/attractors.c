@@ -29,11 +29,11 @@ static double apart_from(const struct basin_walk *walk, const struct attractor *
 {
     double least = HUGE_VAL, nearest[FIELD_VARIABLES];
     for (int k = 0; k < a->points; k++) {
-        const double *from = a->point + k * walk->n;
+        const double *vertex = a->point + k * walk->n;
         const bool is_line = a->basin.kind == BASIN_ORBIT && k + 1 < a->points;
         if (is_line)
-            field_nearest_on_line(&walk->field, y, from, from + walk->n, nearest);
-        least = fmin(least, field_distance(&walk->field, y, is_line ? nearest : from));
+            field_nearest_on_line(&walk->field, y, vertex, vertex + walk->n, nearest);
+        least = fmin(least, field_distance(&walk->field, y, is_line ? nearest : vertex));
     }
     return least;
 }
@@ -47,29 +47,30 @@ static int cells_of(int n)
 
 /* Returns the index of the cell that lies by[] cells from that of y (0 if NULL), or -1 if outside.
  */
-static long cell_at(const struct basin_walk *walk, const double *y, const int *by)
+static long cell_at(const struct basin_walk *walk, const double *y, const int *cell_shift)
 {
     const int cells = cells_of(walk->n);
-    long at = 0;
+    long cell_index = 0;
     for (int i = 0; i < walk->n; i++) {
         /* twice what starts cover */
         const double share = (y[i] - walk->centre[i]) / walk->field.size[i] / 4 + 0.5;
-        const int place = (int)floor(fmin(fmax(share * cells, -2), cells + 2)) + (by ? by[i] : 0);
+        const int place =
+            (int)floor(fmin(fmax(share * cells, -2), cells + 2)) + (cell_shift ? cell_shift[i] : 0);
         if (place < 0 || place >= cells)
             return -1;
-        at = at * cells + place;
+        cell_index = cell_index * cells + place;
     }
-    return at;
+    return cell_index;
 }
 
 static void visit(const struct basin_walk *walk, unsigned char *cell, const double *y)
 {
-    int by[3] = {-1, -1, -1};
+    int cell_shift[3] = {-1, -1, -1};
     for (int k = 0; k < 27; k++) {
-        by[0] = k % 3 - 1, by[1] = k / 3 % 3 - 1, by[2] = k / 9 - 1;
-        const long at = cell_at(walk, y, by);
-        if (at >= 0)
-            cell[at] = 1;
+        cell_shift[0] = k % 3 - 1, cell_shift[1] = k / 3 % 3 - 1, cell_shift[2] = k / 9 - 1;
+        const long cell_index = cell_at(walk, y, cell_shift);
+        if (cell_index >= 0)
+            cell[cell_index] = 1;
     }
 }
 
@@ -77,7 +78,7 @@ static void visit(const struct basin_walk *walk, unsigned char *cell, const doub
 
 void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y)
 {
-    *walker = (struct walker){.at = -1};
+    *walker = (struct walker){.attractor = -1};
     memcpy(walker->y, y, (size_t)walk->n * sizeof *y);
 }
 
@@ -85,24 +86,25 @@ static bool is_near(const struct basin_walk *walk, const struct attractor *a, co
 {
     if (!a->cell)
         return a->basin.stable && apart_from(walk, a, y) < ATTRACTOR_NEAR_SIZES;
-    const long at = cell_at(walk, y, NULL);
-    return at >= 0 && a->cell[at];
+    const long cell_index = cell_at(walk, y, NULL);
+    return cell_index >= 0 && a->cell[cell_index];
 }
 
 static int comes_to(const struct basin_walk *walk, struct walker *w)
 {
-    const bool stays = w->at >= 0 && is_near(walk, &walk->attractor[w->at], w->y);
-    w->near = stays ? w->near + 1 : 0;
+    const bool stays = w->attractor >= 0 && is_near(walk, &walk->attractor[w->attractor], w->y);
+    w->near_count = stays ? w->near_count + 1 : 0;
     for (int k = 0; k < walk->attractors && !stays; k++)
         if (is_near(walk, &walk->attractor[k], w->y)) {
-            w->at = k;
-            w->near = 1;
+            w->attractor = k;
+            w->near_count = 1;
             break;
         }
-    if (w->near == 0)
+    if (w->near_count == 0)
         return BASIN_MISSING;
-    return w->near >= (walk->attractor[w->at].cell ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN)
-               ? w->at
+    return w->near_count >=
+                   (walk->attractor[w->attractor].cell ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN)
+               ? w->attractor
                : BASIN_MISSING;
 }
 
@@ -204,10 +206,10 @@ static int add_attractor(struct basin_walk *walk, struct attractor *a)
     return walk->attractors++;
 }
 
-static int known_as(const struct basin_walk *walk, const double *y, double within)
+static int known_as(const struct basin_walk *walk, const double *y, double tolerance)
 {
     for (int k = 0; k < walk->attractors; k++)
-        if (!walk->attractor[k].cell && apart_from(walk, &walk->attractor[k], y) < within)
+        if (!walk->attractor[k].cell && apart_from(walk, &walk->attractor[k], y) < tolerance)
             return k;
     return BASIN_MISSING;
 }
@@ -215,17 +217,17 @@ static int known_as(const struct basin_walk *walk, const double *y, double withi
 /* What looks leave of the way to rest is taken by Newton's steps. */
 static void settle_state(struct basin_walk *walk, double *y)
 {
-    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], by[FIELD_VARIABLES];
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], correction[FIELD_VARIABLES];
     for (int pass = 0; pass < 3; pass++) {
         bool small = true;
-        field_rate(&walk->field, y, by);
+        field_rate(&walk->field, y, correction);
         field_jacobian(&walk->field, y, jacobian);
-        if (!matrix_solve(walk->n, jacobian, by))
+        if (!matrix_solve(walk->n, jacobian, correction))
             return;
         for (int i = 0; i < walk->n; i++)
-            small = small && fabs(by[i]) < ATTRACTORS_SAME_SIZES * walk->field.size[i];
+            small = small && fabs(correction[i]) < ATTRACTORS_SAME_SIZES * walk->field.size[i];
         for (int i = 0; small && i < walk->n; i++)
-            y[i] -= by[i];
+            y[i] -= correction[i];
     }
 }
 
@@ -251,12 +253,12 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
 
 /* Follows the orbit until it passes the plane across its start in the same direction, near it.
  * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_LOOKS_MAX looks or
- * cannot be followed. *off is the distance from the start at the last passage near it, unchanged if
- * there was none. */
-static double go_round(struct basin_walk *walk, const double *start, double *off)
+ * cannot be followed. *closure_error is the distance from the start at the last passage near it,
+ * unchanged if there was none. */
+static double go_round(struct basin_walk *walk, const double *start, double *closure_error)
 {
     struct field_plane plane;
-    double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, before = 0;
+    double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, previous_side = 0;
     const double h = walk->strobe / (ORBIT_TURN_STEPS / ORBIT_TURN_LOOKS_MAX),
                  t0 = walk->field.system.t0;
     field_plane_across(&walk->field, start, &plane);
@@ -268,13 +270,13 @@ static double go_round(struct basin_walk *walk, const double *start, double *off
         const double gone = field_distance(&walk->field, now, start),
                      side = field_side(&walk->field, &plane, now);
         far = fmax(far, gone);
-        if (before < 0 && side >= 0 && gone < far / 2) {
+        if (previous_side < 0 && side >= 0 && gone < far / 2) {
             const double when = field_crossing(&walk->field, t0, y[k % 2], h, now, &plane, end);
-            *off = field_distance(&walk->field, end, start);
-            if (!isfinite(when) || *off < far / 20)
+            *closure_error = field_distance(&walk->field, end, start);
+            if (!isfinite(when) || *closure_error < far / 20)
                 return isfinite(when) ? k * h + when : 0;
         }
-        before = side;
+        previous_side = side;
     }
     return 0;
 }
@@ -283,12 +285,12 @@ static int learn_orbit(struct basin_walk *walk, struct walker *w)
 {
     const int n = walk->n;
     const double tol = walk->field.tol;
-    double off = HUGE_VAL;
+    double closure_error = HUGE_VAL;
     walk->field.tol = 1e-10;
     const double period =
-        walk->forced || is_equilibrium(walk, w->y) ? 0 : go_round(walk, w->y, &off);
+        walk->forced || is_equilibrium(walk, w->y) ? 0 : go_round(walk, w->y, &closure_error);
     walk->field.tol = tol;
-    if (!(period > 0) || off > ORBIT_CLOSED_SIZES)
+    if (!(period > 0) || closure_error > ORBIT_CLOSED_SIZES)
         return BASIN_MISSING;
     const int known = known_as(walk, w->y, ATTRACTOR_NEAR_SIZES);
     if (known >= 0)

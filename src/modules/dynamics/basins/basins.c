@@ -24,14 +24,14 @@
 double basins_value(const struct basins_request *request, int axis, int64_t place)
 {
     const int count = request->axis[axis].count;
-    const double from = request->axis[axis].from, to = request->axis[axis].to;
-    return count < 2 ? from : from + (to - from) * (double)place / (count - 1);
+    const double first = request->axis[axis].low, last = request->axis[axis].high;
+    return count < 2 ? first : first + (last - first) * (double)place / (count - 1);
 }
 
-double basins_error(int64_t count, int64_t of)
+double basins_error(int64_t count, int64_t total)
 {
-    const double share = (double)count / (double)of;
-    return sqrt(share * (1 - share) / (double)of);
+    const double share = (double)count / (double)total;
+    return sqrt(share * (1 - share) / (double)total);
 }
 
 void basins_free(struct basins *basins)
@@ -117,9 +117,9 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
     double most = 0;
     for (int a = 0; a < 2; a++) {
         const int i = request->axis[a].variable;
-        const double from = request->axis[a].from, to = request->axis[a].to;
-        walk->centre[i] = (from + to) / 2;
-        walk->field.size[i] = from != to ? fabs(to - from) / 2 : walk->field.size[i];
+        const double first = request->axis[a].low, last = request->axis[a].high;
+        walk->centre[i] = (first + last) / 2;
+        walk->field.size[i] = first != last ? fabs(last - first) / 2 : walk->field.size[i];
         most = fmax(most, walk->field.size[i]);
     }
     for (int i = 0; i < walk->n; i++)
@@ -149,7 +149,7 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, bo
         for (int a = 0; a < 2; a++) {
             const double share = ((a == 0 ? k / 8 : k % 8) + 0.5) / 8;
             start[k][request->axis[a].variable] =
-                request->axis[a].from + share * (request->axis[a].to - request->axis[a].from);
+                request->axis[a].low + share * (request->axis[a].high - request->axis[a].low);
         }
     }
     if (keeps_volume(walk, start)) {
@@ -322,14 +322,14 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
 {
     if (job->lates > 0 && !cancelled(job->request->cancel))
         qsort(job->late, job->lates, sizeof *job->late, by_point);
-    const int before = walk->attractors;
+    const int old_count = walk->attractors;
     for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {
         struct walker *w = &job->late[i].walker;
         /* what does not repeat is looked at for a few of them only */
-        if (!w->found && i >= PILOT_STARTS && walk->attractors == before)
+        if (!w->found && i >= PILOT_STARTS && walk->attractors == old_count)
             continue;
         int fate = BASIN_UNDECIDED;
-        if (w->found || i < PILOT_STARTS || walk->attractors > before)
+        if (w->found || i < PILOT_STARTS || walk->attractors > old_count)
             fate = walk_learn(walk, w);
         job->basins->fate[job->late[i].point] =
             (signed char)(fate == BASIN_MISSING ? BASIN_UNDECIDED : fate);
@@ -361,8 +361,8 @@ static void count_up(struct basins *basins, const struct basin_walk *walk)
     }
     for (int j = 0; j < basins->count; j++) {
         place[order[j]] = j;
-        basins->of[j] = walk->attractor[order[j]].basin;
-        basins->of[j].count = count[order[j]];
+        basins->basin[j] = walk->attractor[order[j]].basin;
+        basins->basin[j].count = count[order[j]];
     }
     for (int64_t i = 0; i < basins->total; i++)
         if (basins->fate[i] >= 0)
@@ -371,7 +371,7 @@ static void count_up(struct basins *basins, const struct basin_walk *walk)
 
 bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     struct basin_walk *walk = malloc(sizeof *walk);
     *basins = (struct basins){.total = (int64_t)request->axis[0].count * request->axis[1].count};
     if (!walk)
@@ -403,7 +403,7 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
     pthread_mutex_destroy(&job.lock);
     walk_free(walk);
     free(walk);
-    basins->seconds = clock_seconds(since);
+    basins->seconds = clock_seconds(start_time);
     if (job.failed)
         basins_free(basins);
     return !job.failed || error_memory(error);

@@ -35,9 +35,9 @@ struct basin_walk {
 struct walker {
     double y[FIELD_VARIABLES]; /* SI */
     double past[WALK_PAST][FIELD_VARIABLES];
-    int looks, near, at; /* number of looks near attractor `at` on end */
-    int again, period;   /* how often the same as so many looks before */
-    bool found;          /* repeats, but is none that is known */
+    int looks, near_count, attractor; /* number of looks near attractor `at` on end */
+    int again, period;                /* how often the same as so many looks before */
+    bool found;                       /* repeats, but is none that is known */
 };
 
 /* lanes: there are enough starts to fill them. */

@@ -16,8 +16,8 @@ static struct basins_request request_of(const struct scene *scene, const struct 
     for (int a = 0; a < 2; a++) {
         const int i = a < system->n ? a : 0;
         request.axis[a].variable = i;
-        request.axis[a].from = system->start[i] - system->scale[i];
-        request.axis[a].to = system->start[i] + system->scale[i];
+        request.axis[a].low = system->start[i] - system->scale[i];
+        request.axis[a].high = system->start[i] + system->scale[i];
         request.axis[a].count = 2;
     }
     return request;

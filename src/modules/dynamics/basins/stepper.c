@@ -87,10 +87,10 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
     }
 }
 
-/* Sets off[i] to the change of the end of start i, in sizes, if a look takes twice as many steps.
- * Returns false if out of memory or if the system cannot go in lanes. */
+/* Sets difference[i] to the change of the end of start i, in sizes, if a look takes twice as many
+ * steps. Returns false if out of memory or if the system cannot go in lanes. */
 static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
-                        double *off)
+                        double *difference)
 {
     struct walker *walker = calloc(2 * LANE_COUNT, sizeof *walker);
     bool fine = walker != NULL;
@@ -105,12 +105,13 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
     }
     walk->steps /= 4;
     for (int i = 0; fine && i < count; i++) {
-        off[i] = 0;
+        difference[i] = 0;
         for (int k = 0; k < walk->n; k++) {
             const double a = walker[i].y[k], b = walker[LANE_COUNT + i].y[k];
             /* what leaves does so either way */
-            const double by = fabs(a - b) / fmax(walk->field.size[k], 1e-2 * fabs(b));
-            off[i] = fmax(off[i], isfinite(b) ? (isfinite(a) ? by : HUGE_VAL) : 0);
+            const double change = fabs(a - b) / fmax(walk->field.size[k], 1e-2 * fabs(b));
+            difference[i] =
+                fmax(difference[i], isfinite(b) ? (isfinite(a) ? change : HUGE_VAL) : 0);
         }
     }
     free(walker);
@@ -119,14 +120,15 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
 
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
-    double off[LANE_COUNT];
+    double difference[LANE_COUNT];
     for (walk->steps = STEPS_MIN; walk->steps < STEPS_MAX; walk->steps *= 2) {
-        if (!differences(walk, start, count, off))
+        if (!differences(walk, start, count, difference))
             break;
         double worst = 0;
         for (int i = 0; i < count; i++)
-            worst = fmax(worst, off[i]);
-        if (worst < CHANGE_WORST && values_quantile(off, (size_t)count, 0.9) < CHANGE_TYPICAL)
+            worst = fmax(worst, difference[i]);
+        if (worst < CHANGE_WORST &&
+            values_quantile(difference, (size_t)count, 0.9) < CHANGE_TYPICAL)
             return walk->steps;
     }
     return walk->steps = 0;

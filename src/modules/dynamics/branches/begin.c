@@ -15,7 +15,7 @@ static bool begin_at_special(const struct branch_request *r, struct solution_cur
                              const double *u, int side, struct curve_place *first)
 {
     const int n = path->problem->n;
-    const double psize = r->to - r->from;
+    const double psize = r->high - r->low;
     for (int i = 0; i < path->field.n; i++) {
         double direction[CURVE_MAX] = {0};
         direction[i] = side;
@@ -24,11 +24,11 @@ static bool begin_at_special(const struct branch_request *r, struct solution_cur
             return true;
     }
     for (int way = -1; way <= 1; way += 2) {
-        double beside[CURVE_MAX];
-        memcpy(beside, u, sizeof beside);
-        beside[n] += way * NEIGHBOUR_PARAM_STEP;
-        if (beside[n] * psize >= r->from && beside[n] * psize <= r->to &&
-            solutions_correct_at(path, beside, side, first) &&
+        double neighbour[CURVE_MAX];
+        memcpy(neighbour, u, sizeof neighbour);
+        neighbour[n] += way * NEIGHBOUR_PARAM_STEP;
+        if (neighbour[n] * psize >= r->low && neighbour[n] * psize <= r->high &&
+            solutions_correct_at(path, neighbour, side, first) &&
             curve_distance(n + 1, u, first->u) < START_DISTANCE_MAX)
             return true;
     }

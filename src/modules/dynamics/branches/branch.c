@@ -16,13 +16,11 @@
 #define STEP_TURN_COSINE_MIN 0.94 /* cosine of the angle by which a step may turn: 20 degrees */
 #define PERIOD_GROWTH_MAX 25 /* times the first period: the orbit nears one that takes for ever */
 #define DRIVE_PERIOD_GROWTH_MAX 100 /* the same of a drive that stops within the range */
-#define VERTICAL_TANGENT_PARAM                                                                     \
-    1e-7                      /* part of the parameter in a tangent that does not change it        \
-                               */
+/* Part of the parameter in a tangent that does not change it. */
+#define VERTICAL_TANGENT_PARAM 1e-7
 #define VERTICAL_STEPS_MAX 12 /* so many of these in a row */
-#define NEARLY_VERTICAL_TANGENT_PARAM                                                              \
-    1e-4 /* of a tangent: the parameter hardly changes any more                                    \
-          */
+/* The parameter hardly changes along a tangent with a smaller part of it. */
+#define NEARLY_VERTICAL_TANGENT_PARAM 1e-4
 #define BRANCH_POINTS_DEFAULT 1000
 /* An orbit below this part of its largest extent is nearly an equilibrium. */
 #define SHRUNK_ORBIT_FRACTION 2e-3
@@ -44,66 +42,69 @@ bool ranges_contain(const struct curve_ranges *ranges, const struct curve_proble
     bool inside = true;
     for (int k = 0; k < ranges->count; k++) {
         const double value = place->u[unknown_of(ranges, problem, k)];
-        inside = inside && value >= ranges->from[k] && value <= ranges->to[k];
+        inside = inside && value >= ranges->low[k] && value <= ranges->high[k];
     }
     return inside;
 }
 
 bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
-                         const struct curve_place *from, struct curve_place *to)
+                         const struct curve_place *start, struct curve_place *edge_point)
 {
     double share = 1, bound = 0, guess[CURVE_MAX], direction[CURVE_MAX] = {0};
     int axis = problem->n;
     for (int k = 0; k < ranges->count; k++) {
         const int i = unknown_of(ranges, problem, k);
-        const double a = from->u[i], b = to->u[i],
-                     edge = b < ranges->from[k] ? ranges->from[k] : ranges->to[k];
-        if ((b < ranges->from[k] || b > ranges->to[k]) && (edge - a) / (b - a) <= share) {
+        const double a = start->u[i], b = edge_point->u[i],
+                     edge = b < ranges->low[k] ? ranges->low[k] : ranges->high[k];
+        if ((b < ranges->low[k] || b > ranges->high[k]) && (edge - a) / (b - a) <= share) {
             share = (edge - a) / (b - a);
             axis = i;
             bound = edge;
         }
     }
     for (int i = 0; i <= problem->n; i++)
-        guess[i] = from->u[i] + share * (to->u[i] - from->u[i]);
+        guess[i] = start->u[i] + share * (edge_point->u[i] - start->u[i]);
     guess[axis] = bound;
-    direction[axis] = from->tangent[axis] < 0 ? -1 : 1; /* tests know which way the tangent goes */
-    if (!curve_correct(problem, guess, direction, true, to))
+    direction[axis] = start->tangent[axis] < 0 ? -1 : 1; /* tests know which way the tangent goes */
+    if (!curve_correct(problem, guess, direction, true, edge_point))
         return false;
-    to->u[axis] = bound;
+    edge_point->u[axis] = bound;
     return true;
 }
 
-static bool good_step(const struct curve_problem *problem, const struct curve_place *from,
-                      const struct curve_place *to)
+static bool good_step(const struct curve_problem *problem, const struct curve_place *current,
+                      const struct curve_place *next)
 {
     double cosine = 0;
     for (int i = 0; i <= problem->n; i++)
-        cosine += from->tangent[i] * to->tangent[i];
-    return cosine >= STEP_TURN_COSINE_MIN && to->corrections <= 5;
+        cosine += current->tangent[i] * next->tangent[i];
+    return cosine >= STEP_TURN_COSINE_MIN && next->corrections <= 5;
 }
 
 /* As long as the parameter changes by no more than `longest` of its range, and the state by three
  * times that of its size. */
-static double longest_at(const struct branch_walk *w, const struct curve_place *at, double longest)
+static double longest_at(const struct branch_walk *w, const struct curve_place *point,
+                         double longest)
 {
     const int n = w->path->problem->n;
     double sum = 0;
     for (int i = 0; i < n; i++)
-        sum += at->tangent[i] * at->tangent[i];
-    return fmin(longest / fabs(at->tangent[n]), 3 * longest * curve_unit(n, at->u) / sqrt(sum));
+        sum += point->tangent[i] * point->tangent[i];
+    return fmin(longest / fabs(point->tangent[n]),
+                3 * longest * curve_unit(n, point->u) / sqrt(sum));
 }
 
-bool curve_next(const struct curve_problem *problem, const struct curve_place *before,
-                const struct curve_place *from, double *by, double longest,
-                struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *to)
+bool curve_next(const struct curve_problem *problem, const struct curve_place *previous,
+                const struct curve_place *current, double *step, double longest,
+                struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *next)
 {
-    for (; *by > STEP_MIN_FRACTION * longest; *by /= 2) {
+    for (; *step > STEP_MIN_FRACTION * longest; *step /= 2) {
         if (cancelled(cancel))
             return false;
-        if (curve_step(problem, before, from, *by, to) && good_step(problem, from, to) &&
-            (!resolves || *by < UNRESOLVED_STEP_FRACTION * longest ||
-             step_is_resolved(resolves, from, to)))
+        if (curve_step(problem, previous, current, *step, next) &&
+            good_step(problem, current, next) &&
+            (!resolves || *step < UNRESOLVED_STEP_FRACTION * longest ||
+             step_is_resolved(resolves, current, next)))
             return true;
     }
     return false;
@@ -113,60 +114,60 @@ bool curve_next(const struct curve_problem *problem, const struct curve_place *b
 static bool drive_stops(const struct branch_walk *w)
 {
     return w->path->kind == SOLUTION_RESPONSE && !(w->path->orbit.drive > 0) &&
-           w->request->from <= 0 && w->request->to >= 0;
+           w->request->low <= 0 && w->request->high >= 0;
 }
 
-static bool too_slow(struct branch_walk *w, const struct curve_place *at)
+static bool too_slow(struct branch_walk *w, const struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT && !drive_stops(w))
         return false;
-    const double period = orbit_curve_period(&w->path->orbit, at->u);
+    const double period = orbit_curve_period(&w->path->orbit, point->u);
     if (!(w->period > 0))
         w->period = period;
     if (w->path->kind == SOLUTION_RESPONSE)
         return period > DRIVE_PERIOD_GROWTH_MAX * w->period;
     return period > PERIOD_GROWTH_MAX * w->period &&
-           fabs(at->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM;
+           fabs(point->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM;
 }
 
 /* Neither the parameter nor what differences do along the way changes: of conservative motion. */
-static bool in_family(const struct branch_walk *w, const struct curve_place *at)
+static bool in_family(const struct branch_walk *w, const struct curve_place *point)
 {
-    const struct solution *s = &w->out->point[w->out->count - 1].solution;
+    const struct solution *s = &w->branch->point[w->branch->count - 1].solution;
     bool one = w->path->kind == SOLUTION_EQUILIBRIUM;
     for (int i = 0; i < s->values; i++)
         one = one || hypot(s->value[i].re - 1, s->value[i].im) < 1e-6;
-    return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL_TANGENT_PARAM;
+    return one && fabs(point->tangent[w->path->problem->n]) < VERTICAL_TANGENT_PARAM;
 }
 
 /* Cuts orbits that differences grow along too much into more segments. */
-static bool cut(struct branch_walk *w, struct curve_place *at)
+static bool orbit_segments_refine(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
         return true;
     double u[CURVE_MAX], direction[CURVE_MAX];
-    memcpy(u, at->u, sizeof u);
-    memcpy(direction, at->tangent, sizeof direction);
+    memcpy(u, point->u, sizeof u);
+    memcpy(direction, point->tangent, sizeof direction);
     if (!orbit_curve_cut(&w->path->orbit, u, direction) ||
-        !curve_correct(w->path->problem, u, direction, false, at))
+        !curve_correct(w->path->problem, u, direction, false, point))
         return false;
-    walk_go_on(w, at);
+    walk_go_on(w, point);
     w->bends = false;
     return true;
 }
 
 /* Not where the parameter tells no direction. */
-static void stretch(struct branch_walk *w, struct curve_place *at)
+static void stretch(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT ||
-        fabs(at->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM ||
-        !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
+        fabs(point->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM ||
+        !orbit_curve_stretch(&w->path->orbit, point->u, point->tangent))
         return;
-    walk_go_on(w, at);
+    walk_go_on(w, point);
     w->bends = false;
 }
 
-static void ends(struct branch_walk *w, const char *why)
+static void branch_end_set(struct branch_walk *w, const char *why)
 {
     snprintf(w->end, 96, "%s", why);
 }
@@ -182,21 +183,22 @@ static double apart(const struct branch_walk *w, const struct curve_place *a, in
 
 /* Returns true if a step ends near the start of the branch, or passes it, after the walk has been
  * elsewhere. A start half way along the step is nearer than half of it from neither end. */
-static bool comes_back(struct branch_walk *w, const struct curve_place *at,
+static bool comes_back(struct branch_walk *w, const struct curve_place *point,
                        const struct curve_place *next, const struct curve_place *start)
 {
     const int last = w->path->problem->n;
     static const double detour = 1.1; /* of a step, by way of what lies on it: steps turn little */
-    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last),
-                 before = apart(w, at, last, start, w->start);
+    const double far = apart(w, next, last, start, w->start),
+                 step = apart(w, next, last, point, last),
+                 last_distance = apart(w, point, last, start, w->start);
     w->away = w->away || far > 2 * step;
-    return w->away && (far < step / 2 || before + far < detour * step);
+    return w->away && (far < step / 2 || last_distance + far < detour * step);
 }
 
 /* The extent of the last orbit in units of natural sizes, relative to the largest so far. */
 static double extent(const struct branch_walk *w)
 {
-    const struct branch *b = w->out;
+    const struct branch *b = w->branch;
     double last = 0, largest = 0;
     for (int k = 0; k < b->count; k++) {
         const struct solution *s = &b->point[k].solution;
@@ -210,8 +212,8 @@ static double extent(const struct branch_walk *w)
 
 static bool end_there(struct branch_walk *w, const char *why)
 {
-    w->out->point[w->out->count - 1].special = SPECIAL_END;
-    ends(w, why);
+    w->branch->point[w->branch->count - 1].special = SPECIAL_END;
+    branch_end_set(w, why);
     return true;
 }
 
@@ -219,19 +221,19 @@ static bool end_there(struct branch_walk *w, const char *why)
 static bool fails_there(struct branch_walk *w, const char *why)
 {
     const bool stopped = cancelled(w->request->cancel);
-    struct branch_point *last = &w->out->point[w->out->count - 1];
+    struct branch_point *last = &w->branch->point[w->branch->count - 1];
     if (stopped && last->special == SPECIAL_NONE)
         last->special = SPECIAL_END;
-    ends(w, stopped ? "cancelled" : why);
+    branch_end_set(w, stopped ? "cancelled" : why);
     return true;
 }
 
 /* If the parameter changes by rounding only, its turns are rounding, too, and not folds. */
 static void forget_turns(struct branch_walk *w)
 {
-    struct branch_point *point = w->out->point;
-    const double there = point[w->out->count - 1].solution.param[0];
-    for (int i = w->out->count - 1; i >= 0; i--) {
+    struct branch_point *point = w->branch->point;
+    const double there = point[w->branch->count - 1].solution.param[0];
+    for (int i = w->branch->count - 1; i >= 0; i--) {
         if (fabs(point[i].solution.param[0] - there) > 1e-12 * w->psize)
             return;
         if (point[i].special == SPECIAL_FOLD || point[i].special == SPECIAL_CROSSING)
@@ -241,12 +243,13 @@ static void forget_turns(struct branch_walk *w)
 
 /* A fold behind which the parameter stands still to the branch's end is a turn of rounding (as on
  * the way to a homoclinic orbit). Towards the first point: by -1. */
-static void forget_last_turns(struct branch *b, int by)
+static void forget_last_turns(struct branch *b, int direction)
 {
-    const double there = b->count > 0 ? b->point[by > 0 ? 0 : b->count - 1].solution.param[0] : 0,
+    const double there = b->count > 0 ? b->point[direction > 0 ? 0 : b->count - 1].solution.param[0]
+                                      : 0,
                  apart = b->kind == SOLUTION_EQUILIBRIUM ? EQUILIBRIUM_PARAM_ROUNDING
                                                          : ORBIT_PARAM_ROUNDING;
-    for (int i = by > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += by) {
+    for (int i = direction > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += direction) {
         if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
             return;
         if (b->point[i].special == SPECIAL_FOLD)
@@ -258,8 +261,8 @@ static void forget_last_turns(struct branch *b, int by)
 static void unmark_repeats(struct branch_walk *w)
 {
     static const double same = 1e-6; /* natural sizes, and parts of the range */
-    struct branch *b = w->out;
-    const double psize = w->request->to - w->request->from;
+    struct branch *b = w->branch;
+    const double psize = w->request->high - w->request->low;
     for (int i = 1; i < b->count; i++)
         for (int j = 0; j < i && b->point[i].special != SPECIAL_NONE; j++) {
             const struct solution *p = &b->point[i].solution, *q = &b->point[j].solution;
@@ -272,13 +275,13 @@ static void unmark_repeats(struct branch_walk *w)
 }
 
 /* Returns true if the branch ends with the point that has been recorded. */
-static bool is_over(struct branch_walk *w, const struct curve_place *at,
+static bool is_over(struct branch_walk *w, const struct curve_place *point,
                     const struct curve_place *next, const struct curve_place *start, bool leaves)
 {
     const struct branch_request *r = w->request;
-    double *value = &w->out->point[w->out->count - 1].solution.param[0];
+    double *value = &w->branch->point[w->branch->count - 1].solution.param[0];
     if (leaves) {
-        *value = fabs(*value - r->from) < fabs(*value - r->to) ? r->from : r->to;
+        *value = fabs(*value - r->low) < fabs(*value - r->high) ? r->low : r->high;
         return end_there(w, "end of the range");
     }
     w->level = in_family(w, next) ? w->level + 1 : 0;
@@ -288,23 +291,23 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
     }
     if (too_slow(w, next))
         return end_there(w, "the period grows without bound");
-    if (!comes_back(w, at, next, start))
+    if (!comes_back(w, point, next, start))
         return false;
-    w->out->closed = true;
+    w->branch->closed = true;
     unmark_repeats(w);
-    ends(w, "it closes");
+    branch_end_set(w, "it closes");
     return true;
 }
 
 /* By the parameter's range, or the number of points. */
-static void tell(struct branch_walk *w, const struct curve_place *at,
-                 const struct curve_place *start, int points, int max)
+static void branch_progress_report(struct branch_walk *w, const struct curve_place *point,
+                                   const struct curve_place *start, int points, int max)
 {
     const struct branch_request *r = w->request;
     const int p = w->path->problem->n;
-    const double from = start->u[p] * w->psize, by = at->u[p] * w->psize - from,
-                 ahead = by > 0 ? r->to - from : from - r->from;
-    const double part = fmin(fmax(ahead > 0 ? fabs(by) / ahead : 0, 1.0 * points / max), 1);
+    const double begin = start->u[p] * w->psize, change = point->u[p] * w->psize - begin,
+                 ahead = change > 0 ? r->high - begin : begin - r->low;
+    const double part = fmin(fmax(ahead > 0 ? fabs(change) / ahead : 0, 1.0 * points / max), 1);
     w->told = fmax(w->told, FOLLOWING_TIME_FRACTION * (w->side + part) / w->sides);
     if (r->progress)
         r->progress(r->context, w->told);
@@ -319,55 +322,55 @@ static bool jumps(struct branch_walk *w, const struct solution *s)
 
 /* Returns true if the orbit meets a jump just beyond the last step, in the direction of the branch.
  * Rounding decides whether a correction gets across it. */
-static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, double longest)
+static bool jumps_ahead(struct branch_walk *w, const struct curve_place *point, double longest)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)
         return false;
-    double by = STEP_MIN_FRACTION * longest;
-    while (by < OBSTACLE_DISTANCE_FRACTION * longest) {
-        struct curve_place ahead = *at;
+    double distance = STEP_MIN_FRACTION * longest;
+    while (distance < OBSTACLE_DISTANCE_FRACTION * longest) {
+        struct curve_place ahead = *point;
         struct solution s;
         for (int i = 0; i <= w->path->problem->n; i++)
-            ahead.u[i] += by * at->tangent[i];
+            ahead.u[i] += distance * point->tangent[i];
         if (!solutions_seen(w->path, &ahead, &s))
             return false;
         if (jumps(w, &s))
             return true;
-        by *= 2;
+        distance *= 2;
     }
     return false;
 }
 
-/* Follows the branch from `at`, which is recorded already. Returns false if out of memory. */
-static bool walk(struct branch_walk *w, struct curve_place at)
+/* Follows the branch from `point`, which is recorded already. Returns false if out of memory. */
+static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
 {
     const double longest = w->request->step > 0 ? w->request->step : STEP_LENGTH_MAX;
     const int max = w->request->max > 0 ? w->request->max : BRANCH_POINTS_DEFAULT;
-    const struct curve_place start = at;
+    const struct curve_place start = point;
     w->level = 0;
     w->bends = false;
     w->moved = 1;
     w->away = false;
     w->start = w->path->problem->n;
-    double by = fmin(FIRST_STEP_LENGTH, longest);
-    walk_start(w, &at);
-    ends(w, w->request->max > 0 ? "as many points as were asked for"
-                                : "1000 points: max=N takes more");
+    double step = fmin(FIRST_STEP_LENGTH, longest);
+    walk_start(w, &point);
+    branch_end_set(w, w->request->max > 0 ? "as many points as were asked for"
+                                          : "1000 points: max=N takes more");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
-        const double far = longest_at(w, &at, longest);
-        tell(w, &at, &start, i, max);
-        by = fmin(by, far);
-        if (!curve_next(w->path->problem, w->bends ? &w->before : NULL, &at, &by, far, w,
+        const double far = longest_at(w, &point, longest);
+        branch_progress_report(w, &point, &start, i, max);
+        step = fmin(step, far);
+        if (!curve_next(w->path->problem, w->bends ? &w->previous : NULL, &point, &step, far, w,
                         w->request->cancel, &next))
-            return !cancelled(w->request->cancel) && jumps_ahead(w, &at, far)
+            return !cancelled(w->request->cancel) && jumps_ahead(w, &point, far)
                        ? end_there(w, BRANCH_JUMP)
                        : fails_there(w, "no step leads on");
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0) { /* beyond the equilibrium to which it shrinks, or of another phase */
-            by /= 2;
-            if (by > STEP_MIN_FRACTION * far && extent(w) > SHRUNK_ORBIT_FRACTION) {
+            step /= 2;
+            if (step > STEP_MIN_FRACTION * far && extent(w) > SHRUNK_ORBIT_FRACTION) {
                 i--;
                 continue;
             }
@@ -376,50 +379,51 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
         if (leaves) { /* what lies between it and the edge is not looked for */
-            struct solution beyond;
-            const bool seen = solutions_seen(w->path, &next, &beyond);
-            if (!walk_record_specials(w, &next, seen ? &beyond : NULL))
+            struct solution reference;
+            const bool seen = solutions_seen(w->path, &next, &reference);
+            if (!walk_record_specials(w, &next, seen ? &reference : NULL))
                 return false;
-            if (!ranges_step_to_edge(&w->ranges, w->path->problem, &at, &next))
-                return w->out->point[w->out->count - 1].special != SPECIAL_NONE ||
+            if (!ranges_step_to_edge(&w->ranges, w->path->problem, &point, &next))
+                return w->branch->point[w->branch->count - 1].special != SPECIAL_NONE ||
                                cancelled(w->request->cancel)
                            ? fails_there(w, "end of the range")
                            : end_there(w, "no step leads to the end of the range");
         }
         const int p = w->path->problem->n;
         if (i == 0) {
-            w->behind = next;
+            w->opposite = next;
             w->behinds = p;
         }
-        w->moved = at.careful && next.careful
-                       ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
+        w->moved = point.careful && next.careful
+                       ? fabs(next.u[p] - point.u[p]) / fmax(fabs(point.u[p]), CURVE_LEVEL)
                        : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution))
             return fails_there(w, "what is there cannot be told");
         if (i == 0)
             w->behind_grows = walk_grows(w, &solution);
-        const int index = w->out->count - 1;
+        const int index = w->branch->count - 1;
         if (!leaves && (!walk_record_specials(w, &next, &solution) ||
-                        (w->bends && !walk_record_pairs(w, &w->before, &at, index, &next))))
+                        (w->bends && !walk_record_pairs(w, &w->previous, &point, index, &next))))
             return false;
         if (cancelled(w->request->cancel)) /* one of these may not have been found */
             return fails_there(w, "");
-        if (!branch_append(w->out, w->path, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
+        if (!branch_append(w->branch, w->path, &next, leaves ? SPECIAL_END : SPECIAL_NONE,
+                           &solution))
             return false;
-        if (is_over(w, &at, &next, &start, leaves))
+        if (is_over(w, &point, &next, &start, leaves))
             return true;
         if (jumps(w, &solution))
             return end_there(w, BRANCH_JUMP);
-        w->before = at;
+        w->previous = point;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > STEP_TURN_COSINE_MIN;
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)
-            by = fmin(1.5 * by, far);
-        at = next;
-        stretch(w, &at);
-        if (!cut(w, &at))
+            step = fmin(1.5 * step, far);
+        point = next;
+        stretch(w, &point);
+        if (!orbit_segments_refine(w, &point))
             return fails_there(w, "differences grow along the orbit by too much");
     }
     return true;
@@ -438,16 +442,16 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
 {
     if (r->second)
         return special_follow(r, branch, error);
-    const int64_t since = clock_ns();
-    const double psize = r->to - r->from;
+    const int64_t start_time = clock_ns();
+    const double psize = r->high - r->low;
     *branch = (struct branch){.count = 0};
     struct solution_curve *path = malloc(sizeof *path); /* it is large, and the walk goes deep */
     if (!path)
         return error_memory(error);
     struct branch_walk w = {.request = r,
-                            .out = branch,
+                            .branch = branch,
                             .psize = psize,
-                            .ranges = {1, {r->from / psize}, {r->to / psize}}};
+                            .ranges = {1, {r->low / psize}, {r->high / psize}}};
     const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
     bool fine = true;
     w.sides = r->forward || (r->leave && !crossing) ? 1 : 2;
@@ -468,7 +472,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         fine = solutions_at(path, &first, true, &solution) &&
                ((side == 1 && !crossing) ||
                 branch_append(branch, path, &first, SPECIAL_NONE, &solution));
-        fine = fine && walk(&w, first);
+        fine = fine && branch_walk_follow(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             branch_reverse(branch);
         branch->evals += path->field.evals;
@@ -476,9 +480,9 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     }
     free(path);
     branch->cancelled = cancelled(r->cancel);
-    branch->seconds = clock_seconds(since);
-    for (int by = -1; by <= 1 && !branch->closed; by += 2)
-        forget_last_turns(branch, by);
+    branch->seconds = clock_seconds(start_time);
+    for (int direction = -1; direction <= 1 && !branch->closed; direction += 2)
+        forget_last_turns(branch, direction);
     /* at the edge of the range what leads away from there is the family, at the same value */
     const bool stays = branch->count == 1 && !branch->cancelled && branch_starts_in_family(r);
     if ((fine || branch->count > 0) && !stays)

@@ -29,18 +29,19 @@ struct taylor {
     double step; /* relative to natural sizes */
 };
 
-/* J at the state moved by `by` along u, times v. */
-static void moved(const struct taylor *t, const double *u, double by, const double *v, double *out)
+/* J at the state moved by `step` along u, times v. */
+static void moved(const struct taylor *t, const double *u, double step, const double *v,
+                  double *result)
 {
     const int n = t->field->n;
     double y[FIELD_VARIABLES] = {0}, jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
-        y[i] = t->state[i] + by * u[i];
+        y[i] = t->state[i] + step * u[i];
     field_jacobian(t->field, y, jacobian);
     for (int i = 0; i < n; i++) {
-        out[i] = 0;
+        result[i] = 0;
         for (int j = 0; j < n; j++)
-            out[i] += jacobian[i * n + j] * v[j];
+            result[i] += jacobian[i * n + j] * v[j];
     }
 }
 
@@ -53,27 +54,30 @@ static double step_along(const struct taylor *t, const double *u)
 }
 
 /* B(u, v), of fourth order in the step. */
-static void second(const struct taylor *t, const double *u, const double *v, double *out)
+static void second(const struct taylor *t, const double *u, const double *v, double *result)
 {
     const double h = step_along(t, u);
-    double at[4][FIELD_VARIABLES];
+    double derivative[4][FIELD_VARIABLES];
     static const double place[] = {-2, -1, 1, 2};
     for (int k = 0; k < 4; k++)
-        moved(t, u, place[k] * h, v, at[k]);
+        moved(t, u, place[k] * h, v, derivative[k]);
     for (int i = 0; i < t->field->n; i++)
-        out[i] = (8 * (at[2][i] - at[1][i]) - (at[3][i] - at[0][i])) / (12 * h);
+        result[i] =
+            (8 * (derivative[2][i] - derivative[1][i]) - (derivative[3][i] - derivative[0][i])) /
+            (12 * h);
 }
 
 /* C(u, u, v), likewise. */
-static void third(const struct taylor *t, const double *u, const double *v, double *out)
+static void third(const struct taylor *t, const double *u, const double *v, double *result)
 {
     const double h = step_along(t, u);
-    double at[5][FIELD_VARIABLES];
+    double derivative[5][FIELD_VARIABLES];
     for (int k = 0; k < 5; k++)
-        moved(t, u, (k - 2) * h, v, at[k]);
+        moved(t, u, (k - 2) * h, v, derivative[k]);
     for (int i = 0; i < t->field->n; i++)
-        out[i] =
-            (16 * (at[1][i] + at[3][i]) - (at[0][i] + at[4][i]) - 30 * at[2][i]) / (12 * h * h);
+        result[i] = (16 * (derivative[1][i] + derivative[3][i]) -
+                     (derivative[0][i] + derivative[4][i]) - 30 * derivative[2][i]) /
+                    (12 * h * h);
 }
 
 static void transpose(int n, const double *a, double *b)

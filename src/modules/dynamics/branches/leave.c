@@ -31,33 +31,34 @@ static bool step_aside(struct solution_curve *path, const double *u, const doubl
  * [n + 2], of which the last two are those of period and parameter, all in their units. u: the
  * unknowns there.
  */
-static bool spread(struct solution_curve *path, const struct solution *at, double period,
-                   const double *by, double *u, double *direction)
+static bool spread(struct solution_curve *path, const struct solution *solution, double period,
+                   const double *displacement, double *u, double *direction)
 {
     struct vector_field *field = &path->field;
     struct orbit_curve *orbit = &path->orbit;
     const int n = field->n, all = path->problem->n;
-    const double p = at->param[0], aside = p + DIFFERENCE_STEP_UNITS * by[n + 1] * orbit->psize;
+    const double p = solution->param[0],
+                 aside = p + DIFFERENCE_STEP_UNITS * displacement[n + 1] * orbit->psize;
     double moved[CURVE_MAX], state[FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
-        state[i] = at->state[i] + DIFFERENCE_STEP_UNITS * by[i] * field->size[i];
+        state[i] = solution->state[i] + DIFFERENCE_STEP_UNITS * displacement[i] * field->size[i];
     if (!field_set(field, &aside) ||
-        !orbit_curve_unknowns(orbit, state, period + DIFFERENCE_STEP_UNITS * by[n] * orbit->tsize,
-                              moved) ||
-        !field_set(field, &p) || !orbit_curve_unknowns(orbit, at->state, period, u))
+        !orbit_curve_unknowns(
+            orbit, state, period + DIFFERENCE_STEP_UNITS * displacement[n] * orbit->tsize, moved) ||
+        !field_set(field, &p) || !orbit_curve_unknowns(orbit, solution->state, period, u))
         return false;
     for (int i = 0; i <= all; i++)
         direction[i] = moved[i] - u[i];
     return vector_normalise(all + 1, direction);
 }
 
-bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
+bool solutions_along(struct solution_curve *path, const struct branch_point *special, double *u,
                      double *direction)
 {
-    const struct solution *s = &at->solution;
+    const struct solution *s = &special->solution;
     if (path->kind != SOLUTION_EQUILIBRIUM)
-        return spread(path, s, orbit_curve_period(&path->orbit, u), at->tangent, u, direction);
-    memcpy(direction, at->tangent, (size_t)(path->problem->n + 1) * sizeof *direction);
+        return spread(path, s, orbit_curve_period(&path->orbit, u), special->tangent, u, direction);
+    memcpy(direction, special->tangent, (size_t)(path->problem->n + 1) * sizeof *direction);
     return true;
 }
 
@@ -84,23 +85,23 @@ static double frequency(const struct solution *s)
 
 /* A small ellipse in the plane of the eigenvectors. */
 static bool leave_hopf(struct solution_curve *path, const struct scene *scene, int param,
-                       double psize, const struct solution *at, const struct cancel *cancel,
+                       double psize, const struct solution *hopf, const struct cancel *cancel,
                        struct curve_place *first, struct error *error)
 {
-    const double omega = frequency(at);
+    const double omega = frequency(hopf);
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], re[FIELD_VARIABLES], im[FIELD_VARIABLES],
         u[CURVE_MAX], direction[CURVE_MAX] = {0};
-    struct solution orbit = *at;
+    struct solution orbit = *hopf;
     struct vector_field field;
     struct scene there = *scene;
-    there.value[param] = at->param[0];
+    there.value[param] = hopf->param[0];
     orbit.kind = SOLUTION_ORBIT;
     orbit.period = TWO_PI / omega;
     if (!field_init(&field, &there, &param, 1, error))
         return false;
     for (int i = 0; i < field.n; i++)
-        field.size[i] = fmax(field.size[i], fabs(at->state[i]));
-    scaled_jacobian(&field, at->state, jacobian);
+        field.size[i] = fmax(field.size[i], fabs(hopf->state[i]));
+    scaled_jacobian(&field, hopf->state, jacobian);
     if (!matrix_eigenvector(field.n, jacobian, (struct eigenvalue){0, omega}, re, im) ||
         !solutions_begin(path, scene, param, psize, &orbit, cancel, u, error))
         return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
@@ -108,14 +109,14 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
         for (int i = 0; i < field.n; i++) {
             const double turned = TWO_PI * path->orbit.share[k];
             direction[k * field.n + i] = re[i] * cos(turned) - im[i] * sin(turned);
-            u[k * field.n + i] = at->state[i] / path->field.size[i];
+            u[k * field.n + i] = hopf->state[i] / path->field.size[i];
         }
     vector_normalise(path->problem->n + 1, direction);
     /* the phase: across the orbit, which moves along -im */
     memcpy(path->orbit.reference, u, sizeof path->orbit.reference);
     for (int i = 0; i < field.n; i++)
-        path->orbit.along[i] = -im[i];
-    vector_normalise(field.n, path->orbit.along);
+        path->orbit.normal[i] = -im[i];
+    vector_normalise(field.n, path->orbit.normal);
     if (step_aside(path, u, direction, first))
         return true;
     solutions_end(path);
@@ -124,14 +125,15 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
 
 /* Twice the period, along the eigenvector of the multiplier -1. */
 static bool leave_doubling(struct solution_curve *path, const struct scene *scene, int param,
-                           double psize, const struct solution *at, const struct cancel *cancel,
-                           struct curve_place *first, struct error *error)
+                           double psize, const struct solution *doubling,
+                           const struct cancel *cancel, struct curve_place *first,
+                           struct error *error)
 {
     double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES],
                                               direction[CURVE_MAX] = {0};
     struct curve_place point = {.corrections = 0};
-    struct solution ignored, twice = *at;
-    if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))
+    struct solution ignored, twice = *doubling;
+    if (!solutions_begin(path, scene, param, psize, doubling, cancel, u, error))
         return false;
     memcpy(point.u, u, sizeof u);
     bool fine = solutions_at(path, &point, false, &ignored);
@@ -159,18 +161,18 @@ static bool leave_nothing(struct solution_curve *path, struct error *error)
 }
 
 static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
-                           double psize, const struct branch_point *at, int side,
+                           double psize, const struct branch_point *special, int side,
                            const struct cancel *cancel, struct curve_place *first,
                            struct error *error)
 {
     double u[CURVE_MAX], f[CURVE_MAX], direction[CURVE_MAX];
-    if (!solutions_begin(path, scene, param, psize, &at->solution, cancel, u, error))
+    if (!solutions_begin(path, scene, param, psize, &special->solution, cancel, u, error))
         return false;
     double *jacobian = path->work->jacobian;
     const int n = path->problem->n;
     if (path->problem->residual(path->problem->context, u, f, jacobian)) {
         double known[CURVE_MAX];
-        if (!solutions_along(path, at, u, known))
+        if (!solutions_along(path, special, u, known))
             return leave_nothing(path, error);
         if (matrix_second_null(n + 1, jacobian, known, direction)) {
             for (int i = 0; i <= n; i++)
@@ -183,16 +185,16 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
 }
 
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
-                     double psize, const struct branch_point *from, int side,
+                     double psize, const struct branch_point *point, int side,
                      const struct cancel *cancel, struct curve_place *first, struct error *error)
 {
-    switch (from->special) {
+    switch (point->special) {
     case SPECIAL_HOPF:
-        return leave_hopf(path, scene, param, psize, &from->solution, cancel, first, error);
+        return leave_hopf(path, scene, param, psize, &point->solution, cancel, first, error);
     case SPECIAL_DOUBLING:
-        return leave_doubling(path, scene, param, psize, &from->solution, cancel, first, error);
+        return leave_doubling(path, scene, param, psize, &point->solution, cancel, first, error);
     case SPECIAL_CROSSING:
-        return leave_crossing(path, scene, param, psize, from, side, cancel, first, error);
+        return leave_crossing(path, scene, param, psize, point, side, cancel, first, error);
     default:
         return error_set(error, ERROR_COMMAND,
                          "no branch leaves such a point: those of HB, BP and PD do");

@@ -15,8 +15,8 @@ static const double nearest_part = 0.1;
 /* Relative to the distance of both ends: a bracket this narrow has no two zeros that matter. */
 static const double bracket_min = 1e-7;
 
-bool step_is_resolved(struct branch_walk *w, const struct curve_place *from,
-                      const struct curve_place *to)
+bool step_is_resolved(struct branch_walk *w, const struct curve_place *current,
+                      const struct curve_place *next)
 {
     int last[CURVE_TESTS], changes[CURVE_TESTS] = {0};
     const int tests = w->path->problem->tests;
@@ -24,14 +24,14 @@ bool step_is_resolved(struct branch_walk *w, const struct curve_place *from,
     if (w->path->kind != SOLUTION_EQUILIBRIUM)
         return true;
     for (int k = 0; k < tests; k++)
-        last[k] = walk_sign(w, from, k);
+        last[k] = walk_sign(w, current, k);
     for (size_t i = 0; i <= COUNT_OF(inner_share); i++) {
         struct curve_place inner;
         const bool is_end = i == COUNT_OF(inner_share);
-        if (!is_end && !curve_between(w->path->problem, from, to, inner_share[i], &inner))
+        if (!is_end && !curve_between(w->path->problem, current, next, inner_share[i], &inner))
             continue;
         for (int k = 0; k < tests; k++) {
-            const int sign = walk_sign(w, is_end ? to : &inner, k);
+            const int sign = walk_sign(w, is_end ? next : &inner, k);
             changes[k] += sign * last[k] < 0;
             last[k] = sign != 0 ? sign : last[k];
         }
@@ -46,7 +46,7 @@ bool step_is_resolved(struct branch_walk *w, const struct curve_place *from,
 /* A place, how far along it is, and how far its test is on the side where it was. */
 struct test_sample {
     struct curve_place place;
-    double along, value;
+    double position, value;
 };
 
 struct test_minimum {
@@ -55,33 +55,34 @@ struct test_minimum {
     struct test_sample *low, *middle, *high, *fresh; /* of four that change their places */
 };
 
-static double value_at(const struct test_minimum *m, const struct curve_place *at)
+static double value_at(const struct test_minimum *m, const struct curve_place *point)
 {
-    return m->sign * at->test[m->test];
+    return m->sign * point->test[m->test];
 }
 
 /* The vertex of the parabola through three samples, and its value there. */
 static double parabola_vertex(const struct test_minimum *m, double *value)
 {
-    const double h = m->high->along - m->middle->along, l = m->low->along - m->middle->along,
+    const double h = m->high->position - m->middle->position,
+                 l = m->low->position - m->middle->position,
                  dh = (m->high->value - m->middle->value) / h,
                  dl = (m->low->value - m->middle->value) / l, bend = (dh - dl) / (h - l),
                  slope = dl - bend * l;
-    const double by = bend > 0 ? -slope / (2 * bend) : 0;
-    *value = m->middle->value + by * (slope + bend * by);
-    return m->middle->along + by;
+    const double shift = bend > 0 ? -slope / (2 * bend) : 0;
+    *value = m->middle->value + shift * (slope + bend * shift);
+    return m->middle->position + shift;
 }
 
 /* Puts a sample between the others. Returns false if no solution was found there or if the test has
  * no value. */
-static bool sample_at(const struct test_minimum *m, double along)
+static bool sample_at(const struct test_minimum *m, double position)
 {
-    const struct test_sample *a = along < m->middle->along ? m->low : m->middle,
-                             *b = along < m->middle->along ? m->middle : m->high;
-    const double share = (along - a->along) / (b->along - a->along);
+    const struct test_sample *a = position < m->middle->position ? m->low : m->middle,
+                             *b = position < m->middle->position ? m->middle : m->high;
+    const double share = (position - a->position) / (b->position - a->position);
     if (!curve_between(m->walk->path->problem, &a->place, &b->place, share, &m->fresh->place))
         return false;
-    m->fresh->along = along;
+    m->fresh->position = position;
     m->fresh->value = value_at(m, &m->fresh->place);
     return isfinite(m->fresh->value);
 }
@@ -89,7 +90,7 @@ static bool sample_at(const struct test_minimum *m, double along)
 /* Where to look next: at the vertex, but not where it is known already. */
 static double next_sample(const struct test_minimum *m, double vertex)
 {
-    const double low = m->low->along, middle = m->middle->along, high = m->high->along,
+    const double low = m->low->position, middle = m->middle->position, high = m->high->position,
                  least = nearest_part * (high - low);
     const double further = high - middle > middle - low ? fmin(least, (high - middle) / 2)
                                                         : -fmin(least, (middle - low) / 2);
@@ -101,7 +102,7 @@ static double next_sample(const struct test_minimum *m, double vertex)
 static void narrow(struct test_minimum *m)
 {
     struct test_sample *fresh = m->fresh, **side;
-    const bool is_below = fresh->along < m->middle->along;
+    const bool is_below = fresh->position < m->middle->position;
     if (fresh->value < m->middle->value) {
         side = is_below ? &m->high : &m->low;
         m->fresh = *side;
@@ -118,12 +119,12 @@ static void narrow(struct test_minimum *m)
  * `middle` or `high`. */
 static bool find_other_sign(struct test_minimum *m)
 {
-    const double length = m->high->along - m->low->along;
+    const double length = m->high->position - m->low->position;
     for (int k = 0; k < MINIMUM_STEPS_MAX; k++) {
         double least;
         const double vertex = parabola_vertex(m, &least);
         if (least > minimum_part * m->middle->value ||
-            m->high->along - m->low->along < bracket_min * length ||
+            m->high->position - m->low->position < bracket_min * length ||
             cancelled(m->walk->request->cancel) || !sample_at(m, next_sample(m, vertex)))
             return false;
         if (walk_sign(m->walk, &m->fresh->place, m->test) == -m->sign)
@@ -137,7 +138,7 @@ static bool find_other_sign(struct test_minimum *m)
 
 static bool record_at(struct branch_walk *w, const struct found_special *f, int *index)
 {
-    struct branch *b = w->out;
+    struct branch *b = w->branch;
     const int count = b->count;
     if (!special_record(w, f))
         return false;
@@ -150,28 +151,30 @@ static bool record_at(struct branch_walk *w, const struct found_special *f, int 
     return true;
 }
 
-bool walk_record_pairs(struct branch_walk *w, const struct curve_place *before,
-                       const struct curve_place *at, int index, const struct curve_place *next)
+bool walk_record_pairs(struct branch_walk *w, const struct curve_place *previous,
+                       const struct curve_place *point, int index, const struct curve_place *next)
 {
     const int unknowns = w->path->problem->n + 1;
     struct test_sample sample[4];
     for (int k = 0; k < w->path->problem->tests; k++) {
-        const int sign = walk_sign(w, at, k);
+        const int sign = walk_sign(w, point, k);
         struct test_minimum m = {w, k, sign, &sample[0], &sample[1], &sample[2], &sample[3]};
         struct found_special pair[2];
-        if (sign == 0 || walk_sign(w, before, k) != sign || walk_sign(w, next, k) != sign)
+        if (sign == 0 || walk_sign(w, previous, k) != sign || walk_sign(w, next, k) != sign)
             continue;
-        sample[0] = (struct test_sample){*before, 0, value_at(&m, before)};
-        sample[1] =
-            (struct test_sample){*at, curve_distance(unknowns, before->u, at->u), value_at(&m, at)};
+        sample[0] = (struct test_sample){*previous, 0, value_at(&m, previous)};
+        sample[1] = (struct test_sample){*point, curve_distance(unknowns, previous->u, point->u),
+                                         value_at(&m, point)};
         sample[2] = (struct test_sample){
-            *next, sample[1].along + curve_distance(unknowns, at->u, next->u), value_at(&m, next)};
+            *next, sample[1].position + curve_distance(unknowns, point->u, next->u),
+            value_at(&m, next)};
         if (sample[1].value > fmin(sample[0].value, sample[2].value) || !find_other_sign(&m))
             continue;
-        const bool is_before = m.fresh->along < m.middle->along;
+        const bool is_before = m.fresh->position < m.middle->position;
         const struct curve_place *low = is_before ? &m.low->place : &m.middle->place,
                                  *high = is_before ? &m.middle->place : &m.high->place;
-        int place = m.fresh->along < curve_distance(unknowns, before->u, at->u) ? index : index + 1;
+        int place =
+            m.fresh->position < curve_distance(unknowns, previous->u, point->u) ? index : index + 1;
         if (special_locate(w, low, &m.fresh->place, k, &pair[0]) &&
             special_locate(w, &m.fresh->place, high, k, &pair[1]) &&
             !(record_at(w, &pair[0], &place) && record_at(w, &pair[1], &place)))

@@ -17,7 +17,7 @@
 #define FOLD_ROUNDING_RELATIVE 1e-9
 
 bool branch_append(struct branch *b, const struct solution_curve *path,
-                   const struct curve_place *at, enum special special,
+                   const struct curve_place *location, enum special special,
                    const struct solution *solution)
 {
     struct branch_point *more = realloc(b->point, ((size_t)b->count + 1) * sizeof *more);
@@ -29,19 +29,19 @@ bool branch_append(struct branch *b, const struct solution_curve *path,
         .solution = *solution, .special = special, .criticality = NAN, .accuracy = NAN};
     /* of an orbit its beginning and what holds for all of it: the rest follows */
     const int n = path->field.n, all = path->problem->n;
-    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    memcpy(point->tangent, location->tangent, (size_t)n * sizeof *point->tangent);
     if (path->kind == SOLUTION_EQUILIBRIUM) {
-        point->tangent[n] = at->tangent[all];
+        point->tangent[n] = location->tangent[all];
     } else {
-        point->tangent[n] = path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
-        point->tangent[n + 1] = at->tangent[all];
+        point->tangent[n] = path->kind == SOLUTION_ORBIT ? location->tangent[all - 1] : 0;
+        point->tangent[n + 1] = location->tangent[all];
     }
     return true;
 }
 
 /* ---- special points between two places ---- */
 
-static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
+static bool is_test_zero(const struct branch_walk *w, const struct curve_place *p, int test)
 {
     if (test > 0)
         return fabs(p->test[test]) <= ZERO_TEST_RELATIVE * w->largest[test];
@@ -53,26 +53,26 @@ static bool zero(const struct branch_walk *w, const struct curve_place *p, int t
 
 bool is_in_range(const struct branch_request *r, double *param)
 {
-    const double by = RANGE_EDGE_FRACTION * (r->to - r->from);
-    if (!(*param >= r->from - by && *param <= r->to + by))
+    const double margin = RANGE_EDGE_FRACTION * (r->high - r->low);
+    if (!(*param >= r->low - margin && *param <= r->high + margin))
         return false;
-    *param = fmin(fmax(*param, r->from), r->to);
+    *param = fmin(fmax(*param, r->low), r->high);
     return true;
 }
 
 /* A fold of orbits that lies so flat that it is not located is at the better of both places. */
-static bool locate(const struct branch_walk *w, const struct curve_place *before,
-                   const struct curve_place *to, int test, struct found_special *f)
+static bool locate(const struct branch_walk *w, const struct curve_place *previous,
+                   const struct curve_place *next, int test, struct found_special *f)
 {
     const struct curve_problem *problem = w->path->problem;
     const int n = problem->n;
-    if (curve_locate(problem, before, to, test, &f->at, &f->near))
+    if (curve_locate(problem, previous, next, test, &f->point, &f->uncertainty))
         return true;
     if (w->path->kind == SOLUTION_EQUILIBRIUM || test != ORBIT_FOLD ||
-        !(fabs(before->u[n] - to->u[n]) < FOLD_ROUNDING_RELATIVE * fabs(to->u[n])))
+        !(fabs(previous->u[n] - next->u[n]) < FOLD_ROUNDING_RELATIVE * fabs(next->u[n])))
         return false;
-    f->at = fabs(before->test[test]) < fabs(to->test[test]) ? *before : *to;
-    f->near = fabs(before->u[n] - to->u[n]);
+    f->point = fabs(previous->test[test]) < fabs(next->test[test]) ? *previous : *next;
+    f->uncertainty = fabs(previous->u[n] - next->u[n]);
     return true;
 }
 
@@ -81,35 +81,36 @@ int special_passes(enum special special)
     return special == SPECIAL_HOPF || special == SPECIAL_TORUS ? 2 : special != SPECIAL_NONE;
 }
 
-int walk_sign(const struct branch_walk *w, const struct curve_place *at, int test)
+int walk_sign(const struct branch_walk *w, const struct curve_place *point, int test)
 {
-    if (!isfinite(at->test[test]) || zero(w, at, test))
+    if (!isfinite(point->test[test]) || is_test_zero(w, point, test))
         return 0;
-    return signbit(at->test[test]) ? -1 : 1;
+    return signbit(point->test[test]) ? -1 : 1;
 }
 
 /* A branch of equilibria turns back at a fold: unless rounding made it, the parameter changes to
  * the same side on both arms. */
-static bool turns_back(const struct branch_walk *w, const struct curve_place *before,
-                       const struct curve_place *to, const struct curve_place *fold)
+static bool turns_back(const struct branch_walk *w, const struct curve_place *previous,
+                       const struct curve_place *next, const struct curve_place *fold)
 {
     const int n = w->path->problem->n;
-    const double a = before->u[n] - fold->u[n], b = to->u[n] - fold->u[n],
+    const double a = previous->u[n] - fold->u[n], b = next->u[n] - fold->u[n],
                  rounding = PARAM_ROUNDING_RELATIVE * fmax(fabs(fold->u[n]), 1);
     return fmax(fabs(a), fabs(b)) > rounding &&
            ((a > 0) == (b > 0) || fmin(fabs(a), fabs(b)) <= rounding);
 }
 
-bool special_locate(struct branch_walk *w, const struct curve_place *before,
-                    const struct curve_place *to, int test, struct found_special *f)
+bool special_locate(struct branch_walk *w, const struct curve_place *previous,
+                    const struct curve_place *next, int test, struct found_special *f)
 {
-    if (!locate(w, before, to, test, f) || !solutions_at(w->path, &f->at, true, &f->solution))
+    if (!locate(w, previous, next, test, f) ||
+        !solutions_at(w->path, &f->point, true, &f->solution))
         return false;
     f->special = solutions_special(w->path, test, &f->solution);
     if (f->special == SPECIAL_FOLD && w->path->kind == SOLUTION_EQUILIBRIUM &&
-        !turns_back(w, before, to, &f->at))
+        !turns_back(w, previous, next, &f->point))
         return false;
-    f->distance = curve_distance(w->path->problem->n + 1, f->at.u, before->u);
+    f->distance = curve_distance(w->path->problem->n + 1, f->point.u, previous->u);
     return f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]);
 }
 
@@ -118,26 +119,27 @@ int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
 {
     int passes = 0;
     for (int k = 0; k < w->path->problem->tests && *count < SPECIALS_MOST; k++)
-        if (!zero(w, a, k) && !zero(w, b, k) && signbit(a->test[k]) != signbit(b->test[k]) &&
+        if (!is_test_zero(w, a, k) && !is_test_zero(w, b, k) &&
+            signbit(a->test[k]) != signbit(b->test[k]) &&
             special_locate(w, a, b, k, &found[*count]))
             passes += special_passes(found[(*count)++].special);
     return passes;
 }
 
-static void locate_all(struct branch_walk *w, const struct curve_place *to,
+static void locate_all(struct branch_walk *w, const struct curve_place *next,
                        struct found_special *found, int *count)
 {
     const struct curve_problem *problem = w->path->problem;
     for (int k = 0; k < problem->tests; k++) {
-        w->largest[k] = fmax(w->largest[k], fabs(to->test[k]));
-        w->any[k] = w->any[k] && (k == 0 || !zero(w, &w->known[k], k));
-        if (zero(w, to, k) || !isfinite(to->test[k]))
+        w->largest[k] = fmax(w->largest[k], fabs(next->test[k]));
+        w->any[k] = w->any[k] && (k == 0 || !is_test_zero(w, &w->known[k], k));
+        if (is_test_zero(w, next, k) || !isfinite(next->test[k]))
             continue;
-        const struct curve_place before = w->known[k];
-        const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
-        w->known[k] = *to;
+        const struct curve_place previous = w->known[k];
+        const bool changed = w->any[k] && signbit(previous.test[k]) != signbit(next->test[k]);
+        w->known[k] = *next;
         w->any[k] = true;
-        *count += changed && special_locate(w, &before, to, k, &found[*count]);
+        *count += changed && special_locate(w, &previous, next, k, &found[*count]);
     }
 }
 
@@ -148,7 +150,7 @@ static void leave_doubles_out(struct found_special *found, int *count, int n)
         for (int j = 0; j < *count; j++)
             if (i != j && found[i].special == SPECIAL_CROSSING &&
                 (found[j].special == SPECIAL_FOLD || found[j].special == SPECIAL_TORUS) &&
-                curve_distance(n, found[i].at.u, found[j].at.u) < SAME_POINT_RANGE_FRACTION) {
+                curve_distance(n, found[i].point.u, found[j].point.u) < SAME_POINT_RANGE_FRACTION) {
                 found[j] = found[--*count];
                 i = -1;
                 break;
@@ -187,11 +189,12 @@ static double criticality(struct branch_walk *w, const struct solution *s)
  * even number of folds none is one, of an odd number that with the least or the largest value. */
 static bool is_fold(struct branch_walk *w, const struct found_special *f, double *accuracy)
 {
-    struct branch *b = w->out;
+    struct branch *b = w->branch;
     const double value = f->solution.param[0];
     struct branch_point *best = w->fold_at < b->count ? &b->point[w->fold_at] : NULL;
-    const double before = b->point[b->count - 1].solution.param[0],
-                 at = best ? best->solution.param[0] : NAN, apart = fabs(value - at) / fabs(at);
+    const double previous = b->point[b->count - 1].solution.param[0],
+                 best_param = best ? best->solution.param[0] : NAN,
+                 apart = fabs(value - best_param) / fabs(best_param);
     const bool flat =
         w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FOLD_ROUNDING_RELATIVE;
     if (flat && best && best->special == SPECIAL_FOLD) {
@@ -199,13 +202,13 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
         w->fold_spread = fmax(w->fold_spread, apart);
         return false;
     }
-    if (flat && best && (value < at) != w->fold_least) {
+    if (flat && best && (value < best_param) != w->fold_least) {
         best->special = SPECIAL_FOLD;
         best->accuracy = fmax(best->accuracy, w->fold_spread);
         return false;
     }
     w->fold_spread = flat ? fmax(w->fold_spread, apart) : 0;
-    w->fold_least = flat ? w->fold_least : value < before;
+    w->fold_least = flat ? w->fold_least : value < previous;
     w->fold_at = b->count;
     *accuracy = fmax(*accuracy, w->fold_spread);
     return true;
@@ -213,28 +216,28 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
 
 bool special_record(struct branch_walk *w, const struct found_special *f)
 {
-    double accuracy = f->near / fmax(fabs(f->at.u[w->path->problem->n]), 1e-3);
+    double accuracy = f->uncertainty / fmax(fabs(f->point.u[w->path->problem->n]), 1e-3);
     if (f->special == SPECIAL_FOLD && !is_fold(w, f, &accuracy))
         return true;
-    if (!branch_append(w->out, w->path, &f->at, f->special, &f->solution))
+    if (!branch_append(w->branch, w->path, &f->point, f->special, &f->solution))
         return false;
-    struct branch_point *point = &w->out->point[w->out->count - 1];
+    struct branch_point *point = &w->branch->point[w->branch->count - 1];
     point->accuracy = accuracy;
     if (point->special == SPECIAL_HOPF)
         point->criticality = criticality(w, &point->solution);
     return true;
 }
 
-bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
+bool walk_record_specials(struct branch_walk *w, const struct curve_place *next,
                           const struct solution *seen)
 {
     struct found_special found[SPECIALS_MOST];
     int count = 0;
     const int n = w->path->problem->n;
-    locate_all(w, to, found, &count);
+    locate_all(w, next, found, &count);
     leave_doubles_out(found, &count, n + 1);
     if (seen)
-        specials_unseen(w, to, seen, found, &count);
+        specials_unseen(w, next, seen, found, &count);
     qsort(found, (size_t)count, sizeof *found, by_distance);
     for (int i = 0; i < count; i++)
         if (!special_record(w, &found[i]))
@@ -244,45 +247,45 @@ bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
 
 /* ---- tests go on ---- */
 
-static bool is_signed(const struct branch_walk *w, const struct curve_place *at, int test)
+static bool is_signed(const struct branch_walk *w, const struct curve_place *point, int test)
 {
-    return isfinite(at->test[test]) && at->test[test] != 0 && !zero(w, at, test);
+    return isfinite(point->test[test]) && point->test[test] != 0 && !is_test_zero(w, point, test);
 }
 
-void walk_start(struct branch_walk *w, const struct curve_place *at)
+void walk_start(struct branch_walk *w, const struct curve_place *point)
 {
     const int n = w->path->problem->n;
-    struct curve_place *behind = w->behinds == n ? &w->behind : NULL;
+    struct curve_place *opposite = w->behinds == n ? &w->opposite : NULL;
     w->fold_at = 0;
-    if (behind) { /* seen from the other side */
+    if (opposite) { /* seen from the other side */
         for (int i = 0; i <= n; i++)
-            behind->tangent[i] = -behind->tangent[i];
-        behind->test[EQUILIBRIUM_FOLD] *= -1;
-        behind->test[EQUILIBRIUM_CROSSING] *= -1;
+            opposite->tangent[i] = -opposite->tangent[i];
+        opposite->test[EQUILIBRIUM_FOLD] *= -1;
+        opposite->test[EQUILIBRIUM_CROSSING] *= -1;
     }
     for (int k = 0; k < w->path->problem->tests; k++) {
         /* the first is part of a unit vector */
-        w->largest[k] = k == 0   ? 1
-                        : behind ? fmax(fabs(at->test[k]), fabs(behind->test[k]))
-                                 : fabs(at->test[k]);
-        const bool here = is_signed(w, at, k);
-        w->known[k] = here || !behind ? *at : *behind;
-        w->any[k] = here || (behind && is_signed(w, behind, k));
+        w->largest[k] = k == 0     ? 1
+                        : opposite ? fmax(fabs(point->test[k]), fabs(opposite->test[k]))
+                                   : fabs(point->test[k]);
+        const bool here = is_signed(w, point, k);
+        w->known[k] = here || !opposite ? *point : *opposite;
+        w->any[k] = here || (opposite && is_signed(w, opposite, k));
     }
-    const int grows = walk_grows(w, &w->out->point[w->out->count - 1].solution);
-    specials_sure(w, grows < 0 && behind ? behind : at,
-                  grows < 0 && behind ? w->behind_grows : grows);
+    const int grows = walk_grows(w, &w->branch->point[w->branch->count - 1].solution);
+    specials_sure(w, grows < 0 && opposite ? opposite : point,
+                  grows < 0 && opposite ? w->behind_grows : grows);
     w->behinds = 0;
 }
 
-void walk_go_on(struct branch_walk *w, const struct curve_place *at)
+void walk_go_on(struct branch_walk *w, const struct curve_place *point)
 {
-    specials_sure(w, at, walk_grows(w, &w->out->point[w->out->count - 1].solution));
+    specials_sure(w, point, walk_grows(w, &w->branch->point[w->branch->count - 1].solution));
     for (int k = 0; k < w->path->problem->tests; k++) {
         const double sign = copysign(DBL_MIN, w->known[k].test[k]);
-        w->largest[k] = k == 0 ? 1 : fabs(at->test[k]);
-        w->known[k] = *at;
-        if (is_signed(w, at, k))
+        w->largest[k] = k == 0 ? 1 : fabs(point->test[k]);
+        w->known[k] = *point;
+        if (is_signed(w, point, k))
             w->any[k] = true;
         else
             w->known[k].test[k] = sign; /* there is none, if there was none */

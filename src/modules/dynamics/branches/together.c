@@ -69,21 +69,21 @@ struct chord_piece {
     int count; /* that pass */
 };
 
-static bool place_at(const struct chord_piece *p, double share, struct curve_place *at,
+static bool place_at(const struct chord_piece *p, double share, struct curve_place *point,
                      struct solution *s)
 {
-    return curve_between(p->w->path->problem, p->a, p->b, share, at) &&
-           solutions_at(p->w->path, at, false, s) && s->values >= p->count;
+    return curve_between(p->w->path->problem, p->a, p->b, share, point) &&
+           solutions_at(p->w->path, point, false, s) && s->values >= p->count;
 }
 
 /* The sum of the rates of those that pass, which is smooth where they meet. */
-static double rate_sum(void *context, const struct curve_place *at)
+static double rate_sum(void *context, const struct curve_place *point)
 {
     const struct chord_piece *p = context;
     int place[DYNAMICS_VARIABLES];
     double sum = 0;
     struct solution s;
-    if (!solutions_at(p->w->path, at, false, &s) || s.values < p->count)
+    if (!solutions_at(p->w->path, point, false, &s) || s.values < p->count)
         return NAN;
     nearest(&s, p->count, place);
     for (int i = 0; i < p->count; i++)
@@ -111,8 +111,9 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
                                                     struct found_special *found)
 {
     int place[DYNAMICS_VARIABLES];
-    if (!curve_find_zero(p->w->path->problem, p->a, p->b, rate_sum, p, &found->at, &found->near) ||
-        !solutions_at(p->w->path, &found->at, true, &found->solution))
+    if (!curve_find_zero(p->w->path->problem, p->a, p->b, rate_sum, p, &found->point,
+                         &found->uncertainty) ||
+        !solutions_at(p->w->path, &found->point, true, &found->solution))
         return false;
     nearest(&found->solution, p->count, place);
     for (int i = 0; i < p->count; i++)
@@ -122,45 +123,45 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
     return true;
 }
 
-static __attribute__((noinline)) bool middle_of(const struct chord_piece *p, struct curve_place *at,
-                                                int *grows)
+static __attribute__((noinline)) bool middle_of(const struct chord_piece *p,
+                                                struct curve_place *point, int *grows)
 {
     static const double share[] = {0.5, 0.4, 0.6, 0.3, 0.7};
     struct solution s;
     for (size_t k = 0; k < COUNT_OF(share); k++)
-        if (place_at(p, share[k], at, &s) && (*grows = walk_grows(p->w, &s)) >= 0)
+        if (place_at(p, share[k], point, &s) && (*grows = walk_grows(p->w, &s)) >= 0)
             return true;
     return false;
 }
 
-static void between(struct branch_walk *w, const struct curve_place *a, int a_grows,
-                    const struct curve_place *b, int b_grows, int depth,
-                    struct found_special *found, int *count)
+static void chord_specials_find(struct branch_walk *w, const struct curve_place *a, int a_grows,
+                                const struct curve_place *b, int b_grows, int depth,
+                                struct found_special *found, int *count)
 {
     struct chord_piece p = {w, a, b, abs(a_grows - b_grows)};
-    const int before = *count;
+    const int saved_count = *count;
     if (p.count == 0 || (p.count == 1 && depth == 0) || cancelled(w->request->cancel))
         return;
     if (specials_by_signs(w, a, b, found, count) >= p.count)
         return;
-    *count = before;
+    *count = saved_count;
     /* of one alone the sign of a test changes */
-    if (p.count > 1 && depth >= HALVINGS_BEFORE_COMMON && before < SPECIALS_MOST &&
-        pass_together(&p, &found[before])) {
-        *count += is_in_range(w->request, &found[before].solution.param[0]);
+    if (p.count > 1 && depth >= HALVINGS_BEFORE_COMMON && saved_count < SPECIALS_MOST &&
+        pass_together(&p, &found[saved_count])) {
+        *count += is_in_range(w->request, &found[saved_count].solution.param[0]);
         return;
     }
     struct curve_place middle;
     int grows;
     if (depth == HALVINGS_MAX || !middle_of(&p, &middle, &grows))
         return;
-    between(w, a, a_grows, &middle, grows, depth + 1, found, count);
-    between(w, &middle, grows, b, b_grows, depth + 1, found, count);
+    chord_specials_find(w, a, a_grows, &middle, grows, depth + 1, found, count);
+    chord_specials_find(w, &middle, grows, b, b_grows, depth + 1, found, count);
 }
 
 static bool is_known(const struct branch_walk *w, const struct found_special *f)
 {
-    const struct branch *b = w->out;
+    const struct branch *b = w->branch;
     for (int i = b->count - 1; i >= 0 && i >= w->sure_point; i--)
         if (b->point[i].special == f->special &&
             fabs(b->point[i].solution.param[0] - f->solution.param[0]) < SPECIALS_SAME * w->psize)
@@ -168,10 +169,10 @@ static bool is_known(const struct branch_walk *w, const struct found_special *f)
     return false;
 }
 
-void specials_unseen(struct branch_walk *w, const struct curve_place *to, const struct solution *at,
-                     struct found_special *found, int *count)
+void specials_unseen(struct branch_walk *w, const struct curve_place *next,
+                     const struct solution *solution, struct found_special *found, int *count)
 {
-    const int grows = walk_grows(w, at);
+    const int grows = walk_grows(w, solution);
     for (int i = 0; i < *count; i++)
         w->explained += special_passes(found[i].special);
     if (grows < 0)
@@ -179,22 +180,23 @@ void specials_unseen(struct branch_walk *w, const struct curve_place *to, const 
     if (w->sure_grows >= 0 && abs(grows - w->sure_grows) > w->explained) {
         struct found_special unseen[SPECIALS_MOST];
         int more = 0;
-        between(w, &w->sure, w->sure_grows, to, grows, 0, unseen, &more);
+        chord_specials_find(w, &w->sure, w->sure_grows, next, grows, 0, unseen, &more);
         if (more > 0)
             *count = 0;
         for (int i = 0; i < more; i++) {
-            unseen[i].distance = curve_distance(w->path->problem->n + 1, unseen[i].at.u, w->sure.u);
+            unseen[i].distance =
+                curve_distance(w->path->problem->n + 1, unseen[i].point.u, w->sure.u);
             if (!is_known(w, &unseen[i]))
                 found[(*count)++] = unseen[i];
         }
     }
-    specials_sure(w, to, grows);
+    specials_sure(w, next, grows);
 }
 
-void specials_sure(struct branch_walk *w, const struct curve_place *at, int grows)
+void specials_sure(struct branch_walk *w, const struct curve_place *point, int grows)
 {
-    w->sure = *at;
+    w->sure = *point;
     w->sure_grows = grows;
-    w->sure_point = w->out->count;
+    w->sure_point = w->branch->count;
     w->explained = 0;
 }

@@ -28,10 +28,11 @@ struct special_curve {
     enum special kind;
     int second; /* place of the second parameter */
     double qsize;
-    double at[CURVE_MAX], slope[CURVE_MAX]; /* of the condition, derived there */
-    double by_second[CURVE_MAX];            /* of the equations */
+    double point[CURVE_MAX], slope[CURVE_MAX]; /* of the condition, derived there */
+    double by_second[CURVE_MAX];               /* of the equations */
     bool derived;
-    double along[CURVE_MAX]; /* of a fold: the tangent at one parameter, or what is not across it */
+    double
+        tangent[CURVE_MAX]; /* of a fold: the tangent at one parameter, or what is not across it */
     struct curve_problem problem;
 };
 
@@ -80,7 +81,7 @@ static bool evaluate_condition(struct special_curve *c, const double *u, double 
 static bool is_fresh(const struct special_curve *c, const double *u)
 {
     return c->derived && c->base.kind != SOLUTION_EQUILIBRIUM &&
-           curve_distance(c->problem.n + 1, c->at, u) < CONDITION_REUSE_DISTANCE;
+           curve_distance(c->problem.n + 1, c->point, u) < CONDITION_REUSE_DISTANCE;
 }
 
 /* Of equilibria to both sides, which costs nothing and tells where two folds meet. */
@@ -92,19 +93,19 @@ static bool derive(struct special_curve *c, const double *u)
     if (!both && !evaluate_condition(c, u, side[0]))
         return false;
     for (int k = 0; k <= n + 1; k++) {
-        const double by = DIFFERENCE_STEP_RELATIVE * fmax(1, fabs(u[k]));
+        const double step = DIFFERENCE_STEP_RELATIVE * fmax(1, fabs(u[k]));
         memcpy(moved, u, sizeof moved);
-        moved[k] = u[k] - by;
+        moved[k] = u[k] - step;
         if (both && !evaluate_condition(c, moved, side[0]))
             return false;
-        moved[k] = u[k] + by;
+        moved[k] = u[k] + step;
         if (!evaluate_condition(c, moved, side[1]))
             return false;
-        c->slope[k] = (side[1][n] - side[0][n]) / (both ? 2 * by : by);
+        c->slope[k] = (side[1][n] - side[0][n]) / (both ? 2 * step : step);
         for (int i = 0; k == n + 1 && i < n; i++)
-            c->by_second[i] = (side[1][i] - side[0][i]) / (both ? 2 * by : by);
+            c->by_second[i] = (side[1][i] - side[0][i]) / (both ? 2 * step : step);
     }
-    memcpy(c->at, u, sizeof c->at);
+    memcpy(c->point, u, sizeof c->point);
     c->derived = true;
     return true;
 }
@@ -165,26 +166,26 @@ static void test_orbit_fold(void *context, const double *u, const double *jacobi
 {
     struct special_curve *c = context;
     const int n = c->base.problem->n;
-    double along[CURVE_MAX], f[CURVE_MAX], moved[CURVE_MAX], side[2];
+    double fold_tangent[CURVE_MAX], f[CURVE_MAX], moved[CURVE_MAX], side[2];
     (void)jacobian;
     (void)tangent;
     value[0] = NAN;
-    if (!evaluate_condition(c, u, f) || !curve_tangent(c->base.problem, c->along, along))
+    if (!evaluate_condition(c, u, f) || !curve_tangent(c->base.problem, c->tangent, fold_tangent))
         return;
     for (int k = 0; k < 2; k++) {
         memcpy(moved, u, sizeof moved);
         for (int i = 0; i <= n; i++)
-            moved[i] += (k == 0 ? -FOLD_DIFFERENCE_UNITS : FOLD_DIFFERENCE_UNITS) * along[i];
+            moved[i] += (k == 0 ? -FOLD_DIFFERENCE_UNITS : FOLD_DIFFERENCE_UNITS) * fold_tangent[i];
         if (!evaluate_condition(c, moved, f))
             return;
         side[k] = f[n];
     }
-    memcpy(c->along, along, sizeof c->along);
+    memcpy(c->tangent, fold_tangent, sizeof c->tangent);
     value[0] = (side[1] - side[0]) / (2 * FOLD_DIFFERENCE_UNITS);
 }
 
-static void test(void *context, const double *u, const double *jacobian, const double *tangent,
-                 double *value)
+static void special_curve_test(void *context, const double *u, const double *jacobian,
+                               const double *tangent, double *value)
 {
     struct special_curve *c = context;
     struct solution_curve *base = &c->base;
@@ -206,15 +207,15 @@ static void test(void *context, const double *u, const double *jacobian, const d
         return;
     }
     /* what is not across the fold, also where the first parameter alone does not go across it */
-    double along[CURVE_MAX], *by_param = base->work->jacobian + n;
+    double base_tangent[CURVE_MAX], *by_param = base->work->jacobian + n;
     for (int i = 0; i < n; i++)
         by_param[i * (n + 1)] += SECOND_PARAM_WEIGHT * c->by_second[i];
-    if (!curve_tangent(base->problem, c->along, along))
+    if (!curve_tangent(base->problem, c->tangent, base_tangent))
         return;
-    memcpy(c->along, along, sizeof c->along);
+    memcpy(c->tangent, base_tangent, sizeof c->tangent);
     value[0] = 0;
     for (int i = 0; i < n; i++)
-        value[0] += c->slope[i] * along[i];
+        value[0] += c->slope[i] * base_tangent[i];
     value[1] = n > 1 ? products_of_others(n, s.value) : NAN;
 }
 
@@ -226,7 +227,7 @@ static enum special special_of(const struct special_curve *c, int test)
 
 /* ---- where it begins ---- */
 
-static void aim(void *context, bool fine)
+static void special_curve_aim(void *context, bool fine)
 {
     struct special_curve *c = context;
     (void)fine; /* differences want all digits */
@@ -234,7 +235,7 @@ static void aim(void *context, bool fine)
         c->base.problem->aim(c->base.problem->context, true);
 }
 
-static void end(struct special_curve *c)
+static void special_curve_end(struct special_curve *c)
 {
     solutions_end(&c->base);
     free(c->problem.work);
@@ -247,27 +248,27 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
     const double now = r->scene->value[r->second->param];
     *c = (struct special_curve){.kind = r->leave->special,
                                 .second = r->second->param,
-                                .qsize = r->second->to - r->second->from};
-    if (!solutions_begin(&c->base, r->scene, r->param, r->to - r->from, &r->leave->solution,
+                                .qsize = r->second->high - r->second->low};
+    if (!solutions_begin(&c->base, r->scene, r->param, r->high - r->low, &r->leave->solution,
                          r->cancel, u, error))
         return false;
     const int n = c->base.problem->n, all = n + 1;
     const bool still = c->base.kind == SOLUTION_EQUILIBRIUM &&
                        (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF),
                fold = !still && c->kind == SPECIAL_FOLD; /* of orbits */
-    memcpy(c->along, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->along);
+    memcpy(c->tangent, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->tangent);
     c->problem = (struct curve_problem){.context = c,
                                         .n = all,
                                         .residual = residual,
-                                        .test = fold ? test_orbit_fold : test,
+                                        .test = fold ? test_orbit_fold : special_curve_test,
                                         .tests = fold                  ? 1
                                                  : !still              ? 0
                                                  : c->base.field.n > 1 ? 2
                                                                        : 1,
-                                        .aim = aim,
+                                        .aim = special_curve_aim,
                                         .work = malloc(sizeof *c->problem.work)};
     if (!c->problem.work || all >= CURVE_MAX) {
-        end(c);
+        special_curve_end(c);
         return c->problem.work ? error_set(error, ERROR_COMMAND, "the orbit is too long for that")
                                : error_memory(error);
     }
@@ -278,7 +279,7 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
         if (curve_correct(&c->problem, u, direction, true, first))
             return true;
     }
-    end(c);
+    special_curve_end(c);
     return error_set(error, ERROR_COMMAND, "the curve of such points does not begin there");
 }
 
@@ -287,44 +288,44 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
 struct special_walk {
     const struct branch_request *request;
     struct special_curve *curve;
-    struct branch *out;
+    struct branch *branch;
     char *end; /* [96] */
 };
 
-static void ends(struct special_walk *w, const char *why)
+static void special_walk_end_set(struct special_walk *w, const char *why)
 {
     snprintf(w->end, 96, "%s", why);
 }
 
-static bool record(struct special_walk *w, const struct curve_place *at, enum special special)
+static bool record(struct special_walk *w, const struct curve_place *point, enum special special)
 {
     struct special_curve *c = w->curve;
     struct solution s;
     const int n = c->base.problem->n;
-    if (!field_hold(&c->base.field, c->second, at->u[n + 1] * c->qsize) ||
-        !solutions_at(&c->base, at, true, &s))
+    if (!field_hold(&c->base.field, c->second, point->u[n + 1] * c->qsize) ||
+        !solutions_at(&c->base, point, true, &s))
         return false;
-    s.param[1] = at->u[n + 1] * c->qsize;
-    return branch_append(w->out, &c->base, at, special, &s);
+    s.param[1] = point->u[n + 1] * c->qsize;
+    return branch_append(w->branch, &c->base, point, special, &s);
 }
 
 /* Returns false if out of memory, if a solution is not found again, or if the curve ends there. */
-static bool record_specials(struct special_walk *w, const struct curve_place *from,
-                            const struct curve_place *to)
+static bool record_specials(struct special_walk *w, const struct curve_place *current,
+                            const struct curve_place *next)
 {
     struct special_curve *c = w->curve;
     for (int k = 0; k < c->problem.tests; k++) {
-        struct curve_place at;
-        double near;
-        if (!isfinite(from->test[k]) || !isfinite(to->test[k]) ||
-            signbit(from->test[k]) == signbit(to->test[k]) ||
-            !curve_locate(&c->problem, from, to, k, &at, &near))
+        struct curve_place point;
+        double uncertainty;
+        if (!isfinite(current->test[k]) || !isfinite(next->test[k]) ||
+            signbit(current->test[k]) == signbit(next->test[k]) ||
+            !curve_locate(&c->problem, current, next, k, &point, &uncertainty))
             continue;
-        if (!record(w, &at, special_of(c, k)))
+        if (!record(w, &point, special_of(c, k)))
             return false;
-        w->out->point[w->out->count - 1].accuracy = near;
+        w->branch->point[w->branch->count - 1].accuracy = uncertainty;
         if (c->kind == SPECIAL_HOPF && k == 0) {
-            ends(w, "a Bogdanov-Takens point: beyond it the pair is a saddle's");
+            special_walk_end_set(w, "a Bogdanov-Takens point: beyond it the pair is a saddle's");
             return false;
         }
     }
@@ -332,71 +333,72 @@ static bool record_specials(struct special_walk *w, const struct curve_place *fr
 }
 
 /* Differences that grow too much along the orbit: it is cut anew, as far as there is room. */
-static bool prepare_curve_side(struct special_walk *w, struct curve_place *at, double upright)
+static bool prepare_curve_side(struct special_walk *w, struct curve_place *point, double upright)
 {
     struct special_curve *c = w->curve;
     struct orbit_curve *orbit = &c->base.orbit;
     if (c->base.kind == SOLUTION_EQUILIBRIUM)
         return true;
     if (upright < PHASE_COSINE_MIN)
-        orbit_curve_refer(orbit, at->u, NULL);
+        orbit_curve_refer(orbit, point->u, NULL);
     if (!orbit_curve_is_long(orbit) || c->problem.n + 1 + c->base.field.n > CURVE_MAX)
         return true;
     double u[CURVE_MAX], direction[CURVE_MAX];
-    const int before = c->base.problem->n;
-    const double q = at->u[before + 1], by = at->tangent[before + 1];
-    memcpy(u, at->u, sizeof u);
-    memcpy(direction, at->tangent, sizeof direction);
+    const int base_count = c->base.problem->n;
+    const double q = point->u[base_count + 1], param_slope = point->tangent[base_count + 1];
+    memcpy(u, point->u, sizeof u);
+    memcpy(direction, point->tangent, sizeof direction);
     if (!orbit_curve_cut(orbit, u, direction) || c->base.problem->n + 2 > CURVE_MAX)
         return false;
     c->problem.n = c->base.problem->n + 1;
     c->derived = false;
     for (int i = c->base.field.n; i <= c->problem.n; i++)
-        c->along[i] = 0;
+        c->tangent[i] = 0;
     u[c->problem.n] = q;
-    direction[c->problem.n] = by;
-    return curve_correct(&c->problem, u, direction, false, at);
+    direction[c->problem.n] = param_slope;
+    return curve_correct(&c->problem, u, direction, false, point);
 }
 
-static void walk(struct special_walk *w, struct curve_place at)
+static void special_walk_follow(struct special_walk *w, struct curve_place point)
 {
     const struct branch_request *r = w->request;
     const struct cancel *cancel = r->cancel;
     const struct curve_problem *problem = &w->curve->problem;
-    const double psize = r->to - r->from, qsize = w->curve->qsize;
+    const double psize = r->high - r->low, qsize = w->curve->qsize;
     const struct curve_ranges ranges = {
-        2, {r->from / psize, r->second->from / qsize}, {r->to / psize, r->second->to / qsize}};
+        2, {r->low / psize, r->second->low / qsize}, {r->high / psize, r->second->high / qsize}};
     const double longest = r->step > 0 ? r->step : STEP_LENGTH_MAX;
     const int max = r->max > 0 ? r->max : CURVE_POINTS_DEFAULT;
-    double by = fmin(FIRST_STEP_LENGTH, longest);
-    ends(w, "as many points as were asked for");
+    double step = fmin(FIRST_STEP_LENGTH, longest);
+    special_walk_end_set(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
-        if (!curve_next(problem, NULL, &at, &by, longest, NULL, cancel, &next)) {
-            ends(w, cancelled(cancel) ? "cancelled" : "no step leads on");
+        if (!curve_next(problem, NULL, &point, &step, longest, NULL, cancel, &next)) {
+            special_walk_end_set(w, cancelled(cancel) ? "cancelled" : "no step leads on");
             return;
         }
         const bool leaves = !ranges_contain(&ranges, problem, &next);
-        if (leaves && !ranges_step_to_edge(&ranges, problem, &at, &next)) {
-            ends(w, cancelled(cancel) ? "cancelled" : "the parameters' range");
+        if (leaves && !ranges_step_to_edge(&ranges, problem, &point, &next)) {
+            special_walk_end_set(w, cancelled(cancel) ? "cancelled" : "the parameters' range");
             return;
         }
         const double upright = w->curve->base.kind == SOLUTION_EQUILIBRIUM
                                    ? 1
                                    : orbit_curve_upright(&w->curve->base.orbit);
-        if (!record_specials(w, &at, &next) ||
+        if (!record_specials(w, &point, &next) ||
             !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
             return;
         if (leaves) {
-            ends(w, "the parameters' range");
+            special_walk_end_set(w, "the parameters' range");
             return;
         }
         if (next.corrections <= 3)
-            by = fmin(1.5 * by, longest * curve_unit(problem->n, next.u));
-        at = next;
-        if (!prepare_curve_side(w, &at, upright)) {
-            ends(w,
-                 cancelled(cancel) ? "cancelled" : "differences grow along the orbit by too much");
+            step = fmin(1.5 * step, longest * curve_unit(problem->n, next.u));
+        point = next;
+        if (!prepare_curve_side(w, &point, upright)) {
+            special_walk_end_set(w, cancelled(cancel)
+                                        ? "cancelled"
+                                        : "differences grow along the orbit by too much");
             return;
         }
     }
@@ -404,7 +406,7 @@ static void walk(struct special_walk *w, struct curve_place at)
 
 bool special_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     *branch = (struct branch){.count = 0};
     const enum special kind = r->leave ? r->leave->special : SPECIAL_NONE;
     if (kind != SPECIAL_FOLD && kind != SPECIAL_HOPF && kind != SPECIAL_DOUBLING &&
@@ -422,17 +424,17 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
             return branch->count > 0;
         }
         struct special_walk w = {
-            .request = r, .curve = curve, .out = branch, .end = branch->ends[side > 0]};
+            .request = r, .curve = curve, .branch = branch, .end = branch->ends[side > 0]};
         branch->kind = curve->base.kind;
         if (branch->count > 0 || record(&w, &first, r->leave->special))
-            walk(&w, first);
+            special_walk_follow(&w, first);
         if (side < 0)
             branch_reverse(branch);
         branch->evals += curve->base.field.evals;
-        end(curve);
+        special_curve_end(curve);
     }
     free(curve);
     branch->cancelled = cancelled(r->cancel);
-    branch->seconds = clock_seconds(since);
+    branch->seconds = clock_seconds(start_time);
     return branch->count > 0 || error_memory(error);
 }

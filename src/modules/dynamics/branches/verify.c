@@ -34,26 +34,26 @@
 
 /* Which eigenvalue a label is about: the one nearest to where it passes; of two about as near the
  * one that grows. */
-static int critical(const struct branch_point *at, const struct solution *s)
+static int critical(const struct branch_point *special, const struct solution *s)
 {
     const bool map = s->kind != SOLUTION_EQUILIBRIUM,
-               pair = at->special == SPECIAL_HOPF || at->special == SPECIAL_TORUS;
+               pair = special->special == SPECIAL_HOPF || special->special == SPECIAL_TORUS;
     int best = -1;
     double least = HUGE_VAL;
     for (int i = 0; i < s->values; i++) {
         const struct eigenvalue v = s->value[i];
         const bool grows = map ? hypot(v.re, v.im) > 1 : v.re > 0;
-        const double size = hypot(v.re, v.im), turned = at->special == SPECIAL_DOUBLING
+        const double size = hypot(v.re, v.im), turned = special->special == SPECIAL_DOUBLING
                                                             ? atan2(v.im, -v.re)
                                                             : atan2(v.im, v.re);
-        double off = pair && map ? fabs(log(size))
-                     : pair      ? fabs(v.re)
-                     : map       ? hypot(log(size), turned)
-                                 : size;
-        off *= grows ? RETRY_DISTANCE_FACTOR : 1;
+        double distance = pair && map ? fabs(log(size))
+                          : pair      ? fabs(v.re)
+                          : map       ? hypot(log(size), turned)
+                                      : size;
+        distance *= grows ? RETRY_DISTANCE_FACTOR : 1;
         /* real ones meet and leave the axis in conservative motion */
-        if ((pair ? v.im > 0 : v.im >= 0) && off < least) {
-            least = off;
+        if ((pair ? v.im > 0 : v.im >= 0) && distance < least) {
+            least = distance;
             best = i;
         }
     }
@@ -139,12 +139,12 @@ struct side {
     bool found, agrees;
 };
 
-static struct side side_at(struct solution_curve *path, const struct branch_point *at,
+static struct side side_at(struct solution_curve *path, const struct branch_point *special,
                            const struct curve_place *point, double distance)
 {
     struct side side = {.found = false};
     struct solution s;
-    const int i = solutions_at(path, point, false, &s) ? critical(at, &s) : -1;
+    const int i = solutions_at(path, point, false, &s) ? critical(special, &s) : -1;
     if (i < 0)
         return side;
     const double run = rate_of_run(path, &s, s.value[i], distance),
@@ -157,129 +157,131 @@ static struct side side_at(struct solution_curve *path, const struct branch_poin
     return side;
 }
 
-static struct side look_at_side(const struct branch_request *r, const struct branch_point *at,
-                                double arm, double beside, int sign)
+static struct side look_at_side(const struct branch_request *r, const struct branch_point *special,
+                                double arm, double side_distance, int sign)
 {
     struct side side = {.found = false};
     struct solution_curve path;
     struct curve_place point;
     struct error ignored;
     double u[CURVE_MAX], direction[CURVE_MAX], guess[CURVE_MAX];
-    if (!solutions_begin(&path, r->scene, r->param, r->to - r->from, &at->solution, r->cancel, u,
-                         &ignored))
+    if (!solutions_begin(&path, r->scene, r->param, r->high - r->low, &special->solution, r->cancel,
+                         u, &ignored))
         return side;
     const int n = path.problem->n;
-    bool fine = solutions_along(&path, at, u, direction);
-    const double by = sign * (at->special == SPECIAL_FOLD || !fine
-                                  ? arm
-                                  : beside / fmax(fabs(direction[n]), beside / arm));
+    bool fine = solutions_along(&path, special, u, direction);
+    const double step =
+        sign * (special->special == SPECIAL_FOLD || !fine
+                    ? arm
+                    : side_distance / fmax(fabs(direction[n]), side_distance / arm));
     for (int i = 0; i <= n && fine; i++)
-        guess[i] = u[i] + by * direction[i];
+        guess[i] = u[i] + step * direction[i];
     if (fine && curve_correct(path.problem, guess, direction, true, &point))
-        side = side_at(&path, at, &point, fabs(by));
+        side = side_at(&path, special, &point, fabs(step));
     solutions_end(&path);
     return side;
 }
 
 /* Beyond a fold there is nothing as near as its arms are. */
-static bool is_empty(const struct branch_request *r, const struct branch_point *at, double param,
-                     double arm)
+static bool is_empty(const struct branch_request *r, const struct branch_point *special,
+                     double param, double arm)
 {
     struct solution_curve path;
     struct curve_place point;
     struct error ignored;
     double u[CURVE_MAX];
-    struct solution guess = at->solution;
-    guess.param[0] = param * (r->to - r->from);
-    if (!solutions_begin(&path, r->scene, r->param, r->to - r->from, &guess, r->cancel, u,
+    struct solution guess = special->solution;
+    guess.param[0] = param * (r->high - r->low);
+    if (!solutions_begin(&path, r->scene, r->param, r->high - r->low, &guess, r->cancel, u,
                          &ignored))
         return true;
-    const bool near = solutions_correct_at(&path, u, 1, &point) &&
-                      curve_distance(path.problem->n, point.u, u) < 2 * arm;
+    const bool is_occupied = solutions_correct_at(&path, u, 1, &point) &&
+                             curve_distance(path.problem->n, point.u, u) < 2 * arm;
     solutions_end(&path);
-    return !near;
+    return !is_occupied;
 }
 
 /* Checks that the orbit born at a Hopf point is on the side that the criticality predicts. */
 static enum branch_verdict confirm_birth(const struct branch_request *r,
-                                         const struct branch_point *at, double unstable)
+                                         const struct branch_point *special, double unstable)
 {
     struct solution_curve path;
     struct curve_place first;
     struct error ignored;
-    const double psize = r->to - r->from, here = at->solution.param[0] / psize;
-    if (at->criticality == 0 || !isfinite(at->criticality))
+    const double psize = r->high - r->low, here = special->solution.param[0] / psize;
+    if (special->criticality == 0 || !isfinite(special->criticality))
         return VERDICT_CONFIRMED;
-    if (!solutions_leave(&path, r->scene, r->param, psize, at, 1, r->cancel, &first, &ignored))
+    if (!solutions_leave(&path, r->scene, r->param, psize, special, 1, r->cancel, &first, &ignored))
         return VERDICT_OPEN;
-    const double by = first.u[path.problem->n] - here;
+    const double param_change = first.u[path.problem->n] - here;
     solutions_end(&path);
-    return (by > 0) == ((at->criticality < 0) == (unstable > 0)) ? VERDICT_CONFIRMED
-                                                                 : VERDICT_OTHER_SIDE;
+    return (param_change > 0) == ((special->criticality < 0) == (unstable > 0))
+               ? VERDICT_CONFIRMED
+               : VERDICT_OTHER_SIDE;
 }
 
 /* On the branch that crosses there, to one side. */
-static struct side look_across(const struct branch_request *r, const struct branch_point *at,
+static struct side look_across(const struct branch_request *r, const struct branch_point *special,
                                int sign)
 {
     struct side side = {.found = false};
     struct solution_curve path;
     struct curve_place first;
     struct error ignored;
-    if (!solutions_leave(&path, r->scene, r->param, r->to - r->from, at, sign, r->cancel, &first,
-                         &ignored))
+    if (!solutions_leave(&path, r->scene, r->param, r->high - r->low, special, sign, r->cancel,
+                         &first, &ignored))
         return side;
-    side = side_at(&path, at, &first, START_SHIFT_SIZES / MOVED_PART);
+    side = side_at(&path, special, &first, START_SHIFT_SIZES / MOVED_PART);
     solutions_end(&path);
     return side;
 }
 
 /* What growth on both sides says. */
-static enum branch_verdict growth_verdict(const struct side *before, const struct side *after)
+static enum branch_verdict growth_verdict(const struct side *left, const struct side *right)
 {
-    if (!before->found || !after->found || (before->rate == 0 && after->rate == 0))
+    if (!left->found || !right->found || (left->rate == 0 && right->rate == 0))
         return VERDICT_OPEN;
-    if (!before->agrees || !after->agrees)
+    if (!left->agrees || !right->agrees)
         return VERDICT_OTHER_GROWTH;
-    return (before->rate > 0) == (after->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
+    return (left->rate > 0) == (right->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
 }
 
 static enum branch_verdict confirm_fold(const struct branch_request *r,
-                                        const struct branch_point *at, double arm)
+                                        const struct branch_point *special, double arm)
 {
-    const double here = at->solution.param[0] / (r->to - r->from);
-    const struct side before = look_at_side(r, at, arm, 0, -1),
-                      after = look_at_side(r, at, arm, 0, 1);
-    const double b = before.param - here, a = after.param - here;
-    if (!before.found || !after.found ||
+    const double here = special->solution.param[0] / (r->high - r->low);
+    const struct side left = look_at_side(r, special, arm, 0, -1),
+                      right = look_at_side(r, special, arm, 0, 1);
+    const double b = left.param - here, a = right.param - here;
+    if (!left.found || !right.found ||
         fmin(fabs(a), fabs(b)) < fmax(PARAM_ROUNDING_RELATIVE * fabs(here), RANGE_ROUNDING))
         return VERDICT_OPEN; /* the parameter has hardly changed */
     if ((a > 0) != (b > 0))
         return VERDICT_NO_TURN;
-    const enum branch_verdict verdict = growth_verdict(&before, &after);
-    return verdict == VERDICT_CONFIRMED && !is_empty(r, at, here - a, arm) ? VERDICT_OTHER_SIDE
-                                                                           : verdict;
+    const enum branch_verdict verdict = growth_verdict(&left, &right);
+    return verdict == VERDICT_CONFIRMED && !is_empty(r, special, here - a, arm) ? VERDICT_OTHER_SIDE
+                                                                                : verdict;
 }
 
-/* `beside` is the distance in the parameter, as a part of its range. */
-static enum branch_verdict confirm(const struct branch_request *r, const struct branch_point *at,
-                                   double beside)
+/* `side_distance` is the distance in the parameter, as a part of its range. */
+static enum branch_verdict confirm(const struct branch_request *r,
+                                   const struct branch_point *special, double side_distance)
 {
-    if (at->special == SPECIAL_FOLD)
-        return confirm_fold(r, at, beside * (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
-    struct side before = look_at_side(r, at, FOLD_ARM_LENGTH, beside, -1),
-                after = look_at_side(r, at, FOLD_ARM_LENGTH, beside, 1);
-    const double here = at->solution.param[0] / (r->to - r->from);
+    if (special->special == SPECIAL_FOLD)
+        return confirm_fold(r, special, side_distance * (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
+    struct side left = look_at_side(r, special, FOLD_ARM_LENGTH, side_distance, -1),
+                right = look_at_side(r, special, FOLD_ARM_LENGTH, side_distance, 1);
+    const double here = special->solution.param[0] / (r->high - r->low);
     /* a branch that turns back there, as a pitchfork's, leaves its change to the one it crosses */
-    if (at->special == SPECIAL_CROSSING && before.found && after.found && before.agrees &&
-        after.agrees && (before.param > here) == (after.param > here)) {
-        before = look_across(r, at, -1);
-        after = look_across(r, at, 1);
+    if (special->special == SPECIAL_CROSSING && left.found && right.found && left.agrees &&
+        right.agrees && (left.param > here) == (right.param > here)) {
+        left = look_across(r, special, -1);
+        right = look_across(r, special, 1);
     }
-    const enum branch_verdict verdict = growth_verdict(&before, &after);
-    const double unstable = (before.rate > 0 ? before : after).param - here;
-    return verdict == VERDICT_CONFIRMED && at->special == SPECIAL_HOPF
-               ? confirm_birth(r, at, unstable)
+    const enum branch_verdict verdict = growth_verdict(&left, &right);
+    const double unstable = (left.rate > 0 ? left : right).param - here;
+    return verdict == VERDICT_CONFIRMED && special->special == SPECIAL_HOPF
+               ? confirm_birth(r, special, unstable)
                : verdict;
 }
 
@@ -289,32 +291,32 @@ static enum branch_verdict confirm(const struct branch_request *r, const struct 
  * come first: what is farther away is asked only if nothing could be decided.
  */
 static enum branch_verdict confirm_anywhere(const struct branch_request *r,
-                                            const struct branch_point *at, double farthest)
+                                            const struct branch_point *special, double farthest)
 {
     const int nearer =
-        at->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER_EQUILIBRIA : NEARER_ORBITS;
-    enum branch_verdict against = VERDICT_OPEN;
+        special->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER_EQUILIBRIA : NEARER_ORBITS;
+    enum branch_verdict contradiction = VERDICT_OPEN;
     int contradictions = 0;
-    double beside = fmin(SIDE_DISTANCE_FRACTION, farthest);
-    for (int k = 0; k < nearer && !cancelled(r->cancel); k++, beside /= 4) {
-        const enum branch_verdict verdict = confirm(r, at, beside);
+    double side_distance = fmin(SIDE_DISTANCE_FRACTION, farthest);
+    for (int k = 0; k < nearer && !cancelled(r->cancel); k++, side_distance /= 4) {
+        const enum branch_verdict verdict = confirm(r, special, side_distance);
         if (verdict == VERDICT_CONFIRMED)
             return verdict;
         if (verdict == VERDICT_OPEN && k > 0)
             break;
-        against = verdict == VERDICT_OPEN ? against : verdict;
+        contradiction = verdict == VERDICT_OPEN ? contradiction : verdict;
         contradictions += verdict != VERDICT_OPEN;
     }
-    for (beside = 4 * SIDE_DISTANCE_FRACTION;
-         beside <= fmin(farthest, SIDE_DISTANCE_MAX_FRACTION) && !cancelled(r->cancel);
-         beside *= 4) {
-        const enum branch_verdict verdict = confirm(r, at, beside);
-        if (verdict == VERDICT_CONFIRMED && against != VERDICT_SAME_GROWTH)
+    for (side_distance = 4 * SIDE_DISTANCE_FRACTION;
+         side_distance <= fmin(farthest, SIDE_DISTANCE_MAX_FRACTION) && !cancelled(r->cancel);
+         side_distance *= 4) {
+        const enum branch_verdict verdict = confirm(r, special, side_distance);
+        if (verdict == VERDICT_CONFIRMED && contradiction != VERDICT_SAME_GROWTH)
             return verdict;
-        against = against == VERDICT_OPEN ? verdict : against;
+        contradiction = contradiction == VERDICT_OPEN ? verdict : contradiction;
         contradictions += verdict != VERDICT_OPEN;
     }
-    return contradictions > 1 ? against : VERDICT_OPEN;
+    return contradictions > 1 ? contradiction : VERDICT_OPEN;
 }
 
 const char *branch_contradiction(int verdict)
@@ -337,13 +339,13 @@ const char *branch_contradiction(int verdict)
 static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
 {
     const double here = branch->point[place].solution.param[0];
-    double beside = SIDE_DISTANCE_MAX_FRACTION;
+    double side_distance = SIDE_DISTANCE_MAX_FRACTION;
     for (int i = 0; i < branch->count; i++) {
-        const double far = fabs(branch->point[i].solution.param[0] - here) / (r->to - r->from);
+        const double far = fabs(branch->point[i].solution.param[0] - here) / (r->high - r->low);
         if (branch->point[i].special != SPECIAL_NONE && far > SAME_LABEL_RELATIVE)
-            beside = fmin(beside, far / 4);
+            side_distance = fmin(side_distance, far / 4);
     }
-    return beside;
+    return side_distance;
 }
 
 /* Returns how far from a fold of equilibria the nearest other special point is along the curve, as
@@ -352,26 +354,27 @@ static double beside_of_fold(const struct branch_request *r, const struct branch
 {
     struct solution_curve path;
     struct error ignored;
-    double u[CURVE_MAX], beside = SIDE_DISTANCE_MAX_FRACTION;
+    double u[CURVE_MAX], side_distance = SIDE_DISTANCE_MAX_FRACTION;
     const struct solution *fold = &branch->point[place].solution;
     if (fold->kind != SOLUTION_EQUILIBRIUM ||
-        !solutions_begin(&path, r->scene, r->param, r->to - r->from, fold, r->cancel, u, &ignored))
+        !solutions_begin(&path, r->scene, r->param, r->high - r->low, fold, r->cancel, u, &ignored))
         return SIDE_DISTANCE_MAX_FRACTION;
     for (int i = 0; i < branch->count; i++) {
         const struct branch_point *other = &branch->point[i];
-        double far = fabs(other->solution.param[0] - fold->param[0]) / (r->to - r->from);
+        double far = fabs(other->solution.param[0] - fold->param[0]) / (r->high - r->low);
         for (int k = 0; k < path.field.n; k++)
             far = hypot(far, (other->solution.state[k] - fold->state[k]) / path.field.size[k]);
         if (i != place && other->special != SPECIAL_NONE && other->special < SPECIAL_END)
-            beside = fmin(beside, far / 4 / (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
+            side_distance =
+                fmin(side_distance, far / 4 / (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
     }
     solutions_end(&path);
-    return beside;
+    return side_distance;
 }
 
 void branch_verify(const struct branch_request *r, struct branch *branch)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     for (int i = 0; i < branch->count && !cancelled(r->cancel); i++) {
         struct branch_point *point = &branch->point[i];
         if (point->special == SPECIAL_NONE || point->special >= SPECIAL_END || r->second)
@@ -386,5 +389,5 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
         if (!cancelled(r->cancel))
             point->verified = verdict;
     }
-    branch->seconds += clock_seconds(since);
+    branch->seconds += clock_seconds(start_time);
 }

@@ -11,13 +11,13 @@
 /* Ranges of the one or two parameters, which are the last unknowns, in their units. */
 struct curve_ranges {
     int count;
-    double from[2], to[2];
+    double low[2], high[2];
 };
 
 struct branch_walk {
     const struct branch_request *request;
     struct solution_curve *path;
-    struct branch *out; /* points of this direction are appended */
+    struct branch *branch; /* points of this direction are appended */
     struct curve_ranges ranges;
     double psize, largest[CURVE_TESTS], period;
     double moved; /* relative, the parameter in the last step */
@@ -26,18 +26,18 @@ struct branch_walk {
     int start;    /* place of the parameter among the unknowns at the start */
     struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
-    struct curve_place behind; /* the first place on the other side of the start */
-    int behinds;               /* its unknowns, or 0 if there is none */
-    int behind_grows;          /* number of values that grow there, or -1 if uncertain */
-    struct curve_place sure;   /* the last place where that is certain, */
-    double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
-    int sure_grows;            /* -1 if there was none */
-    int sure_point;            /* number of points at that time, */
-    int explained;             /* and by how much special points since then have changed it */
-    int fold_at;               /* place of the last fold of orbits, or 0 if there is none */
-    bool fold_least;           /* the parameter is least there, or largest */
-    double fold_spread;        /* relative, of folds that are not told apart */
-    struct curve_place before; /* the last place but one, if its phase is that of the last: */
+    struct curve_place opposite; /* the first place on the other side of the start */
+    int behinds;                 /* its unknowns, or 0 if there is none */
+    int behind_grows;            /* number of values that grow there, or -1 if uncertain */
+    struct curve_place sure;     /* the last place where that is certain, */
+    double unit;                 /* of eigenvalues, the largest so far; of multipliers 1 */
+    int sure_grows;              /* -1 if there was none */
+    int sure_point;              /* number of points at that time, */
+    int explained;               /* and by how much special points since then have changed it */
+    int fold_at;                 /* place of the last fold of orbits, or 0 if there is none */
+    bool fold_least;             /* the parameter is least there, or largest */
+    double fold_spread;          /* relative, of folds that are not told apart */
+    struct curve_place previous; /* the last place but one, if its phase is that of the last: */
     bool bends;
     char *end;   /* [96] why it ends */
     double told; /* how far it has been said to be */
@@ -49,36 +49,37 @@ bool ranges_contain(const struct curve_ranges *ranges, const struct curve_proble
 /* Moves a place beyond the ranges back to where the curve leaves them; false if that is not found.
  */
 bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
-                         const struct curve_place *from, struct curve_place *to);
-/* Finds the next place, with as long a step as is safe, at most *by; before and resolves may be
+                         const struct curve_place *start, struct curve_place *edge_point);
+/* Finds the next place, with as long a step as is safe, at most *step; before and resolves may be
  * NULL. Returns false if none is found, or cancelled. */
-bool curve_next(const struct curve_problem *problem, const struct curve_place *before,
-                const struct curve_place *from, double *by, double longest,
-                struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *to);
+bool curve_next(const struct curve_problem *problem, const struct curve_place *previous,
+                const struct curve_place *current, double *step, double longest,
+                struct branch_walk *resolves, const struct cancel *cancel,
+                struct curve_place *next);
 
 #define SPECIALS_MOST 8    /* between two places */
 #define SPECIALS_SAME 1e-6 /* of the range: of one kind they are one */
 
 struct found_special {
-    struct curve_place at;
+    struct curve_place point;
     struct solution solution;
     enum special special;
-    double distance, near;
+    double distance, uncertainty;
 };
 
 /* Appends a place of the curve with what it is; returns false if out of memory. */
 bool branch_append(struct branch *branch, const struct solution_curve *path,
-                   const struct curve_place *at, enum special special,
+                   const struct curve_place *location, enum special special,
                    const struct solution *solution);
 /* Records the special points between the last place and this one that lie in the parameter's range,
- * in their order. `seen` is the solution at `to`. Returns false if out of memory. */
-bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
+ * in their order. `seen` is the solution at `next`. Returns false if out of memory. */
+bool walk_record_specials(struct branch_walk *walk, const struct curve_place *next,
                           const struct solution *seen);
 /* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
  */
-void walk_start(struct branch_walk *walk, const struct curve_place *at);
+void walk_start(struct branch_walk *walk, const struct curve_place *point);
 /* The same place in other unknowns: signs stay what they are. */
-void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
+void walk_go_on(struct branch_walk *walk, const struct curve_place *point);
 
 /* Returns the number of eigenvalues that pass at such a point. */
 int special_passes(enum special special);
@@ -89,10 +90,10 @@ int specials_by_signs(struct branch_walk *walk, const struct curve_place *a,
                       const struct curve_place *b, struct found_special *found, int *count);
 
 /* Returns the sign of a test at a place: 0 where it is 0 but for rounding. */
-int walk_sign(const struct branch_walk *walk, const struct curve_place *at, int test);
+int walk_sign(const struct branch_walk *walk, const struct curve_place *point, int test);
 /* Finds what the zero of a test between two places is; false if it is none in the range. */
-bool special_locate(struct branch_walk *walk, const struct curve_place *before,
-                    const struct curve_place *to, int test, struct found_special *found);
+bool special_locate(struct branch_walk *walk, const struct curve_place *previous,
+                    const struct curve_place *next, int test, struct found_special *found);
 /* Appends a special point; false if out of memory. */
 bool special_record(struct branch_walk *walk, const struct found_special *found);
 
@@ -112,24 +113,24 @@ bool branch_refuse_family(struct error *error);
 
 /* Returns false if a test changes its sign more than once between two places of equilibria, so that
  * a shorter step is wanted. */
-bool step_is_resolved(struct branch_walk *walk, const struct curve_place *from,
-                      const struct curve_place *to);
+bool step_is_resolved(struct branch_walk *walk, const struct curve_place *current,
+                      const struct curve_place *next);
 /*
  * Records pairs of special points that hide around the last place: of three places in a row a test
- * may be nearest to 0 at the middle one, `at`, which is point number `index`, and have passed 0
+ * may be nearest to 0 at the middle one, `point`, which is point number `index`, and have passed 0
  * twice beside it. False if out of memory.
  */
-bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *before,
-                       const struct curve_place *at, int index, const struct curve_place *next);
+bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *previous,
+                       const struct curve_place *point, int index, const struct curve_place *next);
 
 /* ---- together.c ---- */
 
 /* Returns the number of values that grow, or -1 if that of one is uncertain or there are none. */
 int walk_grows(struct branch_walk *walk, const struct solution *solution);
 /* Those since the last place of which that is known that the ones found do not explain. */
-void specials_unseen(struct branch_walk *walk, const struct curve_place *to,
-                     const struct solution *at, struct found_special *found, int *count);
-void specials_sure(struct branch_walk *walk, const struct curve_place *at, int grows);
+void specials_unseen(struct branch_walk *walk, const struct curve_place *next,
+                     const struct solution *solution, struct found_special *found, int *count);
+void specials_sure(struct branch_walk *walk, const struct curve_place *point, int grows);
 
 /* ---- criticality.c ---- */
 

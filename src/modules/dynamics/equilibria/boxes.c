@@ -56,12 +56,12 @@ bool boxes_meet(int n, const struct interval *box, const struct interval *other)
 /* ---- the operator of Krawczyk ---- */
 
 /* Computes an approximate inverse of the middle of the bounds. Returns false if it is singular. */
-static bool invert(int n, const struct interval *by, double *inverse)
+static bool invert(int n, const struct interval *jacobian, double *inverse)
 {
     for (int column = 0; column < n; column++) {
         double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
         for (int i = 0; i < n * n; i++)
-            a[i] = interval_middle(by[i]);
+            a[i] = interval_middle(jacobian[i]);
         unit[column] = 1;
         if (!matrix_solve(n, a, unit))
             return false;
@@ -81,31 +81,31 @@ static double rounding_of(int n, const double *inverse, const struct interval *r
 }
 
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
-                              const struct interval *by, double *rounding)
+                              const struct interval *jacobian, double *rounding)
 {
     const int n = bounded->n;
     double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
+    struct interval centre[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
     for (int i = 0; rounding && i < n; i++)
         rounding[i] = 0;
-    if (!invert(n, by, inverse))
+    if (!invert(n, jacobian, inverse))
         return UNKNOWN;
     for (int i = 0; i < n; i++)
-        at[i] = interval_point(interval_middle(box[i]));
-    system_bounds(bounded, at, rate, NULL);
+        centre[i] = interval_point(interval_middle(box[i]));
+    system_bounds(bounded, centre, rate, NULL);
     bool inside = true;
     for (int i = 0; i < n; i++) {
         if (rounding)
             rounding[i] = rounding_of(n, inverse, rate, i);
-        k[i] = at[i];
+        k[i] = centre[i];
         for (int j = 0; j < n; j++)
             k[i] = interval_sub(k[i], interval_mul(interval_point(inverse[i * n + j]), rate[j]));
         for (int j = 0; j < n; j++) {
             struct interval rest = interval_point(i == j);
             for (int l = 0; l < n; l++)
                 rest = interval_sub(
-                    rest, interval_mul(interval_point(inverse[i * n + l]), by[l * n + j]));
-            k[i] = interval_add(k[i], interval_mul(rest, interval_sub(box[j], at[j])));
+                    rest, interval_mul(interval_point(inverse[i * n + l]), jacobian[l * n + j]));
+            k[i] = interval_add(k[i], interval_mul(rest, interval_sub(box[j], centre[j])));
         }
         if (!(k[i].lo <= k[i].hi) || !isfinite(k[i].lo) || !isfinite(k[i].hi))
             return UNKNOWN;
@@ -114,7 +114,7 @@ enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box
         inside = inside && k[i].lo > box[i].lo && k[i].hi < box[i].hi;
     }
     for (int i = 0; i < n; i++) {
-        const double before = box[i].hi - box[i].lo, margin = margin_share * before;
+        const double width = box[i].hi - box[i].lo, margin = margin_share * width;
         box[i].lo = fmax(box[i].lo, k[i].lo - margin);
         box[i].hi = fmin(box[i].hi, k[i].hi + margin);
     }

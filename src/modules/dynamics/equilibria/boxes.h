@@ -45,6 +45,6 @@ enum verdict { NONE, ONE, UNKNOWN };
  * f(m) adds to each side of K.
  */
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
-                              const struct interval *by, double *rounding);
+                              const struct interval *jacobian, double *rounding);
 
 #endif

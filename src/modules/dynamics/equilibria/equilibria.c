@@ -43,17 +43,17 @@ struct equilibria_search {
  * has finite slopes there. */
 static bool rests_at(const struct zero_search *s, const double *y)
 {
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
-                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval point[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++) {
         const double rounding = 4 * DBL_EPSILON * fabs(y[i]);
-        at[i] = (struct interval){y[i] - rounding, y[i] + rounding};
+        point[i] = (struct interval){y[i] - rounding, y[i] + rounding};
     }
-    system_bounds(&s->bounded, at, rate, by);
+    system_bounds(&s->bounded, point, rate, jacobian);
     bool zero = true;
     for (int i = 0; i < s->n; i++)
         zero = zero && rate[i].lo <= 0 && rate[i].hi >= 0;
-    return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, by);
+    return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, jacobian);
 }
 
 /* Returns the number of at most `significant_digits_tried` digits that is nearest to y: borders of
@@ -94,19 +94,19 @@ static bool move_to_edge(const struct zero_search *s, const struct state_box *bo
 {
     static const double small = 1e-3;
     struct interval bound[FIELD_VARIABLES];
-    double near[FIELD_VARIABLES];
+    double candidate[FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++)
-        near[i] = fabs(y[i]) < doubtful_apart_min * s->width[i] ? 0 : short_number(y[i]);
+        candidate[i] = fabs(y[i]) < doubtful_apart_min * s->width[i] ? 0 : short_number(y[i]);
     system_bounds(&s->bounded, box->side, bound, NULL);
     const bool is_edge = box->is_singular && zeros_are_bounded(s->n, bound);
-    bool rests = rests_beside(s, near, 0);
+    bool rests = rests_beside(s, candidate, 0);
     for (int i = 0; i < 2 * s->n && is_edge && !rests; i++) {
-        memcpy(near, y, sizeof near);
-        near[i / 2] = i % 2 ? box->side[i / 2].hi : box->side[i / 2].lo;
-        rests = rests_beside(s, near, small);
+        memcpy(candidate, y, sizeof candidate);
+        candidate[i / 2] = i % 2 ? box->side[i / 2].hi : box->side[i / 2].lo;
+        rests = rests_beside(s, candidate, small);
     }
     if (rests)
-        memcpy(y, near, (size_t)s->n * sizeof *y);
+        memcpy(y, candidate, (size_t)s->n * sizeof *y);
     return rests;
 }
 
@@ -128,7 +128,7 @@ static bool is_listed(const struct zero_search *s, const double *y)
     for (int k = 0; k < s->found->count; k++) {
         double most = 0;
         for (int i = 0; i < s->n; i++) {
-            const double apart = y[i] - s->found->of[k].state[i];
+            const double apart = y[i] - s->found->solution[k].state[i];
             most = fmax(most,
                         fabs(s->turn[i] > 0 ? remainder(apart, s->turn[i]) : apart) / s->width[i]);
         }
@@ -344,15 +344,15 @@ static bool finish(struct equilibria_search *search)
     if (!found->form)
         return false;
     if (found->count > 0)
-        qsort(found->of, (size_t)found->count, sizeof *found->of, in_order);
+        qsort(found->solution, (size_t)found->count, sizeof *found->solution, in_order);
     for (int k = 0; k < found->count; k++)
         if (!equilibrium_form(&search->field, &search->zeros.bounded, search->conservative,
-                              &found->of[k], &found->form[k]))
+                              &found->solution[k], &found->form[k]))
             return false;
     for (int k = 0; k < found->count; k++)
-        if (found->of[k].multiple) {
+        if (found->solution[k].multiple) {
             found->form[k].type = EQUILIBRIUM_DEGENERATE;
-            found->form[k].index = found->of[k].multiple = 0;
+            found->form[k].index = found->solution[k].multiple = 0;
         }
     return true;
 }
@@ -374,7 +374,7 @@ static bool find_all(struct equilibria_search *search)
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
                      struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     struct equilibria_search search = {.zeros = {.request = request, .found = found}};
     struct zero_search *s = &search.zeros;
     *found = (struct equilibria){.complete = false};
@@ -387,7 +387,7 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
     field_free(&search.field);
     typed_destroy(search.models);
     found->boxes = s->boxes;
-    found->seconds = clock_seconds(since);
+    found->seconds = clock_seconds(start_time);
     if (!fine)
         equilibria_free(found);
     return fine;
@@ -395,7 +395,7 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
 
 void equilibria_free(struct equilibria *found)
 {
-    free(found->of);
+    free(found->solution);
     free(found->form);
     *found = (struct equilibria){.count = 0};
 }

@@ -61,16 +61,16 @@ void zeros_correct(const struct zero_search *s, double *y)
 /* Makes a box with exactly one zero as small as the operator can. */
 static void tighten(const struct zero_search *s, struct interval *box)
 {
-    struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES],
-        before[FIELD_VARIABLES];
+    struct interval rate[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES],
+        previous[FIELD_VARIABLES];
     bool shrinks = true;
     for (int k = 0; k < TIGHTEN_STEPS_MAX && shrinks; k++) {
-        memcpy(before, box, sizeof before);
-        system_bounds(&s->bounded, box, rate, by);
-        krawczyk_verdict(&s->bounded, box, by, NULL);
+        memcpy(previous, box, sizeof previous);
+        system_bounds(&s->bounded, box, rate, jacobian);
+        krawczyk_verdict(&s->bounded, box, jacobian, NULL);
         shrinks = false;
         for (int i = 0; i < s->n; i++)
-            shrinks = shrinks || box[i].hi - box[i].lo < 0.9 * (before[i].hi - before[i].lo);
+            shrinks = shrinks || box[i].hi - box[i].lo < 0.9 * (previous[i].hi - previous[i].lo);
     }
 }
 
@@ -91,9 +91,9 @@ bool zeros_append(struct zero_search *s, const double *y, const struct zero_proo
     struct equilibria *found = s->found;
     if (found->count == s->capacity) {
         const int capacity = s->capacity > 0 ? 2 * s->capacity : 16;
-        struct solution *more = realloc(found->of, (size_t)capacity * sizeof *more);
+        struct solution *more = realloc(found->solution, (size_t)capacity * sizeof *more);
         if (more)
-            found->of = more;
+            found->solution = more;
         struct zero_proof *proofs = realloc(s->proof, (size_t)capacity * sizeof *proofs);
         if (proofs)
             s->proof = proofs;
@@ -101,7 +101,7 @@ bool zeros_append(struct zero_search *s, const double *y, const struct zero_proo
             return false;
         s->capacity = capacity;
     }
-    struct solution *solution = &found->of[found->count];
+    struct solution *solution = &found->solution[found->count];
     *solution = (struct solution){.kind = SOLUTION_EQUILIBRIUM, .n = s->n, .multiple = !proof};
     memcpy(solution->state, y, (size_t)s->n * sizeof *y);
     if (proof)
@@ -161,7 +161,7 @@ static bool find_region(const struct zero_search *s, const struct interval *box,
     zeros_correct(s, y);
     for (double growth = 1;; growth *= 10) {
         struct interval cut[FIELD_VARIABLES], rate[FIELD_VARIABLES],
-            by[FIELD_VARIABLES * FIELD_VARIABLES];
+            jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
         for (int i = 0; i < s->n; i++) {
             const double lo = fmin(box[i].lo, y[i]), hi = fmax(box[i].hi, y[i]),
                          margin = growth * (hi - lo + 4 * DBL_EPSILON * fabs(y[i]) +
@@ -171,8 +171,8 @@ static bool find_region(const struct zero_search *s, const struct interval *box,
             region[i] = (struct interval){lo - margin, hi + margin};
         }
         memcpy(cut, region, sizeof cut);
-        system_bounds(&s->bounded, region, rate, by);
-        if (krawczyk_verdict(&s->bounded, cut, by, NULL) == ONE)
+        system_bounds(&s->bounded, region, rate, jacobian);
+        if (krawczyk_verdict(&s->bounded, cut, jacobian, NULL) == ONE)
             return true;
     }
 }
@@ -180,12 +180,12 @@ static bool find_region(const struct zero_search *s, const struct interval *box,
 bool zeros_prove_from(struct zero_search *s, const double *start)
 {
     double y[FIELD_VARIABLES];
-    struct interval at[FIELD_VARIABLES], region[FIELD_VARIABLES];
+    struct interval point[FIELD_VARIABLES], region[FIELD_VARIABLES];
     memcpy(y, start, (size_t)s->n * sizeof *y);
     zeros_correct(s, y);
     for (int i = 0; i < s->n; i++)
-        at[i] = (struct interval){y[i], y[i]};
-    return !zeros_in_range(s, y) || !find_region(s, at, region) || keep_zero(s, region);
+        point[i] = (struct interval){y[i], y[i]};
+    return !zeros_in_range(s, y) || !find_region(s, point, region) || keep_zero(s, region);
 }
 
 void zeros_drop_decided(struct zero_search *s)
@@ -281,27 +281,28 @@ static bool examine_box(struct zero_search *s, struct state_box *box)
 {
     const double part = volume(s, box->side);
     for (;;) {
-        struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES],
-            before[FIELD_VARIABLES];
+        struct interval rate[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES],
+            saved[FIELD_VARIABLES];
         double rounding[FIELD_VARIABLES] = {0};
         enum verdict verdict = UNKNOWN;
         s->boxes++;
-        memcpy(before, box->side, sizeof before);
-        system_bounds(&s->bounded, box->side, rate, by);
+        memcpy(saved, box->side, sizeof saved);
+        system_bounds(&s->bounded, box->side, rate, jacobian);
         bool empty = !meets_range(s, box->side);
         for (int i = 0; i < s->n; i++)
             empty = empty || excludes_zero(rate[i]);
-        box->is_singular = !zeros_are_bounded(s->n, rate) || !zeros_are_bounded(s->n * s->n, by);
+        box->is_singular =
+            !zeros_are_bounded(s->n, rate) || !zeros_are_bounded(s->n * s->n, jacobian);
         empty = empty || (box->is_singular && system_excludes_zero(&s->bounded, box->side));
         if (!empty && !box->is_singular)
-            verdict = krawczyk_verdict(&s->bounded, box->side, by, rounding);
+            verdict = krawczyk_verdict(&s->bounded, box->side, jacobian, rounding);
         if (empty || verdict == NONE || verdict == ONE) {
             s->done += part;
-            return empty || verdict == NONE || keep_zero(s, before);
+            return empty || verdict == NONE || keep_zero(s, saved);
         }
-        const int widest = widest_side(s, before);
+        const int widest = widest_side(s, saved);
         if (!(box->side[widest].hi - box->side[widest].lo <
-              shrunk_share * (before[widest].hi - before[widest].lo))) {
+              shrunk_share * (saved[widest].hi - saved[widest].lo))) {
             s->done += part - volume(s, box->side);
             return split(s, box, rounding);
         }

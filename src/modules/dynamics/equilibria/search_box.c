@@ -38,9 +38,9 @@ bool dynamics_search_box(const struct session *session, const struct system *sys
             if (isfinite(column[k]))
                 include(range, column[k]);
         const bool angle = variable_is_angle(system, i);
-        const double by = BOX_MARGIN_FRACTION * (range[1] - range[0]);
-        box[i][0] = angle ? -PI : range[0] - by;
-        box[i][1] = angle ? PI : range[1] + by;
+        const double margin = BOX_MARGIN_FRACTION * (range[1] - range[0]);
+        box[i][0] = angle ? -PI : range[0] - margin;
+        box[i][1] = angle ? PI : range[1] + margin;
     }
     return true;
 }

@@ -18,7 +18,7 @@ static const char marks[FATE_KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 /* A row for each start, the second axis fastest. */
 struct grid {
     const struct table *table;
-    size_t across, up;
+    size_t width, height;
     struct axis side[2];
 };
 
@@ -33,14 +33,14 @@ bool basins_known(const struct session *session)
     return found_table(session, TEXT("basins")) != NULL;
 }
 
-static size_t place_of(size_t i, size_t of, size_t count)
+static size_t place_of(size_t i, size_t shown_count, size_t count)
 {
-    return of > 1 ? i * (count - 1) / (of - 1) : count / 2;
+    return shown_count > 1 ? i * (count - 1) / (shown_count - 1) : count / 2;
 }
 
 static int kind_at(const struct grid *g, size_t a, size_t b)
 {
-    const char *fate = g->table->column[2].text[a * g->up + b];
+    const char *fate = g->table->column[2].text[a * g->height + b];
     return fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z' ? fate[0] - 'A'
            : strcmp(fate, "escapes") == 0                      ? FATE_LETTERS
            : strcmp(fate, "not decided") == 0                  ? FATE_LETTERS + 1
@@ -49,7 +49,7 @@ static int kind_at(const struct grid *g, size_t a, size_t b)
 
 static double value_at(const struct grid *g, int axis, size_t place)
 {
-    return g->table->column[axis].value[axis == 0 ? place * g->up : place];
+    return g->table->column[axis].value[axis == 0 ? place * g->height : place];
 }
 
 static double unit_of(const struct axis *side)
@@ -60,7 +60,7 @@ static double unit_of(const struct axis *side)
 /* "equilibrium at 1, 0 (49.4 %)", in the units of the sides. Returns NULL if out of memory. */
 static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 {
-    const struct table *of = found_table(d->session, TEXT("basin"));
+    const struct table *basins = found_table(d->session, TEXT("basin"));
     struct buffer text = {0};
     const char *type = NULL;
     double share = NAN;
@@ -68,24 +68,24 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
                                                            : kind == FATE_LETTERS ? "escapes"
                                                                                   : "not decided";
     size_t row = 0;
-    while (of && row < of->rows &&
-           !(of->column[0].text && of->column[0].text[row] &&
-             strcmp(of->column[0].text[row], fate) == 0))
+    while (basins && row < basins->rows &&
+           !(basins->column[0].text && basins->column[0].text[row] &&
+             strcmp(basins->column[0].text[row], fate) == 0))
         row++;
-    for (int c = 0; of && row < of->rows && c < of->columns; c++) {
-        if (strcmp(of->column[c].name, "share") == 0 && of->column[c].value)
-            share = of->column[c].value[row];
-        if (strcmp(of->column[c].name, "type") == 0 && of->column[c].text)
-            type = of->column[c].text[row];
+    for (int c = 0; basins && row < basins->rows && c < basins->columns; c++) {
+        if (strcmp(basins->column[c].name, "share") == 0 && basins->column[c].value)
+            share = basins->column[c].value[row];
+        if (strcmp(basins->column[c].name, "type") == 0 && basins->column[c].text)
+            type = basins->column[c].text[row];
     }
     type = type && *type ? type : NULL;
     buffer_put(&text, text_of(type ? type : fate));
-    for (int c = 0, n = 0; type && c < of->columns && n < 2; c++)
+    for (int c = 0, n = 0; type && c < basins->columns && n < 2; c++)
         for (int axis = 0; axis < 2; axis++)
-            if (strncmp(of->column[c].name, "state.", 6) == 0 && of->column[c].value &&
-                strcmp(of->column[c].name + 6, g->table->column[axis].name) == 0)
+            if (strncmp(basins->column[c].name, "state.", 6) == 0 && basins->column[c].value &&
+                strcmp(basins->column[c].name + 6, g->table->column[axis].name) == 0)
                 buffer_format(&text, "%s%.3g", n++ == 0 ? " at " : ", ",
-                              of->column[c].value[row] / unit_of(&g->side[axis]));
+                              basins->column[c].value[row] / unit_of(&g->side[axis]));
     if (isfinite(share))
         buffer_format(&text, " (%.3g %%)", 100 * share);
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -127,29 +127,32 @@ static void put_letter(struct letters *l, double x, double y)
 /* Evenly over the sides, that of the nearest start; the first of those that have none so. */
 static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
 {
-    struct letters of[FATE_KINDS + 1] = {{NULL, NULL, NULL}};
+    struct letters fate_letters[FATE_KINDS + 1] = {{NULL, NULL, NULL}};
     size_t first[FATE_KINDS + 1];
     bool there[FATE_KINDS + 1] = {false};
     for (size_t k = g->table->rows; k-- > 0;) {
-        const int kind = kind_at(g, k / g->up, k % g->up);
+        const int kind = kind_at(g, k / g->height, k % g->height);
         there[kind] = true;
         first[kind] = k;
     }
     for (int kind = 0; kind < FATE_KINDS; kind++)
-        if (there[kind] && !begin_letters(d, g, kind, columns * rows + 1, &of[kind]))
+        if (there[kind] && !begin_letters(d, g, kind, columns * rows + 1, &fate_letters[kind]))
             return error_memory(d->error);
     for (size_t k = 0; k < columns * rows; k++) {
         const double u = ((double)(k / rows) + 0.5) / (double)columns,
                      v = ((double)(k % rows) + 0.5) / (double)rows;
-        const int kind = kind_at(g, (size_t)(u * (double)g->across), (size_t)(v * (double)g->up));
+        const int kind =
+            kind_at(g, (size_t)(u * (double)g->width), (size_t)(v * (double)g->height));
         if (kind < FATE_KINDS)
-            put_letter(&of[kind], g->side[0].from + u * (g->side[0].to - g->side[0].from),
-                       g->side[1].from + v * (g->side[1].to - g->side[1].from));
+            put_letter(
+                &fate_letters[kind],
+                g->side[0].first_value + u * (g->side[0].last_value - g->side[0].first_value),
+                g->side[1].first_value + v * (g->side[1].last_value - g->side[1].first_value));
     }
     for (int kind = 0; kind < FATE_KINDS; kind++)
-        if (there[kind] && of[kind].curve->n == 0)
-            put_letter(&of[kind], value_at(g, 0, first[kind] / g->up),
-                       value_at(g, 1, first[kind] % g->up));
+        if (there[kind] && fate_letters[kind].curve->n == 0)
+            put_letter(&fate_letters[kind], value_at(g, 0, first[kind] / g->height),
+                       value_at(g, 1, first[kind] % g->height));
     return true;
 }
 
@@ -157,51 +160,51 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
 
 struct lines {
     const struct grid *grid;
-    size_t count[2]; /* places of the sides that are looked at */
-    double *at[2];   /* [n] */
+    size_t count[2];       /* places of the sides that are looked at */
+    double *coordinate[2]; /* [n] */
     size_t n;
 };
 
 static int kind_in(const struct lines *l, size_t a, size_t b)
 {
-    return kind_at(l->grid, place_of(a, l->count[0], l->grid->across),
-                   place_of(b, l->count[1], l->grid->up));
+    return kind_at(l->grid, place_of(a, l->count[0], l->grid->width),
+                   place_of(b, l->count[1], l->grid->height));
 }
 
 /* In the middle between two places; at the ends of the side half a step beyond. */
-static double between(const struct lines *l, int axis, size_t i)
+static double boundary_coordinate(const struct lines *l, int axis, size_t i)
 {
-    const size_t all = axis == 0 ? l->grid->across : l->grid->up, n = l->count[axis];
+    const size_t all = axis == 0 ? l->grid->width : l->grid->height, n = l->count[axis];
     const size_t low = i > 0 ? i - 1 : 0, high = i > 0 ? (i < n ? i : n - 1) : 1;
-    const size_t from = i < n ? low : n - 2;
-    const double x0 = value_at(l->grid, axis, place_of(from, n, all)),
+    const size_t first = i < n ? low : n - 2;
+    const double x0 = value_at(l->grid, axis, place_of(first, n, all)),
                  x1 = value_at(l->grid, axis, place_of(i < n ? high : n - 1, n, all));
     return i == 0 ? x0 - (x1 - x0) / 2 : i == n ? x1 + (x1 - x0) / 2 : (x0 + x1) / 2;
 }
 
-static void put_place(struct lines *l, int axis, double along, double across)
+static void put_place(struct lines *l, int axis, double parallel, double perpendicular)
 {
-    l->at[axis][l->n] = along;
-    l->at[!axis][l->n++] = across;
+    l->coordinate[axis][l->n] = parallel;
+    l->coordinate[!axis][l->n++] = perpendicular;
 }
 
 /* Lines along this axis: where neighbours across it end elsewhere. */
 static void put_lines(struct lines *l, int axis)
 {
     for (size_t k = 1; k < l->count[!axis]; k++) {
-        const double across = between(l, !axis, k);
+        const double perpendicular = boundary_coordinate(l, !axis, k);
         bool drawn = false;
         for (size_t i = 0; i < l->count[axis]; i++) {
             const bool border = axis == 0 ? kind_in(l, i, k - 1) != kind_in(l, i, k)
                                           : kind_in(l, k - 1, i) != kind_in(l, k, i);
             if (border != drawn)
-                put_place(l, axis, between(l, axis, i), across);
+                put_place(l, axis, boundary_coordinate(l, axis, i), perpendicular);
             if (drawn && !border)
                 put_place(l, axis, NAN, NAN);
             drawn = border;
         }
         if (drawn) {
-            put_place(l, axis, between(l, axis, l->count[axis]), across);
+            put_place(l, axis, boundary_coordinate(l, axis, l->count[axis]), perpendicular);
             put_place(l, axis, NAN, NAN);
         }
     }
@@ -210,20 +213,20 @@ static void put_lines(struct lines *l, int axis)
 static bool draw_lines(struct drawing *d, const struct grid *g)
 {
     struct lines l = {.grid = g,
-                      .count = {g->across < LINE_CELLS_MAX ? g->across : LINE_CELLS_MAX,
-                                g->up < LINE_CELLS_MAX ? g->up : LINE_CELLS_MAX}};
+                      .count = {g->width < LINE_CELLS_MAX ? g->width : LINE_CELLS_MAX,
+                                g->height < LINE_CELLS_MAX ? g->height : LINE_CELLS_MAX}};
     const size_t most = 4 * l.count[0] * l.count[1] + 8;
     if (l.count[0] < 2 || l.count[1] < 2)
         return true;
-    l.at[0] = arena_array(d->arena, 2 * most, sizeof *l.at[0]);
-    l.at[1] = l.at[0] + most;
-    if (!l.at[0])
+    l.coordinate[0] = arena_array(d->arena, 2 * most, sizeof *l.coordinate[0]);
+    l.coordinate[1] = l.coordinate[0] + most;
+    if (!l.coordinate[0])
         return error_memory(d->error);
     put_lines(&l, 0);
     put_lines(&l, 1);
     if (l.n > 0)
         d->curve[d->curves++] =
-            (struct curve){.x = l.at[0], .y = l.at[1], .n = l.n, .thinned = true};
+            (struct curve){.x = l.coordinate[0], .y = l.coordinate[1], .n = l.n, .thinned = true};
     return true;
 }
 
@@ -238,7 +241,7 @@ static const char *words_of(const struct drawing *d, const struct grid *g)
     for (int axis = 0; axis < 2; axis++)
         buffer_format(&text, "%s %s from %.4g to %.4g", axis == 0 ? ", over" : " and",
                       g->table->column[axis].name, value_at(g, axis, 0),
-                      value_at(g, axis, (axis == 0 ? g->across : g->up) - 1));
+                      value_at(g, axis, (axis == 0 ? g->width : g->height) - 1));
     for (int i = 0; i < d->curves; i++)
         if (d->curve[i].label)
             buffer_format(&text, "%s %c %s", i == 0 ? ":" : ",", d->curve[i].mark,
@@ -252,15 +255,15 @@ static const char *words_of(const struct drawing *d, const struct grid *g)
 static struct axis side_of(const struct grid *g, int axis)
 {
     const struct table_column *column = &g->table->column[axis];
-    const size_t n = axis == 0 ? g->across : g->up;
-    const double from = value_at(g, axis, 0), to = value_at(g, axis, n - 1),
-                 half = n > 1 ? (to - from) / (double)(n - 1) / 2 : 0.5;
+    const size_t n = axis == 0 ? g->width : g->height;
+    const double first = value_at(g, axis, 0), last = value_at(g, axis, n - 1),
+                 half = n > 1 ? (last - first) / (double)(n - 1) / 2 : 0.5;
     struct axis side = {.label = column->name,
                         .unit = column->unit,
-                        .from = from - half,
-                        .to = to + half,
+                        .first_value = first - half,
+                        .last_value = last + half,
                         .fixed = true};
-    axis_suit(&side, column_quantity(column), fmax(fabs(from), fabs(to)));
+    axis_suit(&side, column_quantity(column), fmax(fabs(first), fabs(last)));
     return side;
 }
 
@@ -272,9 +275,9 @@ bool basins_figure(struct drawing *d, struct figure *figure)
         return error_hint(d->error, "type: basins NAME=FROM:TO:STEP NAME=FROM:TO:STEP");
     }
     const double *first = g.table->column[0].value;
-    for (g.up = 1; g.up < g.table->rows && first[g.up] == first[0];)
-        g.up++;
-    g.across = g.table->rows / g.up;
+    for (g.height = 1; g.height < g.table->rows && first[g.height] == first[0];)
+        g.height++;
+    g.width = g.table->rows / g.height;
     for (int axis = 0; axis < 2; axis++)
         g.side[axis] = side_of(&g, axis);
     const bool picture =

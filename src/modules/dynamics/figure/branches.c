@@ -40,7 +40,7 @@ static double height_of(const struct diagram *g, const struct solution *s, int s
                                            : s->bottom[g->variable];
 }
 
-static void put(struct diagram *g, bool stable, double x, double y)
+static void diagram_point_put(struct diagram *g, bool stable, double x, double y)
 {
     struct curve *curve = stable ? g->line : g->dots;
     g->x[!stable][curve->n] = x;
@@ -53,19 +53,19 @@ static void put(struct diagram *g, bool stable, double x, double y)
 
 static void put_side(struct diagram *g, const struct kept_branch *b, int side)
 {
-    bool before = false;
+    bool was_stable = false;
     for (int i = 0; i < b->branch.count; i++) {
         const struct solution *s = &b->branch.point[i].solution;
         const bool stable = solution_stable(s);
         const double y = height_of(g, s, side);
-        if (before && !stable) { /* the line reaches to where it ends */
-            put(g, true, s->param[0], y);
-            put(g, true, NAN, NAN);
+        if (was_stable && !stable) { /* the line reaches to where it ends */
+            diagram_point_put(g, true, s->param[0], y);
+            diagram_point_put(g, true, NAN, NAN);
         }
-        put(g, stable, s->param[0], y);
-        before = stable;
+        diagram_point_put(g, stable, s->param[0], y);
+        was_stable = stable;
     }
-    put(g, true, NAN, NAN);
+    diagram_point_put(g, true, NAN, NAN);
 }
 
 /* One curve for each letter, which its points' labels name. */
@@ -112,7 +112,7 @@ static bool find_variable(struct drawing *d, int *variable)
     const struct text name = d->request->column[0];
     *variable = model_state(model, name);
     return *variable >= 0 ||
-           error_at(d->error, name, "'%.*s' is no variable of the scene", (int)name.len, name.at);
+           error_at(d->error, name, "'%.*s' is no variable of the scene", (int)name.len, name.data);
 }
 
 bool branches_figure(struct drawing *d, struct figure *figure)

@@ -31,23 +31,24 @@ static bool next_equilibrium(const struct session *session, const struct plot_pl
     int best = -1;
     double nearest[2] = {HUGE_VAL, HUGE_VAL};
     for (int e = 0; e < found->count; e++) {
-        const double *state = found->of[e].state;
-        double by[2];
+        const double *state = found->solution[e].state;
+        double displacement[2];
         for (int k = 0; k < 2; k++)
-            by[k] = sign * (state[plane->variable[k]] - point[k]);
+            displacement[k] = sign * (state[plane->variable[k]] - point[k]);
         const double width = plane->box[0][1] - plane->box[0][0];
-        const bool on = fabs(by[0]) < 1e-9 * width;
-        if (on && !(by[1] > 1e-9 * (plane->box[1][1] - plane->box[1][0])))
-            by[0] = width;
-        else if (!on && by[0] < 0)
-            by[0] += width;
-        if (by[0] < nearest[0] || (by[0] == nearest[0] && by[1] < nearest[1])) {
-            memcpy(nearest, by, sizeof by);
+        const bool is_aligned = fabs(displacement[0]) < 1e-9 * width;
+        if (is_aligned && !(displacement[1] > 1e-9 * (plane->box[1][1] - plane->box[1][0])))
+            displacement[0] = width;
+        else if (!is_aligned && displacement[0] < 0)
+            displacement[0] += width;
+        if (displacement[0] < nearest[0] ||
+            (displacement[0] == nearest[0] && displacement[1] < nearest[1])) {
+            memcpy(nearest, displacement, sizeof displacement);
             best = e;
         }
     }
     for (int k = 0; k < 2 && best >= 0; k++)
-        point[k] = found->of[best].state[plane->variable[k]];
+        point[k] = found->solution[best].state[plane->variable[k]];
     return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
 }
 
@@ -56,12 +57,12 @@ static int equilibrium_there(const struct session *session, const struct plot_pl
 {
     const struct equilibria *found = &stored_portrait(session)->portrait.found;
     for (int e = 0; e < found->count; e++) {
-        double off = 0;
+        double distance = 0;
         for (int k = 0; k < 2; k++)
-            off = fmax(
-                off, fabs(found->of[e].state[plane->variable[k]] - session->view.cursors.point[k]) /
-                         (plane->box[k][1] - plane->box[k][0]));
-        if (off < on_equilibrium_max)
+            distance = fmax(distance, fabs(found->solution[e].state[plane->variable[k]] -
+                                           session->view.cursors.point[k]) /
+                                          (plane->box[k][1] - plane->box[k][0]));
+        if (distance < on_equilibrium_max)
             return e;
     }
     return -1;

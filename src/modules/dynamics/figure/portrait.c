@@ -142,7 +142,7 @@ static bool choose(struct drawing *d, struct system *system, struct portrait_req
 
 /* ---- curves ---- */
 
-static struct curve *add(struct drawing *d, const char *label, char mark)
+static struct curve *portrait_curve_add(struct drawing *d, const char *label, char mark)
 {
     struct curve *curve = &d->curve[d->curves++];
     *curve = (struct curve){.label = label, .mark = mark};
@@ -153,7 +153,7 @@ static bool add_line(struct drawing *d, const struct polyline *line, const char 
 {
     if (line->n == 0)
         return true;
-    struct curve *curve = add(d, label, mark);
+    struct curve *curve = portrait_curve_add(d, label, mark);
     double *x = arena_array(d->arena, 2 * line->n, sizeof *x);
     if (!x)
         return error_memory(d->error);
@@ -183,18 +183,18 @@ static bool add_run(struct drawing *d, const struct portrait_request *wanted)
         return true;
     const size_t all = trace_count(run->trace), each = all / RUN_ROWS + 1;
     struct polyline line = {NULL, NULL, 0, 0};
-    double at[2] = {NAN, NAN};
+    double point[2] = {NAN, NAN};
     bool fine = true;
     for (size_t i = 0; i < all && fine; i += each) {
         bool jumps = false;
         for (int k = 0; k < 2; k++) {
-            const double *range = wanted->box[k], width = range[1] - range[0], last = at[k];
-            at[k] = trace_state(run->trace, i)[wanted->variable[k]];
+            const double *range = wanted->box[k], width = range[1] - range[0], last = point[k];
+            point[k] = trace_state(run->trace, i)[wanted->variable[k]];
             if (fabs(width - TWO_PI) < 1e-9)
-                at[k] -= width * floor((at[k] - range[0]) / width);
-            jumps = jumps || fabs(at[k] - last) > 0.5 * width;
+                point[k] -= width * floor((point[k] - range[0]) / width);
+            jumps = jumps || fabs(point[k] - last) > 0.5 * width;
         }
-        fine = (!jumps || polyline_put(&line, NAN, NAN)) && polyline_put(&line, at[0], at[1]);
+        fine = (!jumps || polyline_put(&line, NAN, NAN)) && polyline_put(&line, point[0], point[1]);
     }
     return add_own_line(d, &line, fine, drawing_run_label(d, run), 0);
 }
@@ -234,15 +234,15 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
             if (stable && solution_ones(&orbit->solution) == 0)
                 label = "stable orbit";
             for (int i = 0; i < orbit->samples && fine; i++) {
-                const double *at = orbit->sample + i * (n + 1) + 1;
-                fine = polyline_put(&line, at[wanted->variable[0]], at[wanted->variable[1]]);
+                const double *row = orbit->sample + i * (n + 1) + 1;
+                fine = polyline_put(&line, row[wanted->variable[0]], row[wanted->variable[1]]);
             }
             fine = fine && polyline_put(&line, NAN, NAN);
         }
-        const int before = d->curves;
+        const int first = d->curves;
         fine = add_own_line(d, &line, fine, label, stable ? '=' : ',');
-        if (d->curves > before)
-            d->curve[before].points = d->curve[before].cloud = !stable;
+        if (d->curves > first)
+            d->curve[first].points = d->curve[first].cloud = !stable;
     }
     return fine;
 }
@@ -253,14 +253,14 @@ static bool add_cursor(struct drawing *d)
     const struct cursors *cursors = &d->session->view.cursors;
     if (!d->request->follow || !cursors->shown || !cursors->plane)
         return true;
-    double *at = arena_array(d->arena, 2, sizeof *at);
-    if (!at)
+    double *point = arena_array(d->arena, 2, sizeof *point);
+    if (!point)
         return error_memory(d->error);
-    memcpy(at, cursors->point, sizeof cursors->point);
-    struct curve *curve = add(d, "cursor", '+');
+    memcpy(point, cursors->point, sizeof cursors->point);
+    struct curve *curve = portrait_curve_add(d, "cursor", '+');
     curve->points = true;
-    curve->x = at;
-    curve->y = at + 1;
+    curve->x = point;
+    curve->y = point + 1;
     curve->n = 1;
     return true;
 }
@@ -277,12 +277,13 @@ static bool add_equilibria(struct drawing *d, const struct portrait_request *wan
             return error_memory(d->error);
         for (int e = 0; e < found->count; e++)
             if (found->form[e].type == (enum equilibrium_type)type) {
-                x[n] = found->of[e].state[wanted->variable[0]];
-                x[(size_t)found->count + n++] = found->of[e].state[wanted->variable[1]];
+                x[n] = found->solution[e].state[wanted->variable[0]];
+                x[(size_t)found->count + n++] = found->solution[e].state[wanted->variable[1]];
             }
         if (n == 0)
             continue;
-        struct curve *curve = add(d, catalog_row(&equilibrium_catalog, type)->name, letter[type]);
+        struct curve *curve =
+            portrait_curve_add(d, catalog_row(&equilibrium_catalog, type)->name, letter[type]);
         curve->points = true;
         curve->x = x;
         curve->y = x + found->count;
@@ -291,14 +292,14 @@ static bool add_equilibria(struct drawing *d, const struct portrait_request *wan
     return true;
 }
 
-/* Sets the points [6] of an arrow about `at`: tail, tip, barb, tip, barb, gap. cell is the distance
- * of neighbouring arrows, so that barbs look alike whatever the units of the axes are. */
-static void put_arrow(double *x, double *y, const double at[2], const double step[2],
+/* Sets the points [6] of an arrow about `centre`: tail, tip, barb, tip, barb, gap. cell is the
+ * distance of neighbouring arrows, so that barbs look alike whatever the units of the axes are. */
+static void put_arrow(double *x, double *y, const double centre[2], const double step[2],
                       const double cell[2])
 {
     const double u = step[0] / cell[0], v = step[1] / cell[1];
-    const double tail[2] = {at[0] - step[0] / 2, at[1] - step[1] / 2},
-                 tip[2] = {at[0] + step[0] / 2, at[1] + step[1] / 2};
+    const double tail[2] = {centre[0] - step[0] / 2, centre[1] - step[1] / 2},
+                 tip[2] = {centre[0] + step[0] / 2, centre[1] + step[1] / 2};
     const double side[5][2] = {
         {0, 0}, {0, 0}, {-u + 0.5 * v, -v - 0.5 * u}, {0, 0}, {-u - 0.5 * v, -v + 0.5 * u}};
     for (int i = 0; i < 5; i++) {
@@ -314,25 +315,25 @@ static bool add_directions(struct drawing *d, const struct system *system,
     const bool picture = d->request->width == PICTURE_COLUMNS, pane = d->request->follow;
     const int columns = pane ? PANE_COLUMNS : ARROW_COLUMNS,
               width = d->request->width > 30 ? d->request->width : 30,
-              across = picture ? PICTURE_ARROWS : width / columns,
-              up = picture ? PICTURE_ARROWS * 2 / 3
-                   : pane  ? PANE_ARROWS
-                           : TEXT_ARROWS;
-    const size_t n = 6 * (size_t)across * (size_t)up;
+              column_count = picture ? PICTURE_ARROWS : width / columns,
+              row_count = picture ? PICTURE_ARROWS * 2 / 3
+                          : pane  ? PANE_ARROWS
+                                  : TEXT_ARROWS;
+    const size_t n = 6 * (size_t)column_count * (size_t)row_count;
     double *x = arena_array(d->arena, 2 * n, sizeof *x), *y = x ? x + n : NULL;
     if (!x)
         return error_memory(d->error);
-    const double cell[2] = {(wanted->box[0][1] - wanted->box[0][0]) / across,
-                            (wanted->box[1][1] - wanted->box[1][0]) / up};
+    const double cell[2] = {(wanted->box[0][1] - wanted->box[0][0]) / column_count,
+                            (wanted->box[1][1] - wanted->box[1][0]) / row_count};
     size_t count = 0;
-    for (int i = 0; i < across; i++)
-        for (int j = 0; j < up; j++) {
+    for (int i = 0; i < column_count; i++)
+        for (int j = 0; j < row_count; j++) {
             double state[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
-            const double at[2] = {wanted->box[0][0] + (i + 0.5) * cell[0],
-                                  wanted->box[1][0] + (j + 0.5) * cell[1]};
+            const double centre[2] = {wanted->box[0][0] + (i + 0.5) * cell[0],
+                                      wanted->box[1][0] + (j + 0.5) * cell[1]};
             memcpy(state, wanted->state, sizeof wanted->state);
-            state[wanted->variable[0]] = at[0];
-            state[wanted->variable[1]] = at[1];
+            state[wanted->variable[0]] = centre[0];
+            state[wanted->variable[1]] = centre[1];
             system_derivative(system, wanted->t, state, rate);
             const double u = rate[wanted->variable[0]] / cell[0],
                          v = rate[wanted->variable[1]] / cell[1], size = hypot(u, v);
@@ -340,10 +341,10 @@ static bool add_directions(struct drawing *d, const struct system *system,
                 continue;
             const double step[2] = {ARROW_LENGTH * u / size * cell[0],
                                     ARROW_LENGTH * v / size * cell[1]};
-            put_arrow(x + count, y + count, at, step, cell);
+            put_arrow(x + count, y + count, centre, step, cell);
             count += 6;
         }
-    struct curve *curve = add(d, NULL, 0);
+    struct curve *curve = portrait_curve_add(d, NULL, 0);
     curve->arrows = true;
     curve->plain = pane;
     curve->x = x;
@@ -354,44 +355,45 @@ static bool add_directions(struct drawing *d, const struct system *system,
 
 /* ---- words ---- */
 
-static void put_axis_words(struct buffer *out, const struct variable *variable,
+static void put_axis_words(struct buffer *output, const struct variable *variable,
                            const double range[2])
 {
-    buffer_format(out, "%s from ", variable->name);
-    buffer_quantity(out, range[0], variable->quantity, 3);
-    buffer_put(out, TEXT(" to "));
-    buffer_quantity(out, range[1], variable->quantity, 3);
+    buffer_format(output, "%s from ", variable->name);
+    buffer_quantity(output, range[0], variable->quantity, 3);
+    buffer_put(output, TEXT(" to "));
+    buffer_quantity(output, range[1], variable->quantity, 3);
 }
 
-static void put_words(struct buffer *out, const struct system *system,
+static void put_words(struct buffer *output, const struct system *system,
                       const struct portrait_request *wanted, const struct portrait *portrait)
 {
-    buffer_put(out, TEXT("Phase portrait: "));
+    buffer_put(output, TEXT("Phase portrait: "));
     for (int k = 0; k < 2; k++) {
         const struct variable variable = system_variable(system, wanted->variable[k]);
-        put_axis_words(out, &variable, wanted->box[k]);
-        buffer_put(out, k ? TEXT(" up.") : TEXT(" across, "));
+        put_axis_words(output, &variable, wanted->box[k]);
+        buffer_put(output, k ? TEXT(" up.") : TEXT(" across, "));
     }
     for (int e = 0; e < portrait->found.count; e++) {
-        buffer_format(out, "%s%s at (", e ? ", " : " It has a ",
+        buffer_format(output, "%s%s at (", e ? ", " : " It has a ",
                       catalog_row(&equilibrium_catalog, portrait->found.form[e].type)->name);
         for (int k = 0; k < 2; k++) {
-            buffer_put(out, k ? TEXT(", ") : TEXT(""));
-            buffer_quantity(out, portrait->found.of[e].state[wanted->variable[k]],
+            buffer_put(output, k ? TEXT(", ") : TEXT(""));
+            buffer_quantity(output, portrait->found.solution[e].state[wanted->variable[k]],
                             system_variable(system, wanted->variable[k]).quantity, 4);
         }
-        buffer_char(out, ')');
+        buffer_char(output, ')');
     }
-    buffer_put(out, portrait->found.count ? TEXT(".") : TEXT(" No equilibrium was found in it."));
+    buffer_put(output,
+               portrait->found.count ? TEXT(".") : TEXT(" No equilibrium was found in it."));
     for (int i = 0; i < portrait->separatrices; i++) {
         const struct separatrix *s = &portrait->separatrix[i];
-        buffer_format(out, " A separatrix %s equilibrium %d%s", s->stable ? "ends at" : "leaves",
+        buffer_format(output, " A separatrix %s equilibrium %d%s", s->stable ? "ends at" : "leaves",
                       s->equilibrium + 1, s->stable ? ", from " : " for ");
-        if (s->to >= 0)
-            buffer_format(out, "equilibrium %d.", s->to + 1);
+        if (s->target >= 0)
+            buffer_format(output, "equilibrium %d.", s->target + 1);
         else
-            buffer_put(out, strcmp(s->end, "frame") == 0 ? TEXT("the frame.")
-                                                         : TEXT("nowhere in sight."));
+            buffer_put(output, strcmp(s->end, "frame") == 0 ? TEXT("the frame.")
+                                                            : TEXT("nowhere in sight."));
     }
 }
 
@@ -426,8 +428,8 @@ static struct axis axis_of(const struct drawing *d, const struct system *system,
     const struct variable v = system_variable(system, variable);
     struct axis axis = quantity_axis(arena_text(d->arena, text_of(v.name)), v.quantity,
                                      fmax(fabs(range[0]), fabs(range[1])));
-    axis.from = range[0];
-    axis.to = range[1];
+    axis.first_value = range[0];
+    axis.last_value = range[1];
     axis.fixed = true;
     return axis;
 }
@@ -453,11 +455,11 @@ static bool add_lines(struct drawing *d, const struct portrait_request *wanted,
             label = arena_text(d->arena, buffer_text(&text));
             buffer_free(&text);
         }
-        const int before = d->curves;
+        const int first = d->curves;
         if (!label || !add_line(d, &portrait->line[i], label, look[i].mark))
             return label || error_memory(d->error);
-        if (d->curves > before)
-            d->curve[before].plain = true;
+        if (d->curves > first)
+            d->curve[first].plain = true;
     }
     return true;
 }

@@ -24,13 +24,14 @@ static int rows_of(const struct system *system)
 /* The text of a buffer that is freed. Returns false if out of memory. */
 static bool take_buffer_text(struct writing *w, struct buffer *buffer, struct text *text)
 {
-    text->at = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));
-    text->len = text->at ? strlen(text->at) : 0;
+    text->data = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));
+    text->len = text->data ? strlen(text->data) : 0;
     buffer_free(buffer);
-    return text->at || error_memory(w->error);
+    return text->data || error_memory(w->error);
 }
 
-static struct typed_line *next(struct writing *w, enum typed_kind kind, struct text name)
+static struct typed_line *writing_line_append(struct writing *w, enum typed_kind kind,
+                                              struct text name)
 {
     struct typed_line *line = &w->line[w->lines++];
     *line = (struct typed_line){.kind = kind, .name = name, .expr = TEXT("")};
@@ -52,30 +53,30 @@ static bool primed(struct writing *w, int i, struct text *name)
 static size_t letters(struct text text)
 {
     size_t n = 0;
-    while (n < text.len && (isalnum((unsigned char)text.at[n]) || text.at[n] == '_'))
+    while (n < text.len && (isalnum((unsigned char)text.data[n]) || text.data[n] == '_'))
         n++;
     return n;
 }
 
 /* Returns true if the name occurs in one of the expressions. */
-static bool used(const struct writing *w, const char *wanted)
+static bool is_name_used(const struct writing *w, const char *wanted)
 {
     for (int i = 0; i < w->lines; i++)
         for (struct text rest = w->line[i].expr; rest.len > 0;) {
-            const struct text name = {rest.at, letters(rest)};
+            const struct text name = {rest.data, letters(rest)};
             if (text_is(name, wanted))
                 return true;
-            const size_t on = name.len > 0 ? name.len : 1;
-            rest = (struct text){rest.at + on, rest.len - on};
+            const size_t length = name.len > 0 ? name.len : 1;
+            rest = (struct text){rest.data + length, rest.len - length};
         }
     return false;
 }
 
 /* ---- the lines, equations first: they say which parameters are there ---- */
 
-static void put_part(struct buffer *out, const char *part)
+static void put_part(struct buffer *output, const char *part)
 {
-    buffer_format(out, "%s%s", out->len > 0 && part[0] != '-' ? "+" : "", part);
+    buffer_format(output, "%s%s", output->len > 0 && part[0] != '-' ? "+" : "", part);
 }
 
 /* What built-in terms add to a row, and what was typed as forces on top of them. */
@@ -93,11 +94,11 @@ static bool write_equation(struct writing *w, int row)
             text_equal(line->name,
                        row == 0 && line->name.len == 0 ? line->name : variable_name(w, row))) {
             buffer_format(&text, "%s(%.*s)/", text.len > 0 ? "+" : "", (int)line->expr.len,
-                          line->expr.at);
+                          line->expr.data);
             buffer_real(&text, system->mass);
         }
     }
-    struct typed_line *line = next(w, TYPED_EQUATION, variable_name(w, row));
+    struct typed_line *line = writing_line_append(w, TYPED_EQUATION, variable_name(w, row));
     if (text.len == 0)
         buffer_put(&text, TEXT("0"));
     line->order = system->order;
@@ -109,10 +110,11 @@ static bool write_observed(struct writing *w)
 {
     const struct model *model = w->scene->model;
     for (int i = 0; i < w->system.n / 2 && w->system.order == 2; i++) {
-        const struct text own = variable_name(w, w->system.n / 2 + i), of = variable_name(w, i);
-        const bool usual = own.len == of.len + 1 && own.at[0] == 'v' &&
-                           text_equal((struct text){own.at + 1, of.len}, of);
-        struct typed_line *line = usual ? NULL : next(w, TYPED_OBSERVE, own);
+        const struct text own = variable_name(w, w->system.n / 2 + i),
+                          variable = variable_name(w, i);
+        const bool usual = own.len == variable.len + 1 && own.data[0] == 'v' &&
+                           text_equal((struct text){own.data + 1, variable.len}, variable);
+        struct typed_line *line = usual ? NULL : writing_line_append(w, TYPED_OBSERVE, own);
         if (line && !primed(w, i, &line->expr))
             return false;
     }
@@ -131,7 +133,7 @@ static bool write_start(struct writing *w)
         struct text name = variable_name(w, i);
         if (i >= rows && !primed(w, i - rows, &name))
             return false;
-        struct typed_line *line = next(w, TYPED_VAR, name);
+        struct typed_line *line = writing_line_append(w, TYPED_VAR, name);
         line->value = w->system.start[i];
         line->quantity = w->system.model->variable[i].quantity;
     }
@@ -143,9 +145,9 @@ static void write_params(struct writing *w)
     const struct model *base = typed_base(w->scene->model);
     for (size_t i = 0; i < base->params->count; i++) {
         const struct param_row *row = param_at(w->scene, (int)i);
-        if (strcmp(row->row.name, "t0") == 0 || !used(w, row->row.name))
+        if (strcmp(row->row.name, "t0") == 0 || !is_name_used(w, row->row.name))
             continue;
-        struct typed_line *line = next(w, TYPED_PARAM, text_of(row->row.name));
+        struct typed_line *line = writing_line_append(w, TYPED_PARAM, text_of(row->row.name));
         line->value = w->scene->value[i];
         line->quantity = row->quantity;
     }

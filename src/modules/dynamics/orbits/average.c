@@ -32,7 +32,7 @@ static double mean_of(const double *value, size_t n)
 
 typedef double weight(double u);
 
-static double bump(double u)
+static double bump_weight(double u)
 {
     return exp(-1 / (u * (1 - u)));
 }
@@ -46,11 +46,11 @@ static double trapezoid(double u)
 }
 
 /* *square: the sum of squares of the weights, whose sum is 1, or NULL if not wanted */
-static double weighted_mean(const double *value, size_t n, weight *of, double *square)
+static double weighted_mean(const double *value, size_t n, weight *weight_function, double *square)
 {
     double sum = 0, weights = 0, squares = 0;
     for (size_t i = 0; i < n; i++) {
-        const double w = of(((double)i + 0.5) / (double)n);
+        const double w = weight_function(((double)i + 0.5) / (double)n);
         sum += w * (value[i] - value[0]);
         weights += w;
         squares += w * w;
@@ -134,13 +134,13 @@ void average_find(const double *value, size_t n, double size, double *scratch,
 {
     *average = (struct average){
         .mean = weighted_mean(value, n, trapezoid, NULL), .error = NAN, .spread = NAN};
-    average->smooth = weighted_mean(value, n, bump, NULL);
+    average->smooth = weighted_mean(value, n, bump_weight, NULL);
     if (n < AVERAGE_BATCHES)
         return;
     const size_t half = n / 2;
-    const double part[] = {average->smooth, weighted_mean(value, half, bump, NULL),
-                           weighted_mean(value + half, n - half, bump, NULL),
-                           weighted_mean(value + n / 4, half, bump, NULL)};
+    const double part[] = {average->smooth, weighted_mean(value, half, bump_weight, NULL),
+                           weighted_mean(value + half, n - half, bump_weight, NULL),
+                           weighted_mean(value + n / 4, half, bump_weight, NULL)};
     double low = part[0], high = part[0];
     for (int i = 1; i < 4; i++) {
         low = fmin(low, part[i]);

@@ -20,11 +20,11 @@
 /* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
  * along which the unknowns stay as they are, or NULL if there is none. room:
  * [2][JACOBIAN_ENTRIES_MAX] */
-static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
+static bool close_least(struct solution_curve *path, const double *normal, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;
     const int n = problem->n, all = n + 1;
-    double f[CURVE_MAX], *jacobian = room, *a = room + JACOBIAN_ENTRIES_MAX, by[CURVE_MAX],
+    double f[CURVE_MAX], *jacobian = room, *a = room + JACOBIAN_ENTRIES_MAX, correction[CURVE_MAX],
                          last = HUGE_VAL;
     double begin[CURVE_MAX];
     bool fine = false;
@@ -36,9 +36,9 @@ static bool close_least(struct solution_curve *path, const double *across, doubl
             return false;
         for (int i = 0; i < n; i++)
             worst = fmax(worst, fabs(f[i]));
-        double off = 0;
-        for (int i = 0; i < n && across; i++)
-            off += across[i] * (u[i] - begin[i]);
+        double distance = 0;
+        for (int i = 0; i < n && normal; i++)
+            distance += normal[i] * (u[i] - begin[i]);
         if (fine && (worst < 1e-13 || (worst < RESIDUAL_CLOSED_SIZES && worst > last / 2)))
             return true;
         if (!fine && worst < 1e-5) {
@@ -47,11 +47,11 @@ static bool close_least(struct solution_curve *path, const double *across, doubl
             continue;
         }
         for (int i = 0; i < n; i++) {
-            by[i] = across ? -across[i] * off : 0;
+            correction[i] = normal ? -normal[i] * distance : 0;
             for (int k = 0; k < n; k++)
-                by[i] -= jacobian[k * all + i] * f[k];
+                correction[i] -= jacobian[k * all + i] * f[k];
             for (int j = 0; j < n; j++) {
-                a[i * n + j] = across ? across[i] * across[j] : 0;
+                a[i * n + j] = normal ? normal[i] * normal[j] : 0;
                 for (int k = 0; k < n; k++)
                     a[i * n + j] += jacobian[k * all + i] * jacobian[k * all + j];
             }
@@ -59,12 +59,12 @@ static bool close_least(struct solution_curve *path, const double *across, doubl
         }
         for (int i = 0; i < n; i++)
             a[i * n + i] += 1e-13 * trace / n;
-        if (!matrix_solve(n, a, by))
+        if (!matrix_solve(n, a, correction))
             return false;
         for (int i = 0; i < n; i++)
-            size = fmax(size, fabs(by[i]) / fmax(1, fabs(u[i])));
+            size = fmax(size, fabs(correction[i]) / fmax(1, fabs(u[i])));
         for (int i = 0; i < n; i++)
-            u[i] += by[i] * fmin(1, 0.2 / size);
+            u[i] += correction[i] * fmin(1, 0.2 / size);
         last = worst;
     }
     return false;
@@ -95,18 +95,19 @@ static double error_of(struct solution_curve *path, const struct curve_place *po
 }
 
 /* In units of the unknowns: those of the start and the period. */
-static void hold(const struct solution_curve *path, const double *across, double *held)
+static void held_direction_set(const struct solution_curve *path, const double *normal,
+                               double *held)
 {
     const int n = path->problem->n, variables = path->field.n;
     memset(held, 0, (size_t)n * sizeof *held);
     for (int i = 0; i < variables; i++)
-        held[i] = across[i] * path->field.size[i];
-    held[n - 1] = across[variables];
+        held[i] = normal[i] * path->field.size[i];
+    held[n - 1] = normal[variables];
     vector_normalise(n, held);
 }
 
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
-                 const double *across, struct found_orbit *orbit)
+                 const double *normal, struct found_orbit *orbit)
 {
     struct solution guess = {.kind = multiple > 0 ? SOLUTION_RESPONSE : SOLUTION_ORBIT,
                              .n = s->field.n,
@@ -121,12 +122,12 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
                          s->request->cancel, point.u, &ignored))
         return false;
     double held[CURVE_MAX];
-    if (across)
-        hold(&path, across, held);
+    if (normal)
+        held_direction_set(&path, normal, held);
     double *room = malloc(2 * JACOBIAN_ENTRIES_MAX * sizeof *room);
-    bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
+    bool fine = room && close_least(&path, normal ? held : NULL, room, point.u) &&
                 solutions_at(&path, &point, true, &orbit->solution);
-    orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
+    orbit->family = fine && (normal || solution_ones(&orbit->solution) > 0);
     if (fine && !orbit->family && orbit->solution.residual > RESIDUAL_POLISHED_SIZES &&
         solutions_correct_at(&path, point.u, 1, &better)) {
         memcpy(point.u, better.u, sizeof point.u);

@@ -34,7 +34,7 @@
 #define TANGENT_ROUNDING 1e-14   /* of a tangent: rounding */
 #define CORRECTION_MAX_UNITS 0.5 /* of a unit: a correction of this size goes somewhere else */
 
-static double dot(int n, const double *a, const double *b)
+static double vector_dot(int n, const double *a, const double *b)
 {
     double sum = 0;
     for (int i = 0; i < n; i++)
@@ -81,11 +81,11 @@ bool curve_tangent(const struct curve_problem *problem, const double *direction,
 }
 
 /* The largest part of it, each relative to its unknown where that is more than 1. */
-static double correction_size(int n, const double *by, const double *u)
+static double correction_size(int n, const double *correction, const double *u)
 {
     double most = 0;
     for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(by[i]) / fmax(1, fabs(u[i])));
+        most = fmax(most, fabs(correction[i]) / fmax(1, fabs(u[i])));
     return most;
 }
 
@@ -104,20 +104,20 @@ static bool correct(const struct curve_problem *problem, const double *guess,
             point->residual = fmax(point->residual, fabs(f[i]));
             f[i] = -f[i];
         }
-        f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
+        f[n] = vector_dot(n + 1, direction, plane) - vector_dot(n + 1, direction, point->u);
         if (!solve_bordered(problem, direction, f))
             return false;
-        const double by = correction_size(n + 1, f, point->u);
-        if (!(by < CORRECTION_MAX_UNITS))
+        const double size = correction_size(n + 1, f, point->u);
+        if (!(size < CORRECTION_MAX_UNITS))
             return false;
         for (int i = 0; i <= n; i++)
             point->u[i] += f[i];
         /* the next, if they go on to shrink with their squares */
-        const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
-        if (by < FINE_CORRECTION_MAX || (by < STALLED_CORRECTION_MAX && by >= last / 2) ||
-            (by < JACOBIAN_EXACT_DISTANCE && isfinite(last) && next < FINE_CORRECTION_MAX) ||
-            (!fine && (by < 100 * STEP_NEXT_CORRECTION_MAX ||
-                       (by < JACOBIAN_REUSE_DISTANCE && isfinite(last) &&
+        const double next = size * fmin(size / last, 1) * fmin(size / last, 1);
+        if (size < FINE_CORRECTION_MAX || (size < STALLED_CORRECTION_MAX && size >= last / 2) ||
+            (size < JACOBIAN_EXACT_DISTANCE && isfinite(last) && next < FINE_CORRECTION_MAX) ||
+            (!fine && (size < 100 * STEP_NEXT_CORRECTION_MAX ||
+                       (size < JACOBIAN_REUSE_DISTANCE && isfinite(last) &&
                         next < STEP_NEXT_CORRECTION_MAX)))) {
             if (!curve_tangent(problem, direction, point->tangent))
                 return false;
@@ -125,12 +125,12 @@ static bool correct(const struct curve_problem *problem, const double *guess,
                 problem->test(problem->context, point->u, jacobian, point->tangent, point->test);
             return true;
         }
-        last = by;
+        last = size;
     }
     return false;
 }
 
-static void aim(const struct curve_problem *problem, bool fine)
+static void curve_problem_aim(const struct curve_problem *problem, bool fine)
 {
     if (problem->aim)
         problem->aim(problem->context, fine);
@@ -139,45 +139,46 @@ static void aim(const struct curve_problem *problem, bool fine)
 bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_place *point)
 {
-    aim(problem, fine);
+    curve_problem_aim(problem, fine);
     point->careful = fine;
     return correct(problem, guess, direction, fine, point);
 }
 
 /* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
-static bool is_steep(const struct curve_problem *problem, const struct curve_place *at)
+static bool is_steep(const struct curve_problem *problem, const struct curve_place *point)
 {
-    const double along = fabs(at->tangent[problem->n]);
-    return along < CURVE_STEEP && along > CURVE_LEVEL;
+    const double slope = fabs(point->tangent[problem->n]);
+    return slope < CURVE_STEEP && slope > CURVE_LEVEL;
 }
 
-bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
-                const struct curve_place *from, double by, struct curve_place *to)
+bool curve_step(const struct curve_problem *problem, const struct curve_place *previous,
+                const struct curve_place *current, double step, struct curve_place *next)
 {
     const int n = problem->n;
     double guess[CURVE_MAX], bend = 0;
-    if (before) {
-        double since = 0;
+    if (previous) {
+        double last_step = 0;
         for (int i = 0; i <= n; i++)
-            since += (from->u[i] - before->u[i]) * from->tangent[i];
-        bend = since * by > 0 ? by * by / (2 * since) : 0;
+            last_step += (current->u[i] - previous->u[i]) * current->tangent[i];
+        bend = last_step * step > 0 ? step * step / (2 * last_step) : 0;
     }
     for (int i = 0; i <= n; i++)
-        guess[i] = from->u[i] + by * from->tangent[i] +
-                   (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
-    to->careful = is_steep(problem, from);
-    aim(problem, false);
-    if (!correct(problem, guess, from->tangent, false, to))
+        guess[i] = current->u[i] + step * current->tangent[i] +
+                   (previous ? bend * (current->tangent[i] - previous->tangent[i]) : 0);
+    next->careful = is_steep(problem, current);
+    curve_problem_aim(problem, false);
+    if (!correct(problem, guess, current->tangent, false, next))
         return false;
-    if (!to->careful && problem->aim)
+    if (!next->careful && problem->aim)
         return true;
     /* only what is left of the way to rounding needs residuals that cost as much; those that always
      * are to rounding cost nothing more */
-    const int before_that = to->corrections;
-    aim(problem, true);
-    const bool fine = correct(problem, to->u, from->tangent, !problem->aim, to);
-    to->corrections = problem->aim ? (before_that > to->corrections ? before_that : to->corrections)
-                                   : before_that;
+    const int before_that = next->corrections;
+    curve_problem_aim(problem, true);
+    const bool fine = correct(problem, next->u, current->tangent, !problem->aim, next);
+    next->corrections = problem->aim
+                            ? (before_that > next->corrections ? before_that : next->corrections)
+                            : before_that;
     return fine;
 }
 
@@ -191,8 +192,8 @@ struct chord {
     curve_value *value; /* function whose zero is searched for, or NULL to take the test's */
     void *context;
     int looks;
-    struct curve_place at;
-    double share; /* of `at`, or NAN if there is none */
+    struct curve_place point;
+    double share; /* of `point`, or NAN if there is none */
     bool failed;
 };
 
@@ -201,11 +202,11 @@ struct chord {
 static void guess_at(const struct chord *c, double share, double *guess)
 {
     const int n = c->problem->n;
-    const double on = (share - c->share) * c->length;
+    const double advance = (share - c->share) * c->length;
     if (fabs(share - c->share) < STRAIGHT_CHORD_FRACTION && !c->value &&
         !(c->problem->singular >> c->test & 1)) {
         for (int i = 0; i <= n; i++)
-            guess[i] = c->at.u[i] + on * c->at.tangent[i];
+            guess[i] = c->point.u[i] + advance * c->point.tangent[i];
     } else {
         for (int i = 0; i <= n; i++) {
             const double slope[] = {c->length * c->a->tangent[i], c->length * c->b->tangent[i]};
@@ -213,11 +214,11 @@ static void guess_at(const struct chord *c, double share, double *guess)
         }
     }
     /* put into the plane across the chord at this share */
-    double off = share * c->length;
+    double distance = share * c->length;
     for (int i = 0; i <= n; i++)
-        off -= c->direction[i] * (guess[i] - c->a->u[i]);
+        distance -= c->direction[i] * (guess[i] - c->a->u[i]);
     for (int i = 0; i <= n; i++)
-        guess[i] += off * c->direction[i];
+        guess[i] += distance * c->direction[i];
 }
 
 static double test_at(void *context, double share)
@@ -227,15 +228,15 @@ static double test_at(void *context, double share)
     guess_at(c, share, guess);
     c->share = share;
     if (c->looks++ == ZERO_LOOKS_MAX ||
-        !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
+        !curve_correct(c->problem, guess, c->direction, true, &c->point)) {
         c->failed = true;
         return c->share = NAN;
     }
     if (c->value)
-        return c->value(c->context, &c->at);
-    const double value = c->at.test[c->test],
+        return c->value(c->context, &c->point);
+    const double value = c->point.test[c->test],
                  size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
-    const bool fold = value == c->at.tangent[c->problem->n];
+    const bool fold = value == c->point.tangent[c->problem->n];
     return fabs(value) <= fmax(TEST_ROUNDING_RELATIVE * size, fold ? TANGENT_ROUNDING : 0) ? 0
                                                                                            : value;
 }
@@ -251,13 +252,13 @@ static void chord_init(struct chord *c, const struct curve_problem *problem,
 }
 
 bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
-                   const struct curve_place *b, double share, struct curve_place *at)
+                   const struct curve_place *b, double share, struct curve_place *point)
 {
     struct chord c;
     double guess[CURVE_MAX];
     chord_init(&c, problem, a, b, 0);
     guess_at(&c, share, guess);
-    return c.length > 0 && curve_correct(problem, guess, c.direction, true, at);
+    return c.length > 0 && curve_correct(problem, guess, c.direction, true, point);
 }
 
 #define INTERPOLATION_NODES 10
@@ -266,7 +267,7 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
 #define CROSSING_ERROR_MAX 1e-6 /* a crossing that is not known better than this is none */
 
 /* By Newton's divided differences. */
-static double interpolated(int count, const double *node, const double *value, double at)
+static double interpolated(int count, const double *node, const double *value, double position)
 {
     double d[INTERPOLATION_NODES];
     memcpy(d, value, (size_t)count * sizeof *d);
@@ -275,7 +276,7 @@ static double interpolated(int count, const double *node, const double *value, d
             d[i] = (d[i] - d[i - 1]) / (node[i] - node[i - level]);
     double sum = d[count - 1];
     for (int i = count - 1; i-- > 0;)
-        sum = d[i] + (at - node[i]) * sum;
+        sum = d[i] + (position - node[i]) * sum;
     return sum;
 }
 
@@ -284,16 +285,16 @@ struct fitted_test {
     double node[INTERPOLATION_NODES], value[INTERPOLATION_NODES];
 };
 
-static double fitted_value(void *context, double at)
+static double fitted_value(void *context, double position)
 {
     const struct fitted_test *f = context;
-    return interpolated(f->count, f->node, f->value, at);
+    return interpolated(f->count, f->node, f->value, position);
 }
 
 /* Places on both sides of the crossing, from which it is not so near that the correction goes to
  * the other curve. */
 static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
-                   struct curve_place *at)
+                   struct curve_place *point)
 {
     double most = 0;
     fit->count = 0;
@@ -305,7 +306,7 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
             continue;
         fit->node[fit->count] = node;
         fit->value[fit->count] = value;
-        at[fit->count++] = c->at;
+        point[fit->count++] = c->point;
         most = fmax(most, fabs(value));
     }
     int kept = 0;
@@ -314,7 +315,7 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
             continue;
         fit->node[kept] = fit->node[k];
         fit->value[kept] = fit->value[k];
-        at[kept++] = at[k];
+        point[kept++] = point[k];
     }
     fit->count = kept;
     return kept >= INTERPOLATION_NODES - 3 &&
@@ -322,7 +323,7 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
 }
 
 /* The zero near `centre` of polynomials through places up to `half` from it. */
-static bool locate_crossing(struct chord *c, double centre, double half, struct curve_place *at,
+static bool locate_crossing(struct chord *c, double centre, double half, struct curve_place *point,
                             double *share)
 {
     const int n = c->problem->n;
@@ -334,107 +335,109 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     *share = root_between(fitted_value, &fit, fit.node[0], fit.value[0], fit.node[last],
                           fit.value[last], 4 * DBL_EPSILON);
     double y[INTERPOLATION_NODES];
-    *at = place[0];
+    *point = place[0];
     for (int i = 0; i <= n; i++) {
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].u[i];
-        at->u[i] = interpolated(fit.count, fit.node, y, *share);
+        point->u[i] = interpolated(fit.count, fit.node, y, *share);
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].tangent[i];
-        at->tangent[i] = interpolated(fit.count, fit.node, y, *share);
+        point->tangent[i] = interpolated(fit.count, fit.node, y, *share);
     }
     if (!c->value)
-        at->test[c->test] = 0;
+        point->test[c->test] = 0;
     return true;
 }
 
 /* A place where another curve crosses: about ever smaller pieces, as long as that helps: nearer to
  * it the test is smaller, and what corrections and rounding leave moves its zero by more. */
-static bool look_about(struct chord *c, double share, double half, struct curve_place *at,
-                       double *near)
+static bool look_about(struct chord *c, double share, double half, struct curve_place *point,
+                       double *uncertainty)
 {
     double next;
-    *near = HUGE_VAL;
+    *uncertainty = HUGE_VAL;
     for (int k = 0; k < INTERPOLATION_LEVELS; k++, half /= 4) {
         struct curve_place better;
         c->looks = 0;
         if (!locate_crossing(c, share, half, &better, &next))
             break;
         const double moved = c->length * fabs(next - share);
-        if (k > 1 && moved >= *near) /* before that it says how far the crossing was, not this */
+        if (k > 1 &&
+            moved >= *uncertainty) /* before that it says how far the crossing was, not this */
             break;
-        *near = moved;
-        *at = better;
+        *uncertainty = moved;
+        *point = better;
         share = next;
-        if (*near < 1e-12)
+        if (*uncertainty < 1e-12)
             break;
     }
-    return *near < CROSSING_ERROR_MAX;
+    return *uncertainty < CROSSING_ERROR_MAX;
 }
 
 bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
                      const struct curve_place *b, curve_value *value, void *context,
-                     struct curve_place *at, double *near)
+                     struct curve_place *point, double *uncertainty)
 {
     struct chord c;
     chord_init(&c, problem, a, b, 0);
     c.value = value;
     c.context = context;
-    return c.length > 0 && look_about(&c, 0.5, 0.5, at, near);
+    return c.length > 0 && look_about(&c, 0.5, 0.5, point, uncertainty);
 }
 
 /* Where the test is no polynomial along the whole chord it is one along a part of it. */
-static bool find_crossing(struct chord *c, struct curve_place *at, double *near)
+static bool find_crossing(struct chord *c, struct curve_place *point, double *uncertainty)
 {
-    double from = 0, to = 1;
-    bool below = signbit(c->a->test[c->test]);
+    double begin = 0, end = 1;
+    bool is_negative = signbit(c->a->test[c->test]);
     for (int k = 0; k < HALVINGS_MAX; k++) {
-        const double middle = (from + to) / 2;
-        if (look_about(c, middle, (to - from) / 2, at, near))
+        const double middle = (begin + end) / 2;
+        if (look_about(c, middle, (end - begin) / 2, point, uncertainty))
             return true;
         c->failed = false;
         c->looks = 0;
         const double value = test_at(c, middle);
         if (c->failed || !isfinite(value))
             return false;
-        *(signbit(value) == below ? &from : &to) = middle;
+        *(signbit(value) == is_negative ? &begin : &end) = middle;
     }
     return false;
 }
 
 static bool locate_on_chord(const struct curve_problem *problem, const struct curve_place *a,
-                            const struct curve_place *b, int test, struct curve_place *at,
-                            double *near)
+                            const struct curve_place *b, int test, struct curve_place *point,
+                            double *uncertainty)
 {
     struct chord c;
     chord_init(&c, problem, a, b, test);
     if (problem->singular >> test & 1)
-        return find_crossing(&c, at, near);
+        return find_crossing(&c, point, uncertainty);
     const double root =
         root_between(test_at, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
     if (c.failed)
         return false;
     if (c.share != root)
         test_at(&c, root);
-    *at = c.at;
-    *near = c.length * TEST_ROUNDING_RELATIVE;
+    *point = c.point;
+    *uncertainty = c.length * TEST_ROUNDING_RELATIVE;
     return !c.failed;
 }
 
 /* Where the chord is too far from the curve: one end steps towards the other. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
-                  const struct curve_place *b, int test, struct curve_place *at, double *near)
+                  const struct curve_place *b, int test, struct curve_place *point,
+                  double *uncertainty)
 {
     struct curve_place left = *a, right = *b, middle;
     for (int k = 0; k < HALVINGS_MAX; k++) {
-        if (locate_on_chord(problem, &left, &right, test, at, near))
+        if (locate_on_chord(problem, &left, &right, test, point, uncertainty))
             return true;
         if (problem->singular >> test & 1)
             return false;
-        double by = curve_distance(problem->n + 1, left.u, right.u) / 2;
+        double step = curve_distance(problem->n + 1, left.u, right.u) / 2;
         int tries = 0;
-        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS_MAX)
-            by /= 2;
+        while (!curve_step(problem, NULL, &left, step, &middle) && ++tries < HALVINGS_MAX)
+            step /= 2;
         if (tries == HALVINGS_MAX)
             return false;
         if (signbit(middle.test[test]) == signbit(left.test[test]))

@@ -55,25 +55,27 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_place *point);
 /* Of the place looked at last, to the side of `direction`. False: it is across the curve. */
 bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent);
-/* The next point `by` along the tangent, and along the bend since `before` (NULL: not known), with
- * its tests. False: none was found there. */
-bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
-                const struct curve_place *from, double by, struct curve_place *to);
+/* The next point `step` along the tangent, and along the bend since `previous` (NULL: not known),
+ * with its tests. False: none was found there. */
+bool curve_step(const struct curve_problem *problem, const struct curve_place *previous,
+                const struct curve_place *current, double step, struct curve_place *next);
 /* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
- * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
+ * where `tests` cross there the curve is singular. *uncertainty: half the width of what is
+ * uncertain. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
-                  const struct curve_place *b, int test, struct curve_place *at, double *near);
+                  const struct curve_place *b, int test, struct curve_place *point,
+                  double *uncertainty);
 /* Finds the point in the plane across the chord from a to b, at that share of it. Returns false if
  * none was found. */
 bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
-                   const struct curve_place *b, double share, struct curve_place *at);
+                   const struct curve_place *b, double share, struct curve_place *point);
 /* A smooth function of the places of a curve; NAN where it is not known. */
-typedef double curve_value(void *context, const struct curve_place *at);
+typedef double curve_value(void *context, const struct curve_place *point);
 /* Finds the zero of such a function between two points of the curve, where its signs differ, also
- * where the curve is singular; *near as curve_locate(). */
+ * where the curve is singular; *uncertainty as curve_locate(). */
 bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
                      const struct curve_place *b, curve_value *value, void *context,
-                     struct curve_place *at, double *near);
+                     struct curve_place *point, double *uncertainty);
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
 double curve_unit(int n, const double *u);
 double curve_distance(int n, const double *a, const double *b);

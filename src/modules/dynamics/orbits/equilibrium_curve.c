@@ -54,8 +54,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     return true;
 }
 
-static void test(void *context, const double *u, const double *jacobian, const double *tangent,
-                 double *value)
+static void equilibrium_curve_test(void *context, const double *u, const double *jacobian,
+                                   const double *tangent, double *value)
 {
     const struct equilibrium_curve *curve = context;
     const int n = curve->field->n, pairs = n * (n - 1) / 2;
@@ -81,7 +81,7 @@ void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field
     curve->problem = (struct curve_problem){.context = curve,
                                             .n = field->n,
                                             .residual = residual,
-                                            .test = test,
+                                            .test = equilibrium_curve_test,
                                             .tests = field->n > 1 ? 3 : 2,
                                             .singular = 1u << EQUILIBRIUM_CROSSING};
 }

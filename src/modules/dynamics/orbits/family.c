@@ -48,12 +48,12 @@ static void follow_family(struct orbit_search *s, double wanted, struct found_or
     const int sense = wanted > found->solution.period ? 1 : -1;
     for (int k = 0; k < STEPS_MAX && step > shortest_step && !cancelled(s->request->cancel); k++) {
         const double left = fabs(log(wanted / found->solution.period)),
-                     by = sense * fmin(step, left);
+                     log_step = sense * fmin(step, left);
         if (left == 0)
             return;
         if (s->request->progress)
             s->request->progress(s->request->context, 0);
-        const double period = step < left ? found->solution.period * exp(by) : wanted;
+        const double period = step < left ? found->solution.period * exp(log_step) : wanted;
         if (!close_next(s, found, period, &next)) {
             step /= 2;
             continue;

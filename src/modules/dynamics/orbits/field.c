@@ -118,12 +118,13 @@ void field_jacobian(struct vector_field *field, const double *y, double *jacobia
 /* Values of free parameter j on both sides; their distance. */
 static double sides(const struct vector_field *field, int j, struct scene side[2])
 {
-    const int at = field->param[j];
-    const double value = field->scene.value[at], by = PARAM_STEP_RELATIVE * fmax(fabs(value), 1e-3);
+    const int index = field->param[j];
+    const double value = field->scene.value[index],
+                 delta = PARAM_STEP_RELATIVE * fmax(fabs(value), 1e-3);
     side[0] = side[1] = field->scene;
-    side[0].value[at] = value + by;
-    side[1].value[at] = value - by;
-    return side[0].value[at] - side[1].value[at];
+    side[0].value[index] = value + delta;
+    side[1].value[index] = value - delta;
+    return side[0].value[index] - side[1].value[index];
 }
 
 bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope)
@@ -166,8 +167,8 @@ double field_drive_by(struct vector_field *field, int j)
 
 /* ---- the flow ---- */
 
-static bool go(struct vector_field *field, const struct system *system, const char *name,
-               double span, int64_t most, double *end, double *grid)
+static bool flow_integrate(struct vector_field *field, const struct system *system,
+                           const char *name, double span, int64_t most, double *end, double *grid)
 {
     struct solver solver;
     struct run_settings settings = {.tol = field->tol, .kernel = KERNEL_SPECIALISED};
@@ -188,9 +189,9 @@ static bool go(struct vector_field *field, const struct system *system, const ch
 static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
                   double *grid)
 {
-    return (!field->stiff && go(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
+    return (!field->stiff && flow_integrate(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
            (!cancelled(field->cancel) &&
-            (field->stiff = go(field, system, "radau5", span, FLOW_STIFF, end, grid)));
+            (field->stiff = flow_integrate(field, system, "radau5", span, FLOW_STIFF, end, grid)));
 }
 
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
@@ -270,8 +271,9 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
 
 double field_apart(const struct vector_field *field, int i, const double *x, const double *y)
 {
-    const double by = y[i] - x[i];
-    return (field->turn[i] > 0 ? remainder(by, field->turn[i]) : by) / field->size[i];
+    const double difference = y[i] - x[i];
+    return (field->turn[i] > 0 ? remainder(difference, field->turn[i]) : difference) /
+           field->size[i];
 }
 
 double field_distance(const struct vector_field *field, const double *x, const double *y)
@@ -285,13 +287,13 @@ double field_distance(const struct vector_field *field, const double *x, const d
 void field_nearest_on_line(const struct vector_field *field, const double *y, const double *a,
                            const double *b, double *nearest)
 {
-    double along = 0, length = 0;
+    double projection = 0, length = 0;
     for (int i = 0; i < field->n; i++) {
-        const double by = (b[i] - a[i]) / field->size[i];
-        along += field_apart(field, i, a, y) * by;
-        length += by * by;
+        const double delta = (b[i] - a[i]) / field->size[i];
+        projection += field_apart(field, i, a, y) * delta;
+        length += delta * delta;
     }
-    const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
+    const double share = length > 0 ? fmin(fmax(projection / length, 0), 1) : 0;
     for (int i = 0; i < field->n; i++)
         nearest[i] = a[i] + share * (b[i] - a[i]);
 }
@@ -319,21 +321,21 @@ struct crossing_search {
     double t;
     const double *start;
     const struct field_plane *plane;
-    double *at;
+    double *point;
 };
 
 static double side_after(void *context, double span)
 {
     const struct crossing_search *c = context;
-    return field_flow(c->field, c->t, c->start, span, c->at, NULL)
-               ? field_side(c->field, c->plane, c->at)
+    return field_flow(c->field, c->t, c->start, span, c->point, NULL)
+               ? field_side(c->field, c->plane, c->point)
                : NAN;
 }
 
 double field_crossing(struct vector_field *field, double t, const double *start, double span,
-                      const double *end, const struct field_plane *plane, double *at)
+                      const double *end, const struct field_plane *plane, double *point)
 {
-    struct crossing_search c = {field, t, start, plane, at};
+    struct crossing_search c = {field, t, start, plane, point};
     const double when = root_between(side_after, &c, 0, field_side(field, plane, start), span,
                                      field_side(field, plane, end), 1e-15 * fabs(span));
     return isnan(side_after(&c, when)) ? NAN : when;
@@ -347,34 +349,34 @@ static bool jumps_between(const struct vector_field *field, double t, const doub
 {
     const struct system *system = &field->system;
     const size_t bytes = (size_t)system->switches * sizeof(double);
-    double from[LIMIT_SWITCHES], to[LIMIT_SWITCHES], now[LIMIT_SWITCHES], y[LIMIT_VARIABLES],
-        rate[2][LIMIT_VARIABLES], lo = 0, hi = 1, size = 0, off = 0;
+    double first[LIMIT_SWITCHES], last[LIMIT_SWITCHES], now[LIMIT_SWITCHES], y[LIMIT_VARIABLES],
+        rate[2][LIMIT_VARIABLES], lo = 0, hi = 1, size = 0, jump = 0;
     struct system frozen;
-    system_branches(system, t, a, from);
-    system_branches(system, t, b, to);
-    if (memcmp(from, to, bytes) == 0)
+    system_branches(system, t, a, first);
+    system_branches(system, t, b, last);
+    if (memcmp(first, last, bytes) == 0)
         return false;
     while (hi - lo > DBL_EPSILON) {
         const double share = (lo + hi) / 2;
         for (int i = 0; i < field->n; i++)
             y[i] = a[i] + share * (b[i] - a[i]);
         system_branches(system, t, y, now);
-        if (memcmp(from, now, bytes) == 0) {
+        if (memcmp(first, now, bytes) == 0) {
             lo = share;
         } else {
             hi = share;
-            memcpy(to, now, bytes);
+            memcpy(last, now, bytes);
         }
     }
     for (int s = 0; s < 2; s++) {
-        system_freeze(system, s == 0 ? from : to, &frozen);
+        system_freeze(system, s == 0 ? first : last, &frozen);
         system_derivative(&frozen, t, y, rate[s]);
     }
     for (int i = 0; i < field->n; i++) {
         size = fmax(size, fmax(fabs(rate[0][i]), fabs(rate[1][i])) / field->size[i]);
-        off = fmax(off, fabs(rate[1][i] - rate[0][i]) / field->size[i]);
+        jump = fmax(jump, fabs(rate[1][i] - rate[0][i]) / field->size[i]);
     }
-    return off > RATES_JUMP * size;
+    return jump > RATES_JUMP * size;
 }
 
 bool field_jumps(struct vector_field *field, double t, const double *start, double span)

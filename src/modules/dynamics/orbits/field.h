@@ -99,10 +99,10 @@ void field_plane_across(struct vector_field *field, const double *state, struct 
 double field_side(const struct vector_field *field, const struct field_plane *plane,
                   const double *y);
 /* Returns when [s] after t, within the span, the motion from `start` goes through the plane, on
- * both sides of which it lies at `start` and at `end`. The state is put into `at` [n]. NAN if the
- * motion does not get there, or if it is cancelled. */
+ * both sides of which it lies at `start` and at `end`. The state is put into `point` [n]. NAN if
+ * the motion does not get there, or if it is cancelled. */
 double field_crossing(struct vector_field *field, double t, const double *start, double span,
-                      const double *end, const struct field_plane *plane, double *at);
+                      const double *end, const struct field_plane *plane, double *point);
 
 /* Returns true if the equations jump anywhere on the way from `start` (a jump of their slopes alone
  * does not count). Derivatives then do not predict differences. */

@@ -40,15 +40,15 @@ const struct catalog equilibrium_catalog = CATALOG("type", rows);
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian)
 {
     const int n = bounded->n;
-    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES] = {{0}},
-                    by[FIELD_VARIABLES * FIELD_VARIABLES] = {{0}};
+    struct interval point[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES] = {{0}},
+                    slopes[FIELD_VARIABLES * FIELD_VARIABLES] = {{0}};
     for (int i = 0; i < n; i++)
-        at[i].lo = at[i].hi = y[i];
-    system_bounds(bounded, at, bound, jacobian ? by : NULL);
+        point[i].lo = point[i].hi = y[i];
+    system_bounds(bounded, point, bound, jacobian ? slopes : NULL);
     for (int i = 0; i < n; i++)
         rate[i] = interval_middle(bound[i]);
     for (int i = 0; jacobian && i < n * n; i++)
-        jacobian[i] = interval_middle(by[i]);
+        jacobian[i] = interval_middle(slopes[i]);
 }
 
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
@@ -66,13 +66,13 @@ bool scene_with_bounds(const struct scene *scene, const struct system *system,
 
 struct plane {
     const struct system *bounded;
-    const double *size, *about; /* [2] */
+    const double *size, *centre; /* [2] */
 };
 
 static void sample(const struct plane *plane, uint64_t *seed, double *y)
 {
     for (int i = 0; i < 2; i++)
-        y[i] = plane->about[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
+        y[i] = plane->centre[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
 }
 
 /* Returns true if the divergence is 0 everywhere. */
@@ -94,14 +94,15 @@ static bool keeps_areas(const struct plane *plane)
  * about or exchanges both. */
 static bool reverses(const struct plane *plane, const double r[4])
 {
-    const double *about = plane->about;
+    const double *centre = plane->centre;
     uint64_t seed = 13;
     bool same = true;
     for (int k = 0; k < SYMMETRY_SAMPLES && same; k++) {
         double y[2] = {0}, other[2], f[2] = {0}, g[2] = {0};
         sample(plane, &seed, y);
         for (int i = 0; i < 2; i++)
-            other[i] = about[i] + r[2 * i] * (y[0] - about[0]) + r[2 * i + 1] * (y[1] - about[1]);
+            other[i] =
+                centre[i] + r[2 * i] * (y[0] - centre[0]) + r[2 * i + 1] * (y[1] - centre[1]);
         mean_field(plane->bounded, y, f, NULL);
         mean_field(plane->bounded, other, g, NULL);
         for (int i = 0; i < 2; i++)
@@ -114,11 +115,11 @@ static bool reverses(const struct plane *plane, const double r[4])
 /* Returns true if a system of two variables keeps areas or is reversible about this state, so that
  * it is a centre if its eigenvalues are imaginary. */
 static bool has_centres(const struct vector_field *field, const struct system *bounded,
-                        const double *about)
+                        const double *centre)
 {
     static const double reflection[][4] = {
         {1, 0, 0, -1}, {-1, 0, 0, 1}, {0, 1, 1, 0}, {0, -1, -1, 0}};
-    const struct plane plane = {bounded, field->size, about};
+    const struct plane plane = {bounded, field->size, centre};
     bool has = field->n == 2 && keeps_areas(&plane);
     for (size_t i = 0; i < COUNT_OF(reflection) && !has && field->n == 2; i++)
         has = reverses(&plane, reflection[i]);
@@ -161,27 +162,27 @@ static enum equilibrium_type type_of(const struct solution *s, const struct vect
 /* Poincare's and Hopf's: the sign of det J, a product of eigenvalues of which pairs are > 0. */
 static int index_of(const struct solution *s)
 {
-    int below = 0;
+    int negative_count = 0;
     for (int i = 0; i < s->values; i++) {
         if (s->value[i].re == 0 && s->value[i].im == 0)
             return 0;
-        below += s->value[i].im == 0 && s->value[i].re < 0;
+        negative_count += s->value[i].im == 0 && s->value[i].re < 0;
     }
-    return below % 2 ? -1 : 1;
+    return negative_count % 2 ? -1 : 1;
 }
 
 /* The largest part becomes real and positive. */
-static void turn(int n, double *re, double *im)
+static void complex_vector_rotate(int n, double *re, double *im)
 {
-    int at = 0;
+    int pivot = 0;
     for (int i = 1; i < n; i++)
-        if (hypot(re[i], im[i]) > (1 + 1e-9) * hypot(re[at], im[at]))
-            at = i;
-    const double size = hypot(re[at], im[at]), c = re[at] / size, s = im[at] / size;
+        if (hypot(re[i], im[i]) > (1 + 1e-9) * hypot(re[pivot], im[pivot]))
+            pivot = i;
+    const double size = hypot(re[pivot], im[pivot]), c = re[pivot] / size, s = im[pivot] / size;
     for (int i = 0; i < n; i++) {
         const double x = re[i], y = im[i];
         re[i] = x * c + y * s;
-        im[i] = i == at ? 0 : y * c - x * s;
+        im[i] = i == pivot ? 0 : y * c - x * s;
     }
 }
 
@@ -194,7 +195,7 @@ static void find_vectors(int n, const double *jacobian, const struct solution *s
                             value[k].im == -value[k - 1].im;
         bool fine = second || matrix_eigenvector(n, jacobian, value[k], form->re[k], form->im[k]);
         if (fine && !second)
-            turn(n, form->re[k], form->im[k]);
+            complex_vector_rotate(n, form->re[k], form->im[k]);
         for (int i = 0; i < n; i++) {
             fine = fine && (second || isfinite(form->re[k][i]));
             if (second || !fine) {
@@ -218,32 +219,33 @@ static void clean(struct solution *s)
     }
 }
 
-static double widest_slope(int n, const struct interval *by)
+static double widest_slope(int n, const struct interval *slopes)
 {
     double widest = 0;
     for (int i = 0; i < n * n; i++)
-        widest = isfinite(by[i].hi - by[i].lo) ? fmax(widest, by[i].hi - by[i].lo) : HUGE_VAL;
+        widest = isfinite(slopes[i].hi - slopes[i].lo) ? fmax(widest, slopes[i].hi - slopes[i].lo)
+                                                       : HUGE_VAL;
     return widest;
 }
 
-static double largest_slope(int n, const struct interval *by)
+static double largest_slope(int n, const struct interval *slopes)
 {
     double largest = 0;
     for (int i = 0; i < n * n; i++)
-        largest = fmax(largest, fabs(interval_middle(by[i])));
+        largest = fmax(largest, fabs(interval_middle(slopes[i])));
     return largest;
 }
 
 /* Returns true if bounds of the slopes [n][n] at a state tell what they are: beside the largest of
  * them, or, where all are about 0, beside the largest a natural size away. */
 static bool slopes_are_known(const struct vector_field *field, const struct system *bounded,
-                             const double *state, const struct interval *by)
+                             const double *state, const struct interval *slopes)
 {
     const int n = field->n;
-    const double widest = widest_slope(n, by);
+    const double widest = widest_slope(n, slopes);
     struct interval there[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                     away[FIELD_VARIABLES * FIELD_VARIABLES];
-    if (widest <= slope_uncertainty_max * largest_slope(n, by))
+    if (widest <= slope_uncertainty_max * largest_slope(n, slopes))
         return true;
     for (int i = 0; i < n; i++)
         there[i].lo = there[i].hi = state[i] + field->size[i];
@@ -267,24 +269,26 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
 {
     const int n = field->n;
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], copy[FIELD_VARIABLES * FIELD_VARIABLES];
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
-                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval region[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    slopes[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < n; i++) {
-        const double off = solution->multiple ? unproven_position_error *
-                                                    (fabs(solution->state[i]) + field->size[i])
-                                              : 0;
-        at[i] = (struct interval){solution->state[i] - off, solution->state[i] + off};
+        const double uncertainty =
+            solution->multiple
+                ? unproven_position_error * (fabs(solution->state[i]) + field->size[i])
+                : 0;
+        region[i] =
+            (struct interval){solution->state[i] - uncertainty, solution->state[i] + uncertainty};
     }
-    system_bounds(bounded, at, rate, by);
+    system_bounds(bounded, region, rate, slopes);
     for (int i = 0; i < n * n; i++)
-        copy[i] = jacobian[i] = interval_middle(by[i]);
+        copy[i] = jacobian[i] = interval_middle(slopes[i]);
     for (int i = 0; i < n; i++) {
         solution->residual = fmax(solution->residual, fabs(interval_middle(rate[i])));
         solution->top[i] = solution->bottom[i] = solution->state[i];
     }
     solution->values = n;
     solution->trivial = NAN;
-    if (!slopes_are_known(field, bounded, solution->state, by)) {
+    if (!slopes_are_known(field, bounded, solution->state, slopes)) {
         form_without_slopes(n, solution, form);
         return true;
     }

@@ -33,9 +33,9 @@ struct exponents_search {
     enum tangents_end end;
 };
 
-static bool advance_tangents(struct exponents_search *s, double from, double span)
+static bool advance_tangents(struct exponents_search *s, double t_begin, double span)
 {
-    s->end = tangents_advance(&s->t, from, span);
+    s->end = tangents_advance(&s->t, t_begin, span);
     tangents_unwind(&s->t);
     return s->end == TANGENTS_OK;
 }
@@ -55,7 +55,7 @@ static double round_down(double x)
 
 /* ---- before: until the motion is where it stays ---- */
 
-static double slow(const struct exponents_search *s)
+static double state_timescale(const struct exponents_search *s)
 {
     const struct system *system = &s->t.field.system;
     double rate[LIMIT_VARIABLES], most = 0;
@@ -67,7 +67,7 @@ static double slow(const struct exponents_search *s)
 
 static bool go_unasked(struct exponents_search *s)
 {
-    double span = s->period > 0 ? s->period : slow(s);
+    double span = s->period > 0 ? s->period : state_timescale(s);
     while (tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR) {
         if (!advance_tangents(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
             return false;
@@ -199,10 +199,10 @@ static bool has_come_to_rest(const struct exponents_search *s)
     double most = 1 / s->found->time;
     for (int j = 0; j < s->found->count; j++)
         most = fmax(most, fabs(s->found->exponent[j].value));
-    return !s->timed && s->period == 0 && 1 / slow(s) < AT_REST * most;
+    return !s->timed && s->period == 0 && 1 / state_timescale(s) < AT_REST * most;
 }
 
-static void sort(struct lyapunov *f, int *order)
+static void exponents_sort(struct lyapunov *f, int *order)
 {
     for (int i = 0; i < f->count; i++) {
         const struct exponent e = f->exponent[i];
@@ -249,7 +249,7 @@ static void evaluate(struct exponents_search *s)
         f->exponent[j] = f->regular ? (struct exponent){a->smooth, a->spread + steps}
                                     : (struct exponent){a->mean, hypot(a->error, 1 / f->time)};
     }
-    sort(f, order);
+    exponents_sort(f, order);
     f->rests = s->done > 0 && has_come_to_rest(s);
     find_dimension(s, order);
 }
@@ -260,7 +260,7 @@ static double compare_with_map(struct exponents_search *s)
 {
     struct tangents *t = &s->t;
     const int n = t->n, count = t->count;
-    double off[FIELD_VARIABLES] = {0}, worst = 0;
+    double deviation[FIELD_VARIABLES] = {0}, worst = 0;
     for (int k = 0; k < MAP_PERIODS; k++) {
         struct flow_slopes slopes;
         double end[FIELD_VARIABLES], column[FIELD_VARIABLES * FIELD_VARIABLES] = {0},
@@ -277,10 +277,10 @@ static double compare_with_map(struct exponents_search *s)
         if (!advance_tangents(s, s->t0, s->period))
             return NAN;
         for (int j = 0; j < count; j++)
-            off[j] += t->growth[j] - log(diagonal[j]);
+            deviation[j] += t->growth[j] - log(diagonal[j]);
     }
     for (int j = 0; j < count; j++)
-        worst = fmax(worst, fabs(off[j]) / (MAP_PERIODS * s->period));
+        worst = fmax(worst, fabs(deviation[j]) / (MAP_PERIODS * s->period));
     return worst;
 }
 
@@ -305,7 +305,7 @@ static const char *reason_of(const struct exponents_search *s)
 bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
                    struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     struct exponents_search *s = calloc(1, sizeof *s); /* large */
     *found = (struct lyapunov){.strobe = NAN};
     if (!s)
@@ -339,7 +339,7 @@ bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *foun
     found->method = s->t.method ? s->t.method->row.name : "";
     found->tol = s->t.controller.tol;
     found->evals = tangents_evals(&s->t) + s->t.field.evals;
-    found->seconds = clock_seconds(since);
+    found->seconds = clock_seconds(start_time);
     report_exponents(s, 2);
     free(s->series);
     tangents_free(&s->t);

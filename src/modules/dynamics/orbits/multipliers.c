@@ -36,7 +36,7 @@ static void multiply(int rows, int inner, int columns, const double *a, const do
 
 /* The columns of Householder's reflection that takes the rate to the first axis, but for the first:
  * an orthonormal basis of what lies across, [n][n - 1]. */
-static void across(int n, const double *rate, double *basis)
+static void transverse_basis(int n, const double *rate, double *basis)
 {
     double v[FIELD_VARIABLES];
     memcpy(v, rate, (size_t)n * sizeof *v);
@@ -51,14 +51,15 @@ static void across(int n, const double *rate, double *basis)
 static void quotient(int n, const double *map, const double *first, const double *last,
                      double *reduced)
 {
-    double before[FIELD_VARIABLES * FIELD_VARIABLES], after[FIELD_VARIABLES * FIELD_VARIABLES],
-        moved[FIELD_VARIABLES * FIELD_VARIABLES], turned[FIELD_VARIABLES * FIELD_VARIABLES];
-    across(n, first, before);
-    across(n, last, after);
-    multiply(n, n, n - 1, map, before, moved);
+    double first_basis[FIELD_VARIABLES * FIELD_VARIABLES],
+        last_basis[FIELD_VARIABLES * FIELD_VARIABLES], moved[FIELD_VARIABLES * FIELD_VARIABLES],
+        turned[FIELD_VARIABLES * FIELD_VARIABLES];
+    transverse_basis(n, first, first_basis);
+    transverse_basis(n, last, last_basis);
+    multiply(n, n, n - 1, map, first_basis, moved);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n - 1; j++)
-            turned[j * n + i] = after[i * (n - 1) + j];
+            turned[j * n + i] = last_basis[i * (n - 1) + j];
     multiply(n - 1, n, n - 1, turned, moved, reduced);
 }
 
@@ -86,12 +87,12 @@ static void orthogonalise(int n, double *a, double *r)
     for (int j = 0; j < n; j++) {
         for (int again = 0; again < 2; again++)
             for (int k = 0; k < j; k++) {
-                double along = 0;
+                double projection = 0;
                 for (int i = 0; i < n; i++)
-                    along += a[i * n + k] * a[i * n + j];
+                    projection += a[i * n + k] * a[i * n + j];
                 for (int i = 0; i < n; i++)
-                    a[i * n + j] -= along * a[i * n + k];
-                r[k * n + j] += along;
+                    a[i * n + j] -= projection * a[i * n + k];
+                r[k * n + j] += projection;
             }
         double length = 0;
         for (int i = 0; i < n; i++)
@@ -105,21 +106,21 @@ static void orthogonalise(int n, double *a, double *r)
 /* Around the orbit once: the basis q at its start becomes that at its end; r: the product of what
  * all segments do, upper triangular. off [segments]: relative, of the maps. uncertain [n]:
  * relative, of the diagonal of r. */
-static void carry(int n, int segments, const double *map, const double *off, double *q, double *r,
-                  double *uncertain)
+static void carry(int n, int segments, const double *map, const double *errors, double *q,
+                  double *r, double *uncertain)
 {
-    square moved, by, product;
+    square moved, triangle, product;
     for (int i = 0; i < n * n; i++)
         r[i] = i % (n + 1) == 0;
     memset(uncertain, 0, (size_t)n * sizeof *uncertain);
     for (int s = 0; s < segments; s++) {
         multiply(n, n, n, map + s * n * n, q, moved);
-        orthogonalise(n, moved, by);
+        orthogonalise(n, moved, triangle);
         memcpy(q, moved, (size_t)(n * n) * sizeof *q);
-        multiply(n, n, n, by, r, product);
+        multiply(n, n, n, triangle, r, product);
         memcpy(r, product, (size_t)(n * n) * sizeof *r);
         for (int k = 0; k < n; k++)
-            uncertain[k] += off[s] / by[k * n + k];
+            uncertain[k] += errors[s] / triangle[k * n + k];
     }
 }
 
@@ -128,7 +129,7 @@ static double size_of(struct eigenvalue value)
     return hypot(value.re, value.im);
 }
 
-static void sort(int n, struct eigenvalue *value)
+static void eigenvalues_sort(int n, struct eigenvalue *value)
 {
     for (int i = 1; i < n; i++)
         for (int j = i; j > 0 && size_of(value[j]) > size_of(value[j - 1]); j--) {
@@ -141,30 +142,30 @@ static void sort(int n, struct eigenvalue *value)
 /* The smallest, by the product of all (Liouville), where it is better known so. */
 static void mend_last(int n, double log_determinant, struct eigenvalue *value, double *uncertain)
 {
-    double log_others = 0, sign = 1, off = 0;
+    double log_others = 0, sign = 1, error_sum = 0;
     for (int i = 0; i < n - 1; i++) {
         log_others += log(size_of(value[i]));
-        off += uncertain[i];
+        error_sum += uncertain[i];
         if (value[i].im == 0)
             sign *= copysign(1, value[i].re);
     }
-    if (value[n - 1].im == 0 && off < uncertain[n - 1]) {
+    if (value[n - 1].im == 0 && error_sum < uncertain[n - 1]) {
         value[n - 1].re = sign * exp(log_determinant - log_others);
-        uncertain[n - 1] = off;
+        uncertain[n - 1] = error_sum;
     }
 }
 
 bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multipliers *m)
 {
     const int n = o->rate ? o->n - 1 : o->n;
-    double map[CURVE_MAX * FIELD_VARIABLES], off[CURVE_MAX];
-    *m = (struct multipliers){.count = n, .trivial = drift(o, off)};
+    double map[CURVE_MAX * FIELD_VARIABLES], errors[CURVE_MAX];
+    *m = (struct multipliers){.count = n, .trivial = drift(o, errors)};
     if (n == 0)
         return true;
     /* what lies across is not better known than which way the motion goes: where this turns, only
      * little may be left across of what has grown */
     for (int s = 0; s < o->segments; s++)
-        off[s] = (off[s] + tol) * vector_length(o->n * o->n, o->map + s * o->n * o->n);
+        errors[s] = (errors[s] + tol) * vector_length(o->n * o->n, o->map + s * o->n * o->n);
     square q, r, turned, whole;
     double uncertain[FIELD_VARIABLES], first[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int s = 0; s < o->segments; s++) {
@@ -179,7 +180,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
         q[i] = i % (n + 1) == 0;
     for (int sweep = 0; sweep < (n > 1 ? QR_SWEEPS : 1); sweep++) {
         memcpy(first, q, sizeof first);
-        carry(n, o->segments, map, off, q, r, uncertain);
+        carry(n, o->segments, map, errors, q, r, uncertain);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
@@ -188,7 +189,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     multiply(n, n, n, whole, r, turned);
     if (!matrix_eigenvalues(n, turned, m->value))
         return false;
-    sort(n, m->value);
+    eigenvalues_sort(n, m->value);
     mend_last(n, o->log_determinant, m->value, uncertain);
     m->log_determinant = o->log_determinant;
     for (int k = 0; k < n; k++)
@@ -198,9 +199,9 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
 }
 
 /* (x - at) / max(1, |x|): of the same sign, and passing 0 as smoothly */
-static double bounded(double x, double at)
+static double bounded(double x, double reference)
 {
-    return (x - at) / fmax(1, fabs(x));
+    return (x - reference) / fmax(1, fabs(x));
 }
 
 double multipliers_doubling(const struct multipliers *m)

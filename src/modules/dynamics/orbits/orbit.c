@@ -44,11 +44,11 @@ static bool close_smallest(struct orbit_search *s, const double *state, double p
         return false;
     for (size_t k = 0; k < COUNT_OF(parts);) {
         struct found_orbit part = *orbit;
-        const int of = parts[k];
-        if ((multiple == 0 || orbit->solution.multiple % of == 0) &&
-            closes_after(s, &orbit->solution, of) &&
-            orbit_close(s, orbit->solution.state, orbit->solution.period / of,
-                        orbit->solution.multiple / of, NULL, &part) &&
+        const int divisor = parts[k];
+        if ((multiple == 0 || orbit->solution.multiple % divisor == 0) &&
+            closes_after(s, &orbit->solution, divisor) &&
+            orbit_close(s, orbit->solution.state, orbit->solution.period / divisor,
+                        orbit->solution.multiple / divisor, NULL, &part) &&
             part.solution.period < 0.75 * orbit->solution.period)
             *orbit = part;
         else
@@ -57,7 +57,7 @@ static bool close_smallest(struct orbit_search *s, const double *state, double p
     return true;
 }
 
-static void tell(const struct orbit_search *s)
+static void orbit_progress_report(const struct orbit_search *s)
 {
     if (s->request->progress)
         s->request->progress(s->request->context, 0);
@@ -68,7 +68,7 @@ static bool take_orbit(struct orbit_search *s, const double *state, double perio
 {
     struct found_orbit orbit = {.samples = 0};
     s->tries++;
-    tell(s);
+    orbit_progress_report(s);
     if (!close_smallest(s, state, period, multiple, &orbit))
         return false;
     const bool wanted = solution_stable(&orbit.solution) || !s->request->settles;
@@ -89,7 +89,7 @@ struct returns {
 static bool find_returns(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;
-    double grid[FIELD_TIMES * FIELD_VARIABLES], at[FIELD_VARIABLES];
+    double grid[FIELD_TIMES * FIELD_VARIABLES], point[FIELD_VARIABLES];
     struct field_plane plane;
     const double h = span / (FIELD_TIMES - 1);
     field_plane_across(&s->field, s->state, &plane);
@@ -111,11 +111,12 @@ static bool find_returns(struct orbit_search *s, double span, struct returns *fo
         const double *a = grid + (k - 1) * n;
         if (!(field_side(&s->field, &plane, a) < 0 && field_side(&s->field, &plane, a + n) >= 0))
             continue;
-        const double by = field_crossing(&s->field, s->t + (k - 1) * h, a, h, a + n, &plane, at);
-        if (!isfinite(by))
+        const double delay =
+            field_crossing(&s->field, s->t + (k - 1) * h, a, h, a + n, &plane, point);
+        if (!isfinite(delay))
             continue;
-        found->time[found->count] = (k - 1) * h + by;
-        found->distance[found->count++] = field_distance(&s->field, s->state, at) / s->extent;
+        found->time[found->count] = (k - 1) * h + delay;
+        found->distance[found->count++] = field_distance(&s->field, s->state, point) / s->extent;
     }
     memcpy(end, grid + (FIELD_TIMES - 1) * n, (size_t)n * sizeof *end);
     return true;
@@ -127,14 +128,14 @@ static bool spent(const struct orbit_search *s)
 }
 
 /* From those that come near, the earliest first. */
-static bool take_returns(struct orbit_search *s, const struct returns *r, double near)
+static bool take_returns(struct orbit_search *s, const struct returns *r, double distance_max)
 {
     double best = HUGE_VAL;
     int tried = 0;
     for (int k = 0; k < r->count; k++)
         best = fmin(best, r->distance[k]);
     for (int k = 0; k < r->count && tried < RETURN_TRIES_MAX && !spent(s); k++)
-        if (r->distance[k] <= near &&
+        if (r->distance[k] <= distance_max &&
             (r->distance[k] <= 1e3 * best || r->distance[k] <= RETURN_NEAR_FRACTION)) {
             tried++;
             if (cancelled(s->request->cancel) || take_orbit(s, s->state, r->time[k], 0))
@@ -164,7 +165,7 @@ static bool find_own(struct orbit_search *s, struct error *error)
     double span = s->request->span, end[FIELD_VARIABLES];
     for (int waits = 0, looks = 0; looks < 3 * SETTLING_SPANS_MAX; looks++) {
         struct returns found;
-        tell(s);
+        orbit_progress_report(s);
         if (cancelled(s->request->cancel) || !find_returns(s, span, &found, end))
             return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
                            error);
@@ -224,8 +225,9 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
                nothing(s, "no response of that period was found near this guess", error);
     }
     /* on to where the drive is as at the start */
-    const double turns = ceil((s->t - t0) / drive - 1e-9), on = t0 + turns * drive - s->t;
-    if (on > 1e-9 * drive && !field_flow(&s->field, s->t, s->state, on, s->state, NULL))
+    const double turns = ceil((s->t - t0) / drive - 1e-9), remaining = t0 + turns * drive - s->t;
+    if (remaining > 1e-9 * drive &&
+        !field_flow(&s->field, s->t, s->state, remaining, s->state, NULL))
         return nothing(s, "the motion from there ends", error);
     struct returns ignored;
     if (!find_returns(s, drive, &ignored, history[0]))
@@ -235,7 +237,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
     for (int k = 1; k <= SETTLING_PERIODS_MAX && s->request->settles; k++) {
         double *now = history[k % (SUBHARMONIC_MAX + 1)], best = HUGE_VAL,
                distance[SUBHARMONIC_MAX + 1];
-        tell(s);
+        orbit_progress_report(s);
         if (cancelled(s->request->cancel) ||
             !field_flow(&s->field, t0, history[(k - 1) % (SUBHARMONIC_MAX + 1)], drive, now, NULL))
             return nothing(s, "the motion from there ends", error);
@@ -321,10 +323,10 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
     double nearest = HUGE_VAL;
     for (int k = 0; k + 1 < orbit->samples; k++) {
         const double *a = orbit->sample + k * (n + 1) + 1, *b = a + n + 1;
-        double at[FIELD_VARIABLES], sum = 0;
-        field_nearest_on_line(&s->field, s->request->state, a, b, at);
+        double nearest_point[FIELD_VARIABLES], sum = 0;
+        field_nearest_on_line(&s->field, s->request->state, a, b, nearest_point);
         for (int i = 0; i < n; i++)
-            sum += pow(field_apart(&s->field, i, at, s->request->state), 2);
+            sum += pow(field_apart(&s->field, i, nearest_point, s->request->state), 2);
         nearest = fmin(nearest, sum);
     }
     return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
@@ -334,15 +336,15 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
 static double energy_of(const struct system *system, const struct found_orbit *orbit)
 {
     const int n = system->n;
-    double sum = 0, last = 0, at = 0;
+    double sum = 0, last = 0, t_last = 0;
     for (int k = 0; k < orbit->samples; k++) {
         const double *row = orbit->sample + k * (n + 1), t = system->t0 + row[0];
         const double power = system->autonomous ? fmax(system_power(system, t, row + 1), 0)
                                                 : system_power(system, t, row + 1) -
                                                       system_dissipation(system, t, row + 1);
-        sum += k > 0 ? (row[0] - at) * (power + last) / 2 : 0;
+        sum += k > 0 ? (row[0] - t_last) * (power + last) / 2 : 0;
         last = power;
-        at = row[0];
+        t_last = row[0];
     }
     return sum;
 }
@@ -381,7 +383,7 @@ static int some_param(const struct scene *scene)
 
 bool orbit_find(const struct orbit_request *request, struct found_orbit *found, struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     const int param = some_param(request->scene);
     struct orbit_search s = {.request = request, .found = found, .t = request->t};
     *found = (struct found_orbit){.samples = 0};
@@ -401,7 +403,7 @@ bool orbit_find(const struct orbit_request *request, struct found_orbit *found, 
     if (fine && cancelled(request->cancel))
         fine = error_set(error, ERROR_CANCELLED, "cancelled");
     found->evals = s.field.evals;
-    found->seconds = clock_seconds(since);
+    found->seconds = clock_seconds(start_time);
     field_free(&s.field);
     return fine;
 }

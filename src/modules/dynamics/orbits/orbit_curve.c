@@ -55,7 +55,7 @@ static void rate_of(struct vector_field *field, double t, const double *y, doubl
 /* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
 struct shot {
     double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
-    struct flow_slopes by;
+    struct flow_slopes slopes;
     double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
 };
 
@@ -66,7 +66,7 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
     s->span = span_of(c, i, period);
     s->t = field->system.t0 + begins(c, i, period);
     state_of(field, u + i * field->n, s->start);
-    if (!(s->span > 0) || !field_flow(field, s->t, s->start, s->span, s->end, &s->by))
+    if (!(s->span > 0) || !field_flow(field, s->t, s->start, s->span, s->end, &s->slopes))
         return false;
     rate_of(field, s->t, s->start, s->first);
     rate_of(field, s->t + s->span, s->end, s->last);
@@ -74,14 +74,15 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
 }
 
 /* By the parameter, where the period changes with it, too: both ends of a segment move in time. */
-static void add_drive(const struct orbit_curve *c, int i, double by, struct shot *s)
+static void add_drive(const struct orbit_curve *c, int i, double rate, struct shot *s)
 {
     const int n = c->field->n;
-    const double from = by * c->share[i], to = by * c->share[i + 1];
+    const double rate_begin = rate * c->share[i], rate_end = rate * c->share[i + 1];
     for (int k = 0; k < n; k++) {
-        s->by.by_parameter[0][k] += to * s->last[k];
+        s->slopes.by_parameter[0][k] += rate_end * s->last[k];
         for (int l = 0; l < n; l++)
-            s->by.by_parameter[0][k] -= from * s->by.by_start[k * n + l] * s->first[l];
+            s->slopes.by_parameter[0][k] -=
+                rate_begin * s->slopes.by_start[k * n + l] * s->first[l];
     }
 }
 
@@ -95,12 +96,12 @@ static void put_rows(const struct orbit_curve *c, const double *u, int i, const 
         const double turned = next == 0 ? c->winding[k] * field->turn[k] : 0;
         f[row] = (s->end[k] - turned) / field->size[k] - u[next * n + k];
         for (int l = 0; l < n; l++)
-            jacobian[row * all + i * n + l] += s->by.by_start[k * n + l];
+            jacobian[row * all + i * n + l] += s->slopes.by_start[k * n + l];
         jacobian[row * all + next * n + k] -= 1;
         if (!c->forced)
             jacobian[row * all + c->segments * n] =
                 s->last[k] * c->tsize * (c->share[i + 1] - c->share[i]);
-        jacobian[row * all + all - 1] = s->by.by_parameter[0][k] * c->psize;
+        jacobian[row * all + all - 1] = s->slopes.by_parameter[0][k] * c->psize;
     }
 }
 
@@ -109,8 +110,8 @@ static void put_phase(const struct orbit_curve *c, const double *u, double *f, d
     const int n = c->field->n, row = c->segments * n, all = c->problem.n + 1;
     f[row] = 0;
     for (int k = 0; k < n; k++) {
-        f[row] += c->along[k] * (u[k] - c->reference[k]);
-        jacobian[row * all + k] = c->along[k];
+        f[row] += c->normal[k] * (u[k] - c->reference[k]);
+        jacobian[row * all + k] = c->normal[k];
     }
 }
 
@@ -123,7 +124,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     if (cancelled(field->cancel) || !field_set(field, &p))
         return false;
     const double period = orbit_curve_period(c, u),
-                 by = c->forced && !(c->drive > 0) ? c->multiple * field_drive_by(field, 0) : 0;
+                 drive_rate =
+                     c->forced && !(c->drive > 0) ? c->multiple * field_drive_by(field, 0) : 0;
     if (!(period > 0) || !isfinite(period))
         return false;
     memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
@@ -132,13 +134,13 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
         struct shot s;
         if (!shoot(c, u, i, period, &s))
             return false;
-        memcpy(c->map + i * n * n, s.by.by_start, (size_t)(n * n) * sizeof *c->map);
+        memcpy(c->map + i * n * n, s.slopes.by_start, (size_t)(n * n) * sizeof *c->map);
         memcpy(c->rate + i * n, s.first, (size_t)n * sizeof *c->rate);
         c->growth[i] = 0;
         for (int k = 0; k < n * n; k++)
-            c->growth[i] = fmax(c->growth[i], fabs(s.by.by_start[k]));
-        c->log_determinant += s.by.log_determinant;
-        add_drive(c, i, by, &s);
+            c->growth[i] = fmax(c->growth[i], fabs(s.slopes.by_start[k]));
+        c->log_determinant += s.slopes.log_determinant;
+        add_drive(c, i, drive_rate, &s);
         put_rows(c, u, i, &s, f, jacobian);
     }
     if (!c->forced)
@@ -179,8 +181,8 @@ static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
     }
 }
 
-static void test(void *context, const double *u, const double *jacobian, const double *tangent,
-                 double *value)
+static void orbit_curve_test(void *context, const double *u, const double *jacobian,
+                             const double *tangent, double *value)
 {
     const struct orbit_curve *c = context;
     const int n = c->problem.n;
@@ -198,7 +200,7 @@ static void test(void *context, const double *u, const double *jacobian, const d
     value[ORBIT_TORUS] = known ? multipliers_torus(&multipliers) : NAN;
 }
 
-static void aim(void *context, bool fine)
+static void orbit_curve_aim(void *context, bool fine)
 {
     struct orbit_curve *c = context;
     c->field->tol = fine ? FINE_TOL : WALK_TOL;
@@ -208,14 +210,14 @@ static void aim(void *context, bool fine)
 static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
 {
     const int n = c->field->n;
-    double rate[CURVE_MAX] = {0}, off = 0, by = 0;
+    double rate[CURVE_MAX] = {0}, normal_part = 0, normal_rate = 0;
     rates_of(c, u, rate);
     for (int k = 0; k < n; k++) {
-        off += c->along[k] * tangent[k];
-        by += c->along[k] * rate[k];
+        normal_part += c->normal[k] * tangent[k];
+        normal_rate += c->normal[k] * rate[k];
     }
     for (int i = 0; i < c->segments * n; i++)
-        tangent[i] -= off / by * rate[i];
+        tangent[i] -= normal_part / normal_rate * rate[i];
     vector_normalise(c->problem.n + 1, tangent);
 }
 
@@ -258,9 +260,9 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
         for (int i = 0; i < m; i++)
             share[i] = begins(c, i, period) / period;
     for (int i = 0; i < m; i++) {
-        const double by = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
+        const double shift = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
         for (int k = i * n; k < (i + 1) * n; k++)
-            moved[k] = direction[k] + by * rate[k];
+            moved[k] = direction[k] + shift * rate[k];
     }
     if (!(vector_length(m * n, moved) < STRETCH_MIN_FRACTION * vector_length(m * n, direction)) &&
         room_of(c, period, c->share) > room)
@@ -279,8 +281,8 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
     double y[FIELD_VARIABLES];
     memcpy(c->reference, u, sizeof c->reference);
     state_of(c->field, u, y);
-    rate_of(c->field, c->field->system.t0, y, c->along);
-    vector_normalise(c->field->n, c->along);
+    rate_of(c->field, c->field->system.t0, y, c->normal);
+    vector_normalise(c->field->n, c->normal);
     if (tangent && !c->forced)
         turn_tangent(c, u, tangent);
 }
@@ -290,7 +292,7 @@ double orbit_curve_upright(const struct orbit_curve *c)
     const int n = c->field->n;
     double cosine = 0;
     for (int i = 0; i < n; i++)
-        cosine += c->along[i] * c->rate[i];
+        cosine += c->normal[i] * c->rate[i];
     return c->forced ? 1 : cosine / vector_length(n, c->rate);
 }
 
@@ -349,10 +351,10 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
     if (!field_set(field, &p))
         return false;
     const double period = orbit_curve_period(c, u);
-    int to = 0;
+    int next = 0;
     for (int i = 0; i < m; i++) {
         double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
-        memcpy(cut + to++ * n, u + i * n, (size_t)n * sizeof *cut);
+        memcpy(cut + next++ * n, u + i * n, (size_t)n * sizeof *cut);
         if (!halved[i])
             continue;
         state_of(field, u + i * n, y);
@@ -360,31 +362,31 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
                         span_of(c, i, period) / 2, end, NULL))
             return false;
         for (int k = 0; k < n; k++)
-            cut[to * n + k] = end[k] / field->size[k];
-        to++;
+            cut[next * n + k] = end[k] / field->size[k];
+        next++;
     }
-    memcpy(cut + to * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
+    memcpy(cut + next * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
     return true;
 }
 
 static void cut_shares(struct orbit_curve *c, const bool *halved)
 {
     double share[CURVE_MAX], fixed[CURVE_MAX];
-    int to = 0;
+    int next = 0;
     for (int i = 0; i < c->segments; i++) {
-        fixed[to] = c->fixed[i];
-        share[to++] = c->share[i];
+        fixed[next] = c->fixed[i];
+        share[next++] = c->share[i];
         if (!halved[i])
             continue;
-        fixed[to] = (c->fixed[i] + c->fixed[i + 1]) / 2;
-        share[to++] = (c->share[i] + c->share[i + 1]) / 2;
+        fixed[next] = (c->fixed[i] + c->fixed[i + 1]) / 2;
+        share[next++] = (c->share[i] + c->share[i + 1]) / 2;
     }
-    fixed[to] = 0;
-    share[to] = 1;
+    fixed[next] = 0;
+    share[next] = 1;
     memcpy(c->fixed, fixed, sizeof fixed);
     memcpy(c->share, share, sizeof share);
-    c->problem.n += (to - c->segments) * c->field->n;
-    c->segments = to;
+    c->problem.n += (next - c->segments) * c->field->n;
+    c->segments = next;
 }
 
 #define DIFFERENCE_STEP_UNITS 1e-6
@@ -413,11 +415,11 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 static int segments_for(struct vector_field *field, const double *state, double period)
 {
     double end[FIELD_VARIABLES], size = 0;
-    struct flow_slopes by;
-    if (!field_flow(field, field->system.t0, state, period, end, &by))
+    struct flow_slopes slopes;
+    if (!field_flow(field, field->system.t0, state, period, end, &slopes))
         return 0;
     for (int i = 0; i < field->n * field->n; i++)
-        size = fmax(size, fabs(by.by_start[i]));
+        size = fmax(size, fabs(slopes.by_start[i]));
     const int most = (CURVE_MAX - 2) / field->n,
               wanted = SEGMENTS_MIN + (int)(log(fmax(size, 1)) / log(NEW_SEGMENT_GROWTH_MAX));
     return wanted < most ? wanted : most;
@@ -445,9 +447,9 @@ bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double 
     c->problem = (struct curve_problem){.context = c,
                                         .n = c->segments * field->n + !c->forced,
                                         .residual = residual,
-                                        .test = test,
+                                        .test = orbit_curve_test,
                                         .tests = 4,
-                                        .aim = aim,
+                                        .aim = orbit_curve_aim,
                                         .singular = 1u << ORBIT_CROSSING};
     return true;
 }

@@ -30,7 +30,7 @@ struct orbit_curve {
     double psize, tsize;
     int winding[FIELD_VARIABLES];      /* turns of angles in a period */
     double reference[FIELD_VARIABLES]; /* a state in units of size, and how it moves there: */
-    double along[FIELD_VARIABLES];     /* the orbit's start lies in the plane across */
+    double normal[FIELD_VARIABLES];    /* the orbit's start lies in the plane across */
     /* of the last residual: what each segment does, and how the orbit moves where it begins, in
      * units of size */
     double map[CURVE_MAX * FIELD_VARIABLES], rate[CURVE_MAX];

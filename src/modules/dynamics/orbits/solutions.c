@@ -35,10 +35,10 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error)
 {
-    struct scene at = *scene;
-    at.value[param] = guess->param[0];
+    struct scene guess_scene = *scene;
+    guess_scene.value[param] = guess->param[0];
     path->kind = guess->kind;
-    if (!field_init(&path->field, &at, &param, 1, error))
+    if (!field_init(&path->field, &guess_scene, &param, 1, error))
         return false;
     struct vector_field *field = &path->field;
     field->cancel = cancel;
@@ -121,10 +121,10 @@ static bool find_extremes(struct solution_curve *path, const double *u, struct s
         for (int i = 0; i < n; i++)
             take_extremes(s, i, grid[i]);
         for (int k = 1; k < FIELD_TIMES; k++) {
-            const double *before = grid + (k - 1) * n, *after = grid + k * n;
-            system_derivative(&field->system, t + k * h, after, rate[k % 2]);
+            const double *left = grid + (k - 1) * n, *right = grid + k * n;
+            system_derivative(&field->system, t + k * h, right, rate[k % 2]);
             for (int i = 0; i < n; i++)
-                cubic_extremes(s, i, h, before[i], rate[(k - 1) % 2][i], after[i], rate[k % 2][i]);
+                cubic_extremes(s, i, h, left[i], rate[(k - 1) % 2][i], right[i], rate[k % 2][i]);
         }
     }
     return true;
@@ -206,11 +206,11 @@ static bool has_pair(const struct solution *s, bool map)
 {
     double best = HUGE_VAL, im = 0, size = 0;
     for (int i = 0; i < s->values; i++) {
-        const double off =
+        const double distance =
             map ? fabs(hypot(s->value[i].re, s->value[i].im) - 1) : fabs(s->value[i].re);
         size = fmax(size, hypot(s->value[i].re, s->value[i].im));
-        if (s->value[i].im > 0 && off < best) {
-            best = off;
+        if (s->value[i].im > 0 && distance < best) {
+            best = distance;
             im = s->value[i].im;
         }
     }

@@ -41,14 +41,14 @@ enum special solutions_special(const struct solution_curve *path, int test,
 
 /* How the unknowns u of a special point, which solutions_begin() has found, go on along its branch,
  * [problem->n + 1]. */
-bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
+bool solutions_along(struct solution_curve *path, const struct branch_point *special, double *u,
                      double *direction);
 /*
  * Where the branch that leaves a special point begins: a solution of the other branch as the guess,
  * and the direction [problem->n + 1] in which it goes away. side: 1 or -1, of a crossing.
  */
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
-                     double psize, const struct branch_point *from, int side,
+                     double psize, const struct branch_point *point, int side,
                      const struct cancel *cancel, struct curve_place *first, struct error *error);
 
 /* ---- the search for a periodic orbit (orbit.c), and along families of them (family.c) ---- */
@@ -67,7 +67,7 @@ struct orbit_search {
 /* From this guess; across: a direction [1/SI] of the states and of the logarithm of the period in
  * which nothing moves, or NULL if there is none. False: there is none, or it is a rest. */
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
-                 const double *across, struct found_orbit *orbit);
+                 const double *normal, struct found_orbit *orbit);
 /* Largest of the ranges of the variables along it, in units of size. */
 double orbit_extent(const struct vector_field *field, const struct solution *solution);
 /*

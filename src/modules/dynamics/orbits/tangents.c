@@ -126,7 +126,7 @@ static bool stays(struct tangents *t)
 static bool jumps(const struct tangents *t, double *branch)
 {
     const struct system *system = &t->variation.base;
-    double now[LIMIT_SWITCHES], rate[2][LIMIT_VARIABLES], size = 0, off = 0;
+    double now[LIMIT_SWITCHES], rate[2][LIMIT_VARIABLES], size = 0, jump = 0;
     const size_t bytes = (size_t)system->switches * sizeof *now;
     system_branches(system, t->step.t, t->y, now);
     if (memcmp(now, branch, bytes) == 0)
@@ -138,23 +138,23 @@ static bool jumps(const struct tangents *t, double *branch)
     }
     for (int i = 0; i < t->n; i++) {
         size = fmax(size, fabs(rate[1][i]) / t->field.size[i]);
-        off = fmax(off, fabs(rate[1][i] - rate[0][i]) / t->field.size[i]);
+        jump = fmax(jump, fabs(rate[1][i] - rate[0][i]) / t->field.size[i]);
     }
     memcpy(branch, now, bytes);
-    return off > RATE_JUMP_RELATIVE * size;
+    return jump > RATE_JUMP_RELATIVE * size;
 }
 
-enum tangents_end tangents_advance(struct tangents *t, double from, double span)
+enum tangents_end tangents_advance(struct tangents *t, double t_begin, double span)
 {
-    const double end = from + span;
+    const double end = t_begin + span;
     double branch[LIMIT_SWITCHES];
     const bool switches = t->variation.base.switches > 0;
     t->controller.t_low = 0;
-    if (t->step.t != from)
+    if (t->step.t != t_begin)
         t->step.warm = t->controller.sampling = false;
-    t->step.t = from;
+    t->step.t = t_begin;
     if (switches)
-        system_branches(&t->variation.base, from, t->y, branch);
+        system_branches(&t->variation.base, t_begin, t->y, branch);
     for (int hopeless = 0; t->step.t != end;) {
         const enum step_status status = method_adapt(t->method, &t->step, &t->controller, end);
         if (status != STEP_OK)

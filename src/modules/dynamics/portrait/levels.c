@@ -37,12 +37,13 @@ static double value_at(const struct marching *m, double x, double y)
 }
 
 /* On the side from a to b, where the values have different signs; false: a pole. */
-static bool crossing(const struct marching *m, const double a[3], const double b[3], double out[2])
+static bool crossing(const struct marching *m, const double a[3], const double b[3],
+                     double point[2])
 {
     double low[3], high[3];
     memcpy(low, a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]) ? a : b, sizeof low);
     memcpy(high, low[0] == a[0] && low[1] == a[1] ? b : a, sizeof high);
-    const double before = fmax(fabs(low[2]), fabs(high[2]));
+    const double bound = fmax(fabs(low[2]), fabs(high[2]));
     for (int k = 0; k < HALVINGS_MAX && low[2] != 0; k++) {
         const double x = low[0] + (high[0] - low[0]) / 2, y = low[1] + (high[1] - low[1]) / 2;
         const double v = value_at(m, x, y);
@@ -51,10 +52,10 @@ static bool crossing(const struct marching *m, const double a[3], const double b
         side[1] = y;
         side[2] = v;
     }
-    const double *at = fabs(low[2]) <= fabs(high[2]) ? low : high;
-    out[0] = at[0];
-    out[1] = at[1];
-    return fabs(at[2]) <= before;
+    const double *nearest = fabs(low[2]) <= fabs(high[2]) ? low : high;
+    point[0] = nearest[0];
+    point[1] = nearest[1];
+    return fabs(nearest[2]) <= bound;
 }
 
 static void add_level_segment(struct marching *m, const double a[2], const double b[2])
@@ -77,22 +78,22 @@ static void add_level_segment(struct marching *m, const double a[2], const doubl
 /* Corners in turn, each x, y, value: 0 counts as above. */
 static void march(struct marching *m, double corner[4][3])
 {
-    double at[4][2];
+    double crossings[4][2];
     int count = 0;
     for (int i = 0; i < 4; i++) {
         const double *a = corner[i], *b = corner[(i + 1) % 4];
         if (isfinite(a[2]) && isfinite(b[2]) && (a[2] < 0) != (b[2] < 0) &&
-            crossing(m, a, b, at[count]))
+            crossing(m, a, b, crossings[count]))
             count++;
     }
     if (count == 2) {
-        add_level_segment(m, at[0], at[1]);
+        add_level_segment(m, crossings[0], crossings[1]);
     } else if (count == 4) { /* a saddle of f: what its middle says */
         const double middle =
             value_at(m, (corner[0][0] + corner[2][0]) / 2, (corner[0][1] + corner[2][1]) / 2);
         const bool same = (middle < 0) == (corner[0][2] < 0);
-        add_level_segment(m, at[same ? 0 : 3], at[same ? 1 : 0]);
-        add_level_segment(m, at[same ? 2 : 1], at[same ? 3 : 2]);
+        add_level_segment(m, crossings[same ? 0 : 3], crossings[same ? 1 : 0]);
+        add_level_segment(m, crossings[same ? 2 : 1], crossings[same ? 3 : 2]);
     }
 }
 
@@ -104,14 +105,14 @@ static void examine_cells(struct marching *m, const double box[2][2], int cells)
     if (request->may_be_zero && !request->may_be_zero(request->context, box))
         return;
     double corner[4][3];
-    int below = 0;
+    int negative_count = 0;
     for (int i = 0; i < 4; i++) {
         corner[i][0] = box[0][i == 1 || i == 2];
         corner[i][1] = box[1][i >= 2];
         corner[i][2] = value_at(m, corner[i][0], corner[i][1]);
-        below += corner[i][2] < 0;
+        negative_count += corner[i][2] < 0;
     }
-    const bool changes = below > 0 && below < 4;
+    const bool changes = negative_count > 0 && negative_count < 4;
     if (cells >=
         (changes || !request->may_be_zero ? SIGN_CHANGE_CELLS_PER_SIDE : DOUBTFUL_CELLS_PER_SIDE)) {
         if (changes)
@@ -128,7 +129,7 @@ static void examine_cells(struct marching *m, const double box[2][2], int cells)
 /* ---- lines ---- */
 
 /* A segment that goes on from this point; its other end. NULL: there is none. */
-static const struct level_segment *next(struct marching *m, double *x, double *y)
+static const struct level_segment *level_segment_next(struct marching *m, double *x, double *y)
 {
     for (size_t i = 0; i < m->segments; i++) {
         struct level_segment *s = &m->segment[i];
@@ -143,7 +144,7 @@ static const struct level_segment *next(struct marching *m, double *x, double *y
     return NULL;
 }
 
-static bool join(struct marching *m, struct polyline *line)
+static bool level_segments_join(struct marching *m, struct polyline *line)
 {
     for (size_t i = 0; i < m->segments; i++) {
         struct level_segment *first = &m->segment[i];
@@ -152,11 +153,11 @@ static bool join(struct marching *m, struct polyline *line)
         first->used = true;
         /* back to where it begins, then forth */
         double x = first->x[0], y = first->y[0], begin[2] = {x, y};
-        const size_t from = line->n;
-        while (next(m, &x, &y))
+        const size_t first_point = line->n;
+        while (level_segment_next(m, &x, &y))
             if (!polyline_put(line, x, y))
                 return false;
-        for (size_t a = from, b = line->n; a + 1 < b; a++) {
+        for (size_t a = first_point, b = line->n; a + 1 < b; a++) {
             const double sx = line->x[a], sy = line->y[a];
             line->x[a] = line->x[--b];
             line->y[a] = line->y[b];
@@ -167,7 +168,7 @@ static bool join(struct marching *m, struct polyline *line)
         y = first->y[1];
         if (!polyline_put(line, begin[0], begin[1]) || !polyline_put(line, x, y))
             return false;
-        while (next(m, &x, &y))
+        while (level_segment_next(m, &x, &y))
             if (!polyline_put(line, x, y))
                 return false;
         if (!polyline_gap(line))
@@ -192,7 +193,7 @@ bool level_lines(const struct level_request *request, struct polyline *line)
                 &m,
                 (const double[2][2]){{side[0][i], side[0][i + 1]}, {side[1][j], side[1][j + 1]}},
                 CELLS_PER_SIDE);
-    const bool fine = !m.failed && join(&m, line);
+    const bool fine = !m.failed && level_segments_join(&m, line);
     free(m.segment);
     return fine;
 }

@@ -67,13 +67,13 @@ static bool may_be_zero(const void *context, const double box[2][2])
 {
     const struct plane_value *v = context;
     double state[LIMIT_VARIABLES];
-    struct interval at[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
+    struct interval region[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
     place(v->work, 0, 0, state);
     for (int i = 0; i < v->work->field.n; i++)
-        at[i] = (struct interval){state[i], state[i]};
+        region[i] = (struct interval){state[i], state[i]};
     for (int k = 0; k < 2; k++)
-        at[v->work->request->variable[k]] = (struct interval){box[k][0], box[k][1]};
-    system_bounds(v->work->bounded, at, rate, NULL);
+        region[v->work->request->variable[k]] = (struct interval){box[k][0], box[k][1]};
+    system_bounds(v->work->bounded, region, rate, NULL);
     return !(rate[v->variable].lo > 0 || rate[v->variable].hi < 0);
 }
 
@@ -103,9 +103,9 @@ static bool energies(struct portrait_work *work, struct polyline *line)
             high = isfinite(e) ? fmax(high, e) : high;
         }
     for (int k = 0; k < work->portrait->found.count; k++) {
-        const double *at = work->portrait->found.of[k].state;
-        low = fmin(low, plane_value(&value, at[work->request->variable[0]],
-                                    at[work->request->variable[1]]));
+        const double *state = work->portrait->found.solution[k].state;
+        low = fmin(low, plane_value(&value, state[work->request->variable[0]],
+                                    state[work->request->variable[1]]));
     }
     bool fine = true;
     for (int k = 1; k <= ENERGY_LEVELS && fine && high > low; k++) {
@@ -128,7 +128,7 @@ static bool find_equilibria(struct portrait_work *work, struct error *error)
     return equilibria_find(&wanted, &work->portrait->found, error);
 }
 
-static bool draw(struct portrait_work *work)
+static bool portrait_draw(struct portrait_work *work)
 {
     const struct portrait_request *request = work->request;
     struct polyline *line = work->portrait->line;
@@ -148,7 +148,7 @@ static bool draw(struct portrait_work *work)
 bool portrait_make(const struct portrait_request *request, struct portrait *portrait,
                    struct error *error)
 {
-    const int64_t since = clock_ns();
+    const int64_t start_time = clock_ns();
     struct portrait_work work = {.request = request, .portrait = portrait};
     struct typed_models *models = NULL;
     struct system bounded, energetic;
@@ -162,10 +162,10 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
         work.field.system = energetic;
     if (fine && !find_equilibria(&work, &ignored)) /* it has none that can be found */
         portrait->found = (struct equilibria){.count = 0};
-    if (fine && !draw(&work))
+    if (fine && !portrait_draw(&work))
         fine = error_memory(error);
     portrait->evals += work.field.evals;
-    portrait->seconds = clock_seconds(since);
+    portrait->seconds = clock_seconds(start_time);
     field_free(&work.field);
     typed_destroy(models);
     if (!fine)

@@ -50,7 +50,7 @@ static double stride(const struct plane_walk *w)
 }
 
 /* An angle that has left its range comes back on the other side: the line has a gap there. */
-static bool wrap(struct plane_walk *w)
+static bool plane_angle_wrap(struct plane_walk *w)
 {
     bool turned = false;
     for (int k = 0; k < 2; k++) {
@@ -93,7 +93,7 @@ static int reached(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int e = 0; e < found->count; e++)
-        if (e != except && distance(w, found->of[e].state) < EQUILIBRIUM_REACHED_FRACTION)
+        if (e != except && distance(w, found->solution[e].state) < EQUILIBRIUM_REACHED_FRACTION)
             return e;
     return -1;
 }
@@ -101,34 +101,36 @@ static int reached(const struct plane_walk *w, int except)
 /* ---- crossings ---- */
 
 /* Where variable k has this value, between the state before and the one `span` later. */
-static void cross(struct plane_walk *w, const double *before, double span, int k, double value)
+static void cross(struct plane_walk *w, const double *previous, double span, int k, double value)
 {
     struct separatrix *s = w->separatrix;
     struct field_plane plane = {.normal = {0}};
-    double at[LIMIT_VARIABLES];
+    double point[LIMIT_VARIABLES];
     plane.origin[variable_of(w, k)] = value;
     plane.normal[variable_of(w, k)] = 1;
-    const double when = field_crossing(&w->work->field, w->t, before, span, w->y, &plane, at);
+    const double when = field_crossing(&w->work->field, w->t, previous, span, w->y, &plane, point);
     if (isfinite(when) && s->crossings < CROSSINGS_MAX)
-        s->crossing[s->crossings++] = (struct portrait_crossing){k, value, at[variable_of(w, !k)]};
+        s->crossing[s->crossings++] =
+            (struct portrait_crossing){k, value, point[variable_of(w, !k)]};
 }
 
-static void look_for_crossings(struct plane_walk *w, const double *before, double span)
+static void look_for_crossings(struct plane_walk *w, const double *previous, double span)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int k = 0; k < 2; k++) {
         double seen[64];
         int count = 0;
         for (int e = -1; e < found->count && count < 64; e++) { /* and 0 */
-            const double value = e < 0 ? 0 : found->of[e].state[variable_of(w, k)];
-            const double a = before[variable_of(w, k)] - value, b = w->y[variable_of(w, k)] - value;
+            const double value = e < 0 ? 0 : found->solution[e].state[variable_of(w, k)];
+            const double a = previous[variable_of(w, k)] - value,
+                         b = w->y[variable_of(w, k)] - value;
             bool known = false;
             for (int i = 0; i < count; i++)
                 known = known || fabs(seen[i] - value) <= 1e-9 * w->width[k];
             seen[count++] = value;
             if (!known && ((a < 0) != (b < 0)) &&
                 fabs(a) > 10 * START_OFFSET_FRACTION * w->width[k])
-                cross(w, before, span, k, value);
+                cross(w, previous, span, k, value);
         }
     }
 }
@@ -140,24 +142,25 @@ enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
 /* One stride; past the frame it ends on it. */
 static enum walk_end advance(struct plane_walk *w, double span, int except)
 {
-    double before[LIMIT_VARIABLES];
-    memcpy(before, w->y, sizeof before);
-    if (!field_flow(&w->work->field, w->t, before, span, w->y, NULL))
+    double previous[LIMIT_VARIABLES];
+    memcpy(previous, w->y, sizeof previous);
+    if (!field_flow(&w->work->field, w->t, previous, span, w->y, NULL))
         return WALK_FRAME;
     if (w->separatrix)
-        look_for_crossings(w, before, span);
+        look_for_crossings(w, previous, span);
     if (!polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)]))
         return WALK_MEMORY;
     w->t += span;
-    if (wrap(w) && (!polyline_gap(w->line) ||
-                    !polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)])))
+    if (plane_angle_wrap(w) &&
+        (!polyline_gap(w->line) ||
+         !polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)])))
         return WALK_MEMORY;
     if (outside(w))
         return WALK_FRAME;
-    const int at = reached(w, except);
+    const int target = reached(w, except);
     if (w->separatrix)
-        w->separatrix->to = at;
-    return at >= 0 ? WALK_REST : WALK_ON;
+        w->separatrix->target = target;
+    return target >= 0 ? WALK_REST : WALK_ON;
 }
 
 static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
@@ -173,30 +176,32 @@ static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
 static bool follow_separatrix(struct portrait_work *work, int e, int value, int side)
 {
     struct portrait *portrait = work->portrait;
-    const struct solution *from = &portrait->found.of[e];
+    const struct solution *equilibrium = &portrait->found.solution[e];
     struct separatrix *more =
         realloc(portrait->separatrix, ((size_t)portrait->separatrices + 1) * sizeof *more);
     if (!more)
         return false;
     portrait->separatrix = more;
     struct separatrix *s = &more[portrait->separatrices++];
-    *s = (struct separatrix){e, from->value[value].re < 0, side, "goes on", -1, 0, {{0}}};
+    *s = (struct separatrix){e, equilibrium->value[value].re < 0, side, "goes on", -1, 0, {{0}}};
     struct plane_walk w;
     begin_plane_walk(&w, work);
     w.sign = s->stable ? -1 : 1;
-    w.rate_max = fabs(from->value[value].re);
+    w.rate_max = fabs(equilibrium->value[value].re);
     w.separatrix = s;
     w.line = &portrait->line[s->stable ? PORTRAIT_SEPARATRIX : PORTRAIT_SEPARATRIX_UNSTABLE];
     double size = 0;
     for (int k = 0; k < 2; k++)
         size = fmax(size, fabs(portrait->found.form[e].re[value][variable_of(&w, k)]) / w.width[k]);
     for (int i = 0; i < work->field.n; i++)
-        w.y[i] = from->state[i] + side * START_OFFSET_FRACTION / (size > 0 ? size : 1) *
-                                      portrait->found.form[e].re[value][i];
-    if (!polyline_put(w.line, from->state[variable_of(&w, 0)], from->state[variable_of(&w, 1)]))
+        w.y[i] = equilibrium->state[i] + side * START_OFFSET_FRACTION / (size > 0 ? size : 1) *
+                                             portrait->found.form[e].re[value][i];
+    if (!polyline_put(w.line, equilibrium->state[variable_of(&w, 0)],
+                      equilibrium->state[variable_of(&w, 1)]))
         return false;
-    if (wrap(&w) && (!polyline_gap(w.line) ||
-                     !polyline_put(w.line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)])))
+    if (plane_angle_wrap(&w) &&
+        (!polyline_gap(w.line) ||
+         !polyline_put(w.line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)])))
         return false;
     enum walk_end end = WALK_ON;
     bool away = false;
@@ -204,7 +209,7 @@ static bool follow_separatrix(struct portrait_work *work, int e, int value, int 
          i < SEPARATRIX_POINTS_MAX && end == WALK_ON && !cancelled(work->request->cancel); i++) {
         rate_here(&w);
         end = advance(&w, stride(&w), away ? -1 : e);
-        away = away || distance(&w, from->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
+        away = away || distance(&w, equilibrium->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
     }
     s->end = end == WALK_FRAME ? "frame" : end == WALK_REST ? "equilibrium" : "goes on";
     return end != WALK_MEMORY && polyline_gap(w.line);
@@ -214,7 +219,7 @@ bool portrait_separatrices(struct portrait_work *work)
 {
     const struct equilibria *found = &work->portrait->found;
     for (int e = 0; e < found->count; e++) {
-        const struct solution *s = &found->of[e];
+        const struct solution *s = &found->solution[e];
         if (found->form[e].type != EQUILIBRIUM_SADDLE)
             continue;
         int growing = 0, decaying = 0;
@@ -247,17 +252,17 @@ bool portrait_trajectory(const struct portrait_request *request, const double *s
     memcpy(w.y, start, (size_t)work.field.n * sizeof *start);
     w.sign = span < 0 ? -1 : 1;
     w.line = line;
-    wrap(&w);
+    plane_angle_wrap(&w);
     bool fine = polyline_put(line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)]);
     enum walk_end end = WALK_ON;
     for (double gone = 0; fine && end == WALK_ON && gone < fabs(span) &&
                           line->n < 20 * SEPARATRIX_POINTS_MAX && !cancelled(request->cancel);) {
         rate_here(&w);
-        double on = stride(&w);
-        if (!(fabs(on) < fabs(span) - gone))
-            on = w.sign * (fabs(span) - gone);
-        gone += fabs(on);
-        end = advance(&w, on, -1);
+        double step = stride(&w);
+        if (!(fabs(step) < fabs(span) - gone))
+            step = w.sign * (fabs(span) - gone);
+        gone += fabs(step);
+        end = advance(&w, step, -1);
         fine = end != WALK_MEMORY;
     }
     field_free(&work.field);

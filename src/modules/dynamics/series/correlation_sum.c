@@ -88,15 +88,15 @@ static bool find_sums(const struct delay_space *s, double size, struct pair_coun
     return true;
 }
 
-static double slope_between(const struct pair_counts *sums, int k, int from, int to)
+static double slope_between(const struct pair_counts *sums, int k, int first, int last)
 {
     double x = 0, y = 0, xy = 0, xx = 0;
-    const double n = to - from + 1;
-    for (int b = from; b <= to; b++) {
+    const double n = last - first + 1;
+    for (int b = first; b <= last; b++) {
         x += sums->log_edge[b] / n;
         y += sums->log_count[k][b] / n;
     }
-    for (int b = from; b <= to; b++) {
+    for (int b = first; b <= last; b++) {
         xy += (sums->log_edge[b] - x) * (sums->log_count[k][b] - y);
         xx += (sums->log_edge[b] - x) * (sums->log_edge[b] - x);
     }
@@ -104,21 +104,21 @@ static double slope_between(const struct pair_counts *sums, int k, int from, int
 }
 
 /* What halves of a stretch and more delays change of its slope. */
-static double open_part(const struct pair_counts *sums, int from, double slope)
+static double open_part(const struct pair_counts *sums, int first, double slope)
 {
-    const int to = from + SLOPE_BINS, middle = from + SLOPE_BINS / 2;
-    double off =
-        fabs(slope_between(sums, 0, from, middle) - slope_between(sums, 0, middle, to)) / 2;
+    const int last = first + SLOPE_BINS, middle = first + SLOPE_BINS / 2;
+    double deviation =
+        fabs(slope_between(sums, 0, first, middle) - slope_between(sums, 0, middle, last)) / 2;
     for (int k = 1; k <= EXTRA_DELAYS; k++)
-        off = fmax(off, fabs(slope_between(sums, k, from, to) - slope));
-    return off;
+        deviation = fmax(deviation, fabs(slope_between(sums, k, first, last) - slope));
+    return deviation;
 }
 
 /* The median over all stretches that hold enough pairs, not too many; ends [2]: of these. *error:
  * what is left open, and half of what the middle 80 % differ. */
 static double median_slope(const struct pair_counts *sums, double *error, int *ends)
 {
-    double slope[DISTANCE_BINS], off[DISTANCE_BINS];
+    double slope[DISTANCE_BINS], deviation[DISTANCE_BINS];
     size_t count = 0;
     for (int b = 0; b + SLOPE_BINS < DISTANCE_BINS; b++) {
         if (sums->log_count[EXTRA_DELAYS][b] < log(SMALLEST_DISTANCE_PAIRS) ||
@@ -127,11 +127,11 @@ static double median_slope(const struct pair_counts *sums, double *error, int *e
         ends[0] = count == 0 ? b : ends[0];
         ends[1] = b + SLOPE_BINS;
         slope[count] = slope_between(sums, 0, b, b + SLOPE_BINS);
-        off[count] = open_part(sums, b, slope[count]);
+        deviation[count] = open_part(sums, b, slope[count]);
         count++;
     }
     const double middle = values_quantile(slope, count, 0.9) - values_quantile(slope, count, 0.1);
-    *error = hypot(values_quantile(off, count, 0.5), middle / 2);
+    *error = hypot(values_quantile(deviation, count, 0.5), middle / 2);
     return values_quantile(slope, count, 0.5);
 }
 

@@ -29,27 +29,28 @@ static double between_any(const struct delay_space *s)
 
 /*
  * Across the flow through vector i: what lies along it neither grows nor shrinks, and would hide
- * slow growth. The vector that passes there is followed: *j is moved by single samples, `from` no
+ * slow growth. The vector that passes there is followed: *j is moved by single samples, `centre` no
  * farther than a delay, and up to `most`.
  */
-static double log_across(const struct delay_space *s, size_t i, size_t from, size_t most, size_t *j)
+static double log_across(const struct delay_space *s, size_t i, size_t centre, size_t most,
+                         size_t *j)
 {
     for (int pass = 0;; pass++) {
-        double square = 0, along = 0, speed = 0;
+        double square = 0, projection = 0, speed = 0;
         for (int d = 0; d < s->dimensions; d++) {
             const double v = (space_value(s, i + 1, d) - space_value(s, i - 1, d)) / 2,
                          apart = space_value(s, *j, d) - space_value(s, i, d);
             square += apart * apart;
-            along += apart * v;
+            projection += apart * v;
             speed += v * v;
         }
-        const size_t next = along > speed / 2 ? *j - 1 : along < -speed / 2 ? *j + 1 : *j;
+        const size_t next = projection > speed / 2 ? *j - 1 : projection < -speed / 2 ? *j + 1 : *j;
         if (next != *j && *j > 0 && next <= most && pass < 2 &&
-            (next > from ? next - from : from - next) <= (size_t)s->delay) {
+            (next > centre ? next - centre : centre - next) <= (size_t)s->delay) {
             *j = next;
             continue;
         }
-        square -= speed > 0 ? along * along / speed : 0;
+        square -= speed > 0 ? projection * projection / speed : 0;
         return square > 0 ? log(square) / 2 : ROUNDED_LOG_DISTANCE;
     }
 }
@@ -60,11 +61,12 @@ static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t
 {
     const size_t most = s->points + samples - 1;
     const bool flows = s->delay > 1 && i > 0;
-    size_t at = j;
+    size_t neighbour = j;
     for (size_t k = 0; k < d->steps; k++) {
-        const size_t by = k * d->stride;
-        mean[k] += flows ? log_across(s, i + by, j + by, most, &at) : log_apart(s, i + by, j + by);
-        at = at + d->stride < most ? at + d->stride : most;
+        const size_t shift = k * d->stride;
+        mean[k] += flows ? log_across(s, i + shift, j + shift, most, &neighbour)
+                         : log_apart(s, i + shift, j + shift);
+        neighbour = neighbour + d->stride < most ? neighbour + d->stride : most;
     }
 }
 
@@ -99,13 +101,13 @@ bool divergence_find(const struct delay_space *s, size_t samples, struct arena *
         d->part[k] = 0;
     for (size_t i = 0; i < s->points; i += stride) {
         const size_t part = i * DIVERGENCE_PARTS / s->points;
-        struct neighbours near;
-        space_nearest(s, i, 1, &near);
-        if (near.count == 0)
+        struct neighbours nearest;
+        space_nearest(s, i, 1, &nearest);
+        if (nearest.count == 0)
             continue;
         if (i / stride % 64 == 0 && cancelled(s->cancel))
             return false;
-        follow_pairs(s, i, near.at[0], samples, d, d->part + part * d->steps);
+        follow_pairs(s, i, nearest.index[0], samples, d, d->part + part * d->steps);
         count[part]++;
         d->pairs++;
     }
@@ -113,11 +115,11 @@ bool divergence_find(const struct delay_space *s, size_t samples, struct arena *
     return true;
 }
 
-static double slope_of(const double *y, size_t from, size_t to)
+static double slope_of(const double *y, size_t first, size_t last)
 {
-    const double middle = (double)(from + to) / 2;
+    const double middle = (double)(first + last) / 2;
     double xy = 0, xx = 0;
-    for (size_t k = from; k <= to; k++) {
+    for (size_t k = first; k <= last; k++) {
         xy += ((double)k - middle) * y[k];
         xx += ((double)k - middle) * ((double)k - middle);
     }
@@ -126,21 +128,21 @@ static double slope_of(const double *y, size_t from, size_t to)
 
 struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
-    struct even_growth g = {.from = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
-    g.to = begin;
-    while (g.to < d->steps && d->mean[g.to] < d->apart - SATURATION_LOG_MARGIN)
-        g.to++;
-    if (g.to > 0)
-        g.to--;
-    if (g.to < begin + 2)
+    struct even_growth g = {.first = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
+    g.last = begin;
+    while (g.last < d->steps && d->mean[g.last] < d->apart - SATURATION_LOG_MARGIN)
+        g.last++;
+    if (g.last > 0)
+        g.last--;
+    if (g.last < begin + 2)
         return g;
-    const size_t middle = (g.from + g.to) / 2;
+    const size_t middle = (g.first + g.last) / 2;
     double sum = 0, square = 0;
-    g.slope = slope_of(d->mean, g.from, g.to);
-    g.halves[0] = slope_of(d->mean, g.from, middle);
-    g.halves[1] = slope_of(d->mean, middle, g.to);
+    g.slope = slope_of(d->mean, g.first, g.last);
+    g.halves[0] = slope_of(d->mean, g.first, middle);
+    g.halves[1] = slope_of(d->mean, middle, g.last);
     for (size_t p = 0; p < DIVERGENCE_PARTS; p++) {
-        const double slope = slope_of(d->part + p * d->steps, g.from, g.to);
+        const double slope = slope_of(d->part + p * d->steps, g.first, g.last);
         sum += slope;
         square += slope * slope;
     }

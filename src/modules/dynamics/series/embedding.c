@@ -33,10 +33,10 @@ static void look_at(const struct delay_space *s, size_t i, size_t j, int wanted,
     int k = f->count < wanted ? f->count++ : f->count - 1;
     for (; k > 0 && f->square[k - 1] > square; k--) {
         f->square[k] = f->square[k - 1];
-        f->at[k] = f->at[k - 1];
+        f->index[k] = f->index[k - 1];
     }
     f->square[k] = square;
-    f->at[k] = (uint32_t)j;
+    f->index[k] = (uint32_t)j;
 }
 
 bool space_sort(struct delay_space *s, size_t n, struct arena *arena)
@@ -62,11 +62,11 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
             high = middle;
     }
     while (low > 0 || high < s->n) {
-        const double below = low > 0 ? y - s->y[s->order[low - 1]] : HUGE_VAL,
-                     above = high < s->n ? s->y[s->order[high]] - y : HUGE_VAL,
-                     by = fmin(below, above);
-        const size_t j = s->order[below < above ? --low : high++];
-        if (found->count == wanted && by * by >= found->square[wanted - 1])
+        const double lower_distance = low > 0 ? y - s->y[s->order[low - 1]] : HUGE_VAL,
+                     upper_distance = high < s->n ? s->y[s->order[high]] - y : HUGE_VAL,
+                     distance = fmin(lower_distance, upper_distance);
+        const size_t j = s->order[lower_distance < upper_distance ? --low : high++];
+        if (found->count == wanted && distance * distance >= found->square[wanted - 1])
             return;
         if (j < s->points)
             look_at(s, i, j, wanted, found);
@@ -127,7 +127,7 @@ int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct 
     unsigned char *bin = arena_alloc(arena, looked);
     if (!bin || !put_into_bins(y, looked, arena, bin))
         return 0;
-    double mean = 0, before = HUGE_VAL;
+    double mean = 0, previous = HUGE_VAL;
     for (size_t i = 0; i < looked; i++)
         mean += y[i] / (double)looked;
     const double variance = correlation(y, looked, mean, 0);
@@ -135,11 +135,11 @@ int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct 
         if (lag % 16 == 0 && cancelled(cancel))
             return 0;
         const double now = information(bin, looked, lag);
-        if (now > before)
+        if (now > previous)
             return (int)lag - 1;
         if (correlation(y, looked, mean, lag) < variance / exp(1))
             return (int)lag;
-        before = now;
+        previous = now;
     }
     return (int)most;
 }
@@ -157,16 +157,16 @@ static double false_neighbours(const struct delay_space *s, double sigma)
     const size_t stride = s->points / EXAMINED_VECTORS + 1;
     size_t asked = 0, wrong = 0;
     for (size_t i = 0; i < s->points; i += stride) {
-        struct neighbours near;
-        space_nearest(s, i, 1, &near);
-        if (near.count == 0)
+        struct neighbours nearest;
+        space_nearest(s, i, 1, &nearest);
+        if (nearest.count == 0)
             continue;
-        const double before = fmax(sqrt(near.square[0]), DISTANCE_MIN_SIGMAS * sigma),
-                     by = fabs(space_value(s, i, s->dimensions) -
-                               space_value(s, near.at[0], s->dimensions));
+        const double distance = fmax(sqrt(nearest.square[0]), DISTANCE_MIN_SIGMAS * sigma),
+                     growth = fabs(space_value(s, i, s->dimensions) -
+                                   space_value(s, nearest.index[0], s->dimensions));
         asked++;
-        wrong += by > FALSE_NEIGHBOUR_FACTOR * before ||
-                 hypot(before, by) > NEIGHBOUR_DISTANCE_SIGMAS * sigma;
+        wrong += growth > FALSE_NEIGHBOUR_FACTOR * distance ||
+                 hypot(distance, growth) > NEIGHBOUR_DISTANCE_SIGMAS * sigma;
         if (asked % 64 == 0 && cancelled(s->cancel))
             return NAN;
     }
@@ -196,7 +196,7 @@ enum { UNKNOWNS = SPACE_DIMENSIONS + 1 };
 static double linear_error(const struct delay_space *s, size_t ahead, size_t vectors)
 {
     const int n = s->dimensions + 1;
-    const size_t to = (size_t)((s->dimensions - 1) * s->delay) + ahead;
+    const size_t target_offset = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     const size_t stride = vectors / LOOKED_AT + 1;
     double a[UNKNOWNS * UNKNOWNS] = {0}, b[UNKNOWNS] = {0}, l[UNKNOWNS * UNKNOWNS], sum = 0;
     size_t count = 0;
@@ -205,16 +205,16 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
             double v[UNKNOWNS];
             for (int d = 0; d < n; d++)
                 v[d] = d == n - 1 ? 1 : space_value(s, i, d);
-            double off = s->y[i + to];
+            double residual = s->y[i + target_offset];
             for (int d = 0; d < n; d++) {
                 for (int e = 0; e <= d && pass == 0; e++)
                     a[d * UNKNOWNS + e] += v[d] * v[e];
                 if (pass == 0)
-                    b[d] += v[d] * off;
+                    b[d] += v[d] * residual;
             }
             for (int d = 0; d < n && pass == 1; d++)
-                off -= b[d] * v[d];
-            sum += pass == 1 ? off * off : 0;
+                residual -= b[d] * v[d];
+            sum += pass == 1 ? residual * residual : 0;
             count += (size_t)pass;
         }
         if (pass == 0) {
@@ -230,24 +230,24 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
 double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
 {
     const size_t vectors = vectors_of(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,
-                 to = (size_t)((s->dimensions - 1) * s->delay) + ahead;
+                 target_offset = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     const double linear = linear_error(s, ahead, vectors);
     double sum = 0;
     size_t count = 0;
     for (size_t i = 0; i < vectors; i += stride) {
-        struct neighbours near;
+        struct neighbours nearest;
         double mean = 0;
         int used = 0;
-        space_nearest(s, i, SPACE_NEAREST, &near);
-        for (int k = 0; k < near.count; k++)
-            if (near.at[k] < vectors) {
-                mean += s->y[near.at[k] + to];
+        space_nearest(s, i, SPACE_NEAREST, &nearest);
+        for (int k = 0; k < nearest.count; k++)
+            if (nearest.index[k] < vectors) {
+                mean += s->y[nearest.index[k] + target_offset];
                 used++;
             }
         if (used == 0)
             continue;
-        const double off = s->y[i + to] - mean / used;
-        sum += off * off;
+        const double residual = s->y[i + target_offset] - mean / used;
+        sum += residual * residual;
         count++;
     }
     return count > 0 && linear > 0 ? sqrt(sum / (double)count / linear) : NAN;

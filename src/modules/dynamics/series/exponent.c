@@ -41,13 +41,13 @@ struct part {
     double mean, sigma;
 };
 
-static struct part series_part_of(const double *y, size_t from, size_t to)
+static struct part series_part_of(const double *y, size_t begin, size_t end)
 {
     struct part p = {0};
-    const double n = (double)(to - from);
-    for (size_t i = from; i < to; i++)
+    const double n = (double)(end - begin);
+    for (size_t i = begin; i < end; i++)
         p.mean += y[i] / n;
-    for (size_t i = from; i < to; i++)
+    for (size_t i = begin; i < end; i++)
         p.sigma += (y[i] - p.mean) * (y[i] - p.mean) / n;
     p.sigma = sqrt(p.sigma);
     return p;
@@ -162,11 +162,12 @@ static bool grow_with(const struct delay_space *space, const struct samples *x, 
 static bool judge(const struct divergence *d, const struct even_growth *g, double step,
                   struct series_exponent *found)
 {
-    const double by = g->slope * (double)(g->to - g->from), rise = d->last - d->mean[g->from];
+    const double growth = g->slope * (double)(g->last - g->first),
+                 rise = d->last - d->mean[g->first];
     if (rise < log(DISTANCE_GROWTH_MIN))
         return leave(found, "neighbours do not go apart: the motion is periodic or quasi-periodic, "
                             "or decays");
-    if (!(g->error >= 0) || !(by >= log(EXPONENT_GROWTH)))
+    if (!(g->error >= 0) || !(growth >= log(EXPONENT_GROWTH)))
         return leave(found,
                      "distances grow evenly by less than a factor of %g before they are as "
                      "large as the motion: too much noise, or too short a record",
@@ -204,9 +205,9 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
         return leave(found, "%.3g 1/s is no farther from 0 than its error of %.3g can be",
                      g.slope / step, error / step);
     found->value = (struct measured){g.slope / step, error / step};
-    found->from = (double)g.from * step;
-    found->to = (double)g.to * step;
-    found->growth = exp(g.slope * (double)(g.to - g.from));
+    found->t_begin = (double)g.first * step;
+    found->t_end = (double)g.last * step;
+    found->growth = exp(g.slope * (double)(g.last - g.first));
     found->determined = true;
     return true;
 }

@@ -29,12 +29,12 @@
 struct series_exponent {
     struct measured value; /* [1/s] NAN: not determined */
     bool determined;
-    char reason[200]; /* reason if not */
-    double delay;     /* [s] 0: as far as this it did not come; so are those below */
-    int dimensions;   /* delayed values of a vector */
-    double apart;     /* [s] neighbours are no nearer in time */
-    double from, to;  /* [s] since they were neighbours: where distances grow evenly, */
-    double growth;    /* by this factor */
+    char reason[200];      /* reason if not */
+    double delay;          /* [s] 0: as far as this it did not come; so are those below */
+    int dimensions;        /* delayed values of a vector */
+    double apart;          /* [s] neighbours are no nearer in time */
+    double t_begin, t_end; /* [s] since they were neighbours: where distances grow evenly, */
+    double growth;         /* by this factor */
     size_t pairs;
     /* Correlation dimension (Grassberger, Procaccia 1983); value NAN: its sums are no power of the
      * distance over a factor of 4, or no same one with more delays. */

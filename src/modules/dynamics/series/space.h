@@ -23,9 +23,9 @@ struct delay_space {
     const struct cancel *cancel;
 };
 
-static inline double space_value(const struct delay_space *s, size_t i, int along)
+static inline double space_value(const struct delay_space *s, size_t i, int dimension)
 {
-    return s->y[i + (size_t)(along * s->delay)];
+    return s->y[i + (size_t)(dimension * s->delay)];
 }
 
 static inline double space_distance2(const struct delay_space *s, size_t i, size_t j)
@@ -43,7 +43,7 @@ bool space_sort(struct delay_space *space, size_t n, struct arena *arena);
 
 struct neighbours {
     int count;
-    uint32_t at[SPACE_NEAREST]; /* the nearest first */
+    uint32_t index[SPACE_NEAREST]; /* the nearest first */
     double square[SPACE_NEAREST];
 };
 
@@ -81,9 +81,9 @@ bool divergence_find(const struct delay_space *space, size_t samples, struct are
                      struct divergence *found);
 
 struct even_growth {
-    size_t from, to; /* steps */
-    double slope;    /* a step */
-    double error;    /* of it, NAN: no stretch */
+    size_t first, last; /* steps */
+    double slope;       /* a step */
+    double error;       /* of it, NAN: no stretch */
     double halves[2];
 };
 

@@ -124,11 +124,11 @@ INLINE four four_log2(four x)
 /* factor_exp2() */
 INLINE four four_exp2(four x)
 {
-    const four above = four_either(x < -1000, x, -1000 - (four){0}),
-               within = four_either(above > 1000, above, 1000 - (four){0});
+    const four raised = four_either(x < -1000, x, -1000 - (four){0}),
+               clamped = four_either(raised > 1000, raised, 1000 - (four){0});
     const double shift = 0x1.8p52;
-    const four near = within + shift, f = within - (near - shift), g = f * f;
-    const four power = (four)(((four_masks)near << 52) + 0x3ff0000000000000);
+    const four rounded = clamped + shift, f = clamped - (rounded - shift), g = f * f;
+    const four power = (four)(((four_masks)rounded << 52) + 0x3ff0000000000000);
     const four low = (1 + f * 0.693147180559945) + g * (0.240226506959101 + f * 0.0555041086648216);
     const four high = (0.00961812910762848 + f * 0.00133335581464284) +
                       g * (0.000154035303933816 + f * 1.52527338040598e-5) +
@@ -154,46 +154,47 @@ INLINE four four_limited(four x)
         (1 + 0.6931488410800936 * x) + u * (0.240226502974211 - 0.0555933829372098 * x);
     const four high = (-0.1058275956503550 - 0.0320318947604718 * x) +
                       u * (0.0284870670868496 + 0.0239926464967005 * x);
-    const four_masks within = (x >= -0.5) & (x <= 0.5);
-    const four near = low + u * u * high;
-    if (four_none(~within))
-        return near;
-    return four_either(within, 1 + four_atan(four_exp2(x) - 1), near);
+    const four_masks is_small = (x >= -0.5) & (x <= 0.5);
+    const four series = low + u * u * high;
+    if (four_none(~is_small))
+        return series;
+    return four_either(is_small, 1 + four_atan(four_exp2(x) - 1), series);
 }
 
 /* follow(): what errors are relative to, into lanes->scale */
 INLINE void follow_sizes(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;
-    const four t = fours(control->t)[q], by = four_magnitude(t - fours(control->sampled)[q]),
-               elapsed = fours(control->elapsed)[q] + by, rate = 1 / elapsed;
+    const four t = fours(control->t)[q], dt = four_magnitude(t - fours(control->sampled)[q]),
+               elapsed = fours(control->elapsed)[q] + dt, rate = 1 / elapsed;
     fours(control->sampled)[q] = t;
     fours(control->elapsed)[q] = elapsed;
-    for (int i = 0, at = q; i < lanes->n; i++, at += LANE_COUNT / WIDE) {
-        const four min = fours(lanes->min)[at], size = four_magnitude(fours(lanes->y)[at]),
-                   given = fours(lanes->given)[at];
-        four excess = fours(lanes->excess)[at], mean = 1 - (four){0};
+    for (int i = 0, index = q; i < lanes->n; i++, index += LANE_COUNT / WIDE) {
+        const four min = fours(lanes->min)[index], size = four_magnitude(fours(lanes->y)[index]),
+                   given = fours(lanes->given)[index];
+        four excess = fours(lanes->excess)[index], mean = 1 - (four){0};
         const four_masks larger = size > min;
         if (!four_none(larger))
             excess =
-                four_either(larger, excess, excess + by * (four_root(four_root(size / min)) - 1));
+                four_either(larger, excess, excess + dt * (four_root(four_root(size / min)) - 1));
         mean = four_either(excess > 0, mean, mean + excess * rate);
         mean *= mean;
         mean *= mean;
         const four sized = min * mean, scale = four_either(sized < DBL_MAX, min, sized);
-        fours(lanes->scale)[at] = four_either(given > 0, scale, given);
-        fours(lanes->excess)[at] = excess;
+        fours(lanes->scale)[index] = four_either(given > 0, scale, given);
+        fours(lanes->excess)[index] = excess;
     }
 }
 
 /* h sum_j (w_j - u_j) k_j of one variable */
-INLINE four difference(const struct lanes *lanes, four h, const double *w, const double *u, int at)
+INLINE four difference(const struct lanes *lanes, four h, const double *w, const double *u,
+                       int index)
 {
     const int stages = lanes->method->tableau->stages, stride = lanes->n * LANE_COUNT / WIDE;
     four sum = -(four){0};
     for (int j = 0; j < stages; j++)
         if (w[j] != u[j])
-            sum += (w[j] - u[j]) * fours(lanes->k)[j * stride + at];
+            sum += (w[j] - u[j]) * fours(lanes->k)[j * stride + index];
     return h * sum;
 }
 
@@ -202,15 +203,15 @@ INLINE four estimate(const struct lanes *lanes, four h, int q)
 {
     const struct tableau *tableau = lanes->method->tableau;
     four fine = {0}, coarse = {0};
-    for (int i = 0, at = q; i < lanes->n; i++, at += LANE_COUNT / WIDE) {
-        const four size = four_larger(four_larger(four_magnitude(fours(lanes->y)[at]),
-                                                  four_magnitude(fours(lanes->state)[at])),
-                                      fours(lanes->scale)[at]);
-        const four error = difference(lanes, h, tableau->b, tableau->b_hat, at) / size;
+    for (int i = 0, index = q; i < lanes->n; i++, index += LANE_COUNT / WIDE) {
+        const four size = four_larger(four_larger(four_magnitude(fours(lanes->y)[index]),
+                                                  four_magnitude(fours(lanes->state)[index])),
+                                      fours(lanes->scale)[index]);
+        const four error = difference(lanes, h, tableau->b, tableau->b_hat, index) / size;
         fine += error * error;
         if (!tableau->rough)
             continue;
-        const four rough = difference(lanes, h, tableau->b, tableau->rough, at) / size;
+        const four rough = difference(lanes, h, tableau->b, tableau->rough, index) / size;
         coarse += rough * rough;
     }
     if (!tableau->rough)
@@ -242,8 +243,8 @@ INLINE four four_next_step(struct lane_control *control, int q, four h, four err
 INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, four_masks *far)
 {
     *wild = *far = (four_masks){0};
-    for (int i = 0, at = q; i < lanes->n; i++, at += LANE_COUNT / WIDE) {
-        const four size = four_magnitude(fours(lanes->state)[at]);
+    for (int i = 0, index = q; i < lanes->n; i++, index += LANE_COUNT / WIDE) {
+        const four size = four_magnitude(fours(lanes->state)[index]);
         *wild |= ~(size <= DBL_MAX);
         *far |= size > lane_farthest;
     }
@@ -251,9 +252,9 @@ INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, fo
 
 INLINE four_masks crosses(const struct lanes *lanes, int q)
 {
-    const int at = lanes->rows * LANE_COUNT / WIDE + q;
-    const four before = fours(lanes->y)[at], after = fours(lanes->state)[at];
-    return ((before < 0) & (after > 0)) | ((before > 0) & (after < 0));
+    const int index = lanes->rows * LANE_COUNT / WIDE + q;
+    const four previous = fours(lanes->y)[index], current = fours(lanes->state)[index];
+    return ((previous < 0) & (current > 0)) | ((previous > 0) & (current < 0));
 }
 
 INLINE void put_where(four_masks when, four value, int q, double *number)
@@ -284,8 +285,8 @@ INLINE void judge(struct lanes *lanes, int q)
         alone |= crosses(lanes, q);
     const four_masks moves = running & ~alone, goes = moves & good;
     /* advance_clock() */
-    const four by = h + fours(control->t_low)[q], sum = t + by, gone = sum - t,
-               low = (t - (sum - gone)) + (by - gone);
+    const four step = h + fours(control->t_low)[q], sum = t + step, gone = sum - t,
+               low = (t - (sum - gone)) + (step - gone);
     const four_masks failed =
         goes & (far | (next < control->creep * four_magnitude(sum - lanes->t0)));
     put_where(goes, sum, q, control->t);
@@ -299,9 +300,9 @@ INLINE void judge(struct lanes *lanes, int q)
     masks(control->failed)[q] |= failed;
     masks(control->running)[q] = running & ~failed;
     masks(control->alone)[q] = running & alone;
-    for (int i = 0, at = q; i < lanes->n; i++, at += LANE_COUNT / WIDE) {
-        put_where(goes, fours(lanes->state)[at], at, lanes->y);
-        put_where(goes, fours(lanes->k)[last + at], at, lanes->k);
+    for (int i = 0, index = q; i < lanes->n; i++, index += LANE_COUNT / WIDE) {
+        put_where(goes, fours(lanes->state)[index], index, lanes->y);
+        put_where(goes, fours(lanes->k)[last + index], index, lanes->k);
     }
 }
 

@@ -17,8 +17,8 @@ CLONES void lanes_combine(const struct weights *sum, const double *h, int n, con
                           const double *y, double *z)
 {
     enum { AT_ONCE = 4 };
-    const four *from = (const four *)(const void *)y;
-    four *to = (four *)(void *)z;
+    const four *source = (const four *)(const void *)y;
+    four *target = (four *)(void *)z;
     const int size = n * LANE_COUNT / 4;
     for (int q = 0; q < size; q += AT_ONCE) {
         const four *const own = (const four *)(const void *)h + q % (LANE_COUNT / 4);
@@ -32,7 +32,7 @@ CLONES void lanes_combine(const struct weights *sum, const double *h, int n, con
             UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] +=
                 (h ? own[p] * weight : weight - (four){0}) * slope[p];
         }
-        UNROLL for (int p = 0; p < AT_ONCE; p++) to[q + p] = from[q + p] + total[p];
+        UNROLL for (int p = 0; p < AT_ONCE; p++) target[q + p] = source[q + p] + total[p];
     }
 }
 
@@ -123,7 +123,7 @@ void lanes_march_rk(struct lanes *lanes, int64_t count, double *row)
 /* ---- splittings ---- */
 
 /* Lets each velocity follow the drag's own flow over h/2 (drag_flow_apply()). */
-static void flow(const struct lanes *lanes, double *v)
+static void lanes_drag_flow(const struct lanes *lanes, double *v)
 {
     for (int i = 0; i < lanes->rows; i++, v += LANE_COUNT)
         for (int lane = 0; lane < LANE_COUNT; lane++) {
@@ -143,17 +143,17 @@ static inline void add_times(int rows, const double *restrict w, const double *r
 }
 
 /* As split_kick(). */
-CLONES static void kick(struct lanes *lanes, int index, struct lane_time at, const double *w,
-                        double *v)
+CLONES static void lanes_kick(struct lanes *lanes, int index, struct lane_time stage_time,
+                              const double *w, double *v)
 {
     const int count = lanes->rows * LANE_COUNT;
     double *pull = lanes->pull;
     if (lanes->way.drag == DRAG_EXPLICIT) {
-        lanes_force(lanes, SUM_DRAG, at, lanes->drags);
+        lanes_force(lanes, SUM_DRAG, stage_time, lanes->drags);
         for (int l = 0; l < count; l++)
             lanes->drags[l] += pull[l]; /* a sum in either order */
         add_times(lanes->rows, w, lanes->drags, v);
-    } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.around) {
+    } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.drag_at_ends) {
         const double *lost = lanes->frozen + 2 * index * LANE_COUNT, *weight = lost + LANE_COUNT;
         for (int i = 0; i < lanes->rows; i++, v += LANE_COUNT, pull += LANE_COUNT)
             for (int lane = 0; lane < LANE_COUNT; lane++)
@@ -175,24 +175,24 @@ CLONES void lanes_march_split(struct lanes *lanes, int64_t count, double *row)
     double *v = lanes->state + lanes->rows * LANE_COUNT;
     for (int64_t i = 0; i < count; i++) {
         double time[LANE_COUNT], w[LANE_COUNT];
-        struct lane_time at = lanes_time(lanes, 0, time);
-        if (way->around)
-            flow(lanes, v);
+        struct lane_time stage_time = lanes_time(lanes, 0, time);
+        if (way->drag_at_ends)
+            lanes_drag_flow(lanes, v);
         for (int index = 0; index < splitting->count; index++) {
             const double weight = splitting_weight(splitting, index);
             for (int lane = 0; lane < LANE_COUNT; lane++)
                 w[lane] = weight * lanes->own_h[lane];
             if ((index % 2 == 0) == splitting->kick_first) {
                 if (!(index == 0 && way->continues && lanes->step > 0))
-                    lanes_force(lanes, SUM_FORCE, at, lanes->pull);
-                kick(lanes, index, at, w, v);
+                    lanes_force(lanes, SUM_FORCE, stage_time, lanes->pull);
+                lanes_kick(lanes, index, stage_time, w, v);
             } else {
                 drift(lanes, w);
-                lanes_time_add(lanes, weight, &at, time);
+                lanes_time_add(lanes, weight, &stage_time, time);
             }
         }
-        if (way->around)
-            flow(lanes, v);
+        if (way->drag_at_ends)
+            lanes_drag_flow(lanes, v);
         lanes->step++;
         if (row)
             write_row(lanes, row + i * 2 * LANE_COUNT);

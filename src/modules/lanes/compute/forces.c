@@ -129,32 +129,33 @@ void lanes_prepare_forces(struct lanes *lanes)
 
 /* ---- sums ---- */
 
-CLONES void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time at, double *out)
+CLONES void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time stage_time,
+                        double *force)
 {
     const int count = lanes->rows * LANE_COUNT;
     bool first = true;
-    if (lanes->timed && at.t)
-        memcpy(lanes->input, at.t, LANE_COUNT * sizeof *at.t);
-    for (int lane = 0; lanes->timed && !at.t && lane < LANE_COUNT; lane++)
-        lanes->input[lane] = at.all;
+    if (lanes->timed && stage_time.t)
+        memcpy(lanes->input, stage_time.t, LANE_COUNT * sizeof *stage_time.t);
+    for (int lane = 0; lanes->timed && !stage_time.t && lane < LANE_COUNT; lane++)
+        lanes->input[lane] = stage_time.all;
     for (const struct lane_part *part = lanes->part; part < lanes->part + lanes->parts; part++) {
         if (!(part->sums >> sum & 1))
             continue;
-        program_eval_lanes(part->program, first ? out : lanes->spare, part->frame);
+        program_eval_lanes(part->program, first ? force : lanes->spare, part->frame);
         for (int l = 0; !first && l < count; l++)
-            out[l] += lanes->spare[l];
+            force[l] += lanes->spare[l];
         first = false;
     }
     for (int l = 0; first && l < count; l++)
-        out[l] = -0.0;
+        force[l] = -0.0;
 }
 
-void lanes_slope(struct lanes *lanes, struct lane_time at, double *out)
+void lanes_slope(struct lanes *lanes, struct lane_time stage_time, double *slope)
 {
     const int positions = lanes->n - lanes->rows;
-    memcpy(out, lanes->state + (lanes->n - positions) * LANE_COUNT,
-           (size_t)positions * LANE_COUNT * sizeof *out);
-    lanes_force(lanes, SUM_ALL, at, out + positions * LANE_COUNT);
+    memcpy(slope, lanes->state + (lanes->n - positions) * LANE_COUNT,
+           (size_t)positions * LANE_COUNT * sizeof *slope);
+    lanes_force(lanes, SUM_ALL, stage_time, slope + positions * LANE_COUNT);
 }
 
 CLONES struct lane_time lanes_time(const struct lanes *lanes, double c, double *own)
@@ -167,10 +168,10 @@ CLONES struct lane_time lanes_time(const struct lanes *lanes, double c, double *
     return (struct lane_time){.t = own};
 }
 
-CLONES void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *at,
+CLONES void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *stage_time,
                            double *own)
 {
-    at->all += part * lanes->h;
-    for (int lane = 0; lane < LANE_COUNT && at->t; lane++)
+    stage_time->all += part * lanes->h;
+    for (int lane = 0; lane < LANE_COUNT && stage_time->t; lane++)
         own[lane] += part * lanes->own_h[lane];
 }

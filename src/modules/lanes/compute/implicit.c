@@ -48,18 +48,19 @@ static inline double larger_of(double a, double b)
 }
 
 /* oscillator_stage() */
-CLONES static void solve_closed(struct lanes *lanes, struct lane_time at, struct lane_stage *stage)
+CLONES static void solve_closed(struct lanes *lanes, struct lane_time stage_time,
+                                struct lane_stage *stage)
 {
     double pull[LANE_COUNT];
     const bool dragged = lanes->dragged;
     memcpy(lanes->state, stage->y, sizeof stage->y);
-    lanes_force(lanes, SUM_FORCE, at, pull);
+    lanes_force(lanes, SUM_FORCE, stage_time, pull);
     for (int q = 0; q < LANE_COUNT / WIDE; q++) {
         const four h = fours(stage->h)[q], force = fours(pull)[q], y = fours(stage->y[0])[q],
-                   before = fours(stage->y[1])[q], damping = fours(lanes->damping)[q],
+                   previous = fours(stage->y[1])[q], damping = fours(lanes->damping)[q],
                    stiffness = fours(lanes->stiffness)[q], quadratic = fours(lanes->quadratic)[q];
-        const four a = 1 + damping * h + stiffness * h * h, inverse = 1 / a, r = before + h * force,
-                   u = r * inverse;
+        const four a = 1 + damping * h + stiffness * h * h, inverse = 1 / a,
+                   r = previous + h * force, u = r * inverse;
         four v = u, drag = -(four){0}, lost = -(four){0};
         if (dragged) {
             const four bend = 4 * (quadratic * h * inverse) * inverse;
@@ -69,11 +70,12 @@ CLONES static void solve_closed(struct lanes *lanes, struct lane_time at, struct
         }
         const four restoring = h * (stiffness * h + damping) * v;
         const four_masks small = four_magnitude(a - 1 + drag) < 1;
-        const four dq = h * v, dv = four_either(small, v - before, (h * force - restoring) - lost);
+        const four dq = h * v,
+                   dv = four_either(small, v - previous, (h * force - restoring) - lost);
         fours(stage->z[0])[q] = dq;
         fours(stage->z[1])[q] = dv;
         fours(stage->sum[0])[q] = y + dq;
-        fours(stage->sum[1])[q] = four_either(small, v, before + dv);
+        fours(stage->sum[1])[q] = four_either(small, v, previous + dv);
         masks(stage->alone)[q] |= ~(four_magnitude(a) <= DBL_MAX) |
                                   ~(four_magnitude(r) <= DBL_MAX) | ~(four_magnitude(v) <= DBL_MAX);
         masks(stage->evals)[q] += 1;
@@ -95,7 +97,7 @@ CLONES static void factor(struct lanes *lanes, const double *h, double *inverse,
 /* The iteration of motion_stage(). */
 struct motion {
     double x[LANE_COUNT], weight[LANE_COUNT], inverse[LANE_COUNT], last[LANE_COUNT],
-        off[LANE_COUNT];
+        residual[LANE_COUNT];
     lane_mask active[LANE_COUNT], again[LANE_COUNT];
 };
 
@@ -122,7 +124,7 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
                                 ((size >= last) & (size <= INCREMENT_STALL_RELATIVE)) |
                                 (~begins & (size * size <= INCREMENT_NEGLIGIBLE * last));
         const four_masks alone =
-            (~(rest_size < fours(m->off)[q]) & (last > INCREMENT_STALL_RELATIVE)) |
+            (~(rest_size < fours(m->residual)[q]) & (last > INCREMENT_STALL_RELATIVE)) |
             (begins & ~(four_magnitude(rest) <= DBL_MAX)) |
             ((size > CONTRACTION_MAX * last) & (size > INCREMENT_STALL_RELATIVE)) |
             (done & ~(inverse > 0));
@@ -132,7 +134,7 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
         masks(m->active)[q] = active & ~done & ~masks(stage->alone)[q];
         masks(m->again)[q] = masks(m->active)[q] & (size > JACOBIAN_REUSE_RATE * last);
         fours(m->last)[q] = size;
-        fours(m->off)[q] = rest_size;
+        fours(m->residual)[q] = rest_size;
     }
 }
 
@@ -151,7 +153,7 @@ static void renew_factors(struct lanes *lanes, struct motion *m, struct lane_sta
 }
 
 /* motion_stage(), where newton_follow() is not needed */
-static void solve_motion(struct lanes *lanes, struct lane_time at, struct lane_stage *stage)
+static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struct lane_stage *stage)
 {
     struct motion m;
     double a[LANE_COUNT];
@@ -161,7 +163,7 @@ static void solve_motion(struct lanes *lanes, struct lane_time at, struct lane_s
         const double by_position = stage->h[l] * (1 / larger_of(fabs(stage->y[0][l]), scale[0]));
         m.weight[l] = larger_of(1 / larger_of(fabs(stage->y[1][l]), scale[1]), by_position);
         m.x[l] = 0;
-        m.last[l] = m.off[l] = HUGE_VAL;
+        m.last[l] = m.residual[l] = HUGE_VAL;
     }
     memcpy(lanes->state, stage->y, sizeof stage->y);
     factor(lanes, stage->h, m.inverse, stage->alone);
@@ -172,7 +174,7 @@ static void solve_motion(struct lanes *lanes, struct lane_time at, struct lane_s
     }
     for (int i = 0; i < ITERATIONS && any_is_set(m.active); i++) {
         set_iterate(stage, &m, lanes->state);
-        lanes_force(lanes, SUM_ALL, at, a);
+        lanes_force(lanes, SUM_ALL, stage_time, a);
         iterate(&m, stage, a, i == 0);
         if (any_is_set(m.again))
             renew_factors(lanes, &m, stage);
@@ -206,7 +208,7 @@ CLONES static void stage_base(const double *w, int count, const double *h,
 }
 
 /* A step of one lane by itself, from y and the slope before; its state and its last slope. */
-static void step_lane(struct lanes *lanes, int lane, double (*before)[LANE_COUNT],
+static void step_lane(struct lanes *lanes, int lane, double (*previous)[LANE_COUNT],
                       struct lane_stage *stage, double (*last)[LANE_COUNT])
 {
     double y[N], *const slope = lanes->work + (lanes->method->implicit->stages - 1) * N;
@@ -218,7 +220,7 @@ static void step_lane(struct lanes *lanes, int lane, double (*before)[LANE_COUNT
                         .warm = lanes->step > 0};
     memset(lanes->work, 0, method_work_size(lanes->method, N) * sizeof *lanes->work);
     lane_get(N, lanes->y, lane, y);
-    lane_get(N, before[0], lane, slope);
+    lane_get(N, previous[0], lane, slope);
     const bool good =
         isfinite(y[0]) && isfinite(y[1]) && method_step(lanes->method, &step) == STEP_OK;
     stage->evals[lane] = step.cost.evals;
@@ -238,14 +240,14 @@ static void implicit_stages(struct lanes *lanes, struct lane_stage *stage,
     double own[LANE_COUNT];
     for (int s = 0; s < stages; s++) {
         const double *const row = tableau->a + s * stages;
-        const struct lane_time at = lanes_time(lanes, tableau->c[s], own);
+        const struct lane_time stage_time = lanes_time(lanes, tableau->c[s], own);
         if (row[s] == 0 && tableau->fsal && lanes->step > 0) {
             memcpy(k[s], k[stages - 1], size);
             continue;
         }
         if (row[s] == 0) {
             memcpy(lanes->state, lanes->y, size);
-            lanes_slope(lanes, at, k[s][0]);
+            lanes_slope(lanes, stage_time, k[s][0]);
             EACH_LANE stage->evals[l]++;
             continue;
         }
@@ -253,7 +255,7 @@ static void implicit_stages(struct lanes *lanes, struct lane_stage *stage,
             stage_base(row, s, lanes->own_h, k, lanes->y, stage->y);
         else
             memcpy(stage->y, lanes->y, size);
-        (lanes->closed ? solve_closed : solve_motion)(lanes, at, stage);
+        (lanes->closed ? solve_closed : solve_motion)(lanes, stage_time, stage);
         for (int i = 0; i < N; i++)
             EACH_LANE k[s][i][l] = stage->z[i][l] / stage->h[l];
     }
@@ -263,8 +265,8 @@ static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k
 {
     const struct implicit_tableau *const tableau = lanes->method->implicit;
     const int stages = tableau->stages;
-    double before[N][LANE_COUNT];
-    memcpy(before, k[stages - 1], sizeof before);
+    double previous[N][LANE_COUNT];
+    memcpy(previous, k[stages - 1], sizeof previous);
     EACH_LANE stage->alone[l] = stage->evals[l] = 0;
     implicit_stages(lanes, stage, k);
     if (!stiffly_accurate(tableau) && stages == 1) {
@@ -274,7 +276,7 @@ static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k
     } else if (!stiffly_accurate(tableau)) {
         stage_base(tableau->b, stages, lanes->own_h, k, lanes->y, stage->sum);
     }
-    EACH_LANE if (stage->alone[l]) step_lane(lanes, l, before, stage, k[stages - 1]);
+    EACH_LANE if (stage->alone[l]) step_lane(lanes, l, previous, stage, k[stages - 1]);
     EACH_LANE lanes->evals[l] += stage->evals[l];
     memcpy(lanes->y, stage->sum, sizeof stage->sum);
 }

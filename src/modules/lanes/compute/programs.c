@@ -20,11 +20,11 @@ struct lane_operation {
     bool once;           /* a function of what is the same in all lanes */
     bool known;          /* its value for `argument` */
     double argument[2], value;
-    double *out; /* NULL: output `output` */
+    double *target; /* NULL: output `output` */
     int output;
     const double *operand[3];
     const struct node *node;
-    void (*many)(int n, const double *x, double *out); /* NULL if it takes one at a time */
+    void (*many)(int n, const double *x, double *result); /* NULL if it takes one at a time */
 };
 
 /* The frame: numbers and intermediate values, room for those that are fixed, then the operations.
@@ -65,18 +65,18 @@ static double value_once(struct lane_operation *operation)
 }
 
 static inline __attribute__((always_inline)) void
-apply(const struct lane_operation *operation, double *restrict out, const double *restrict a,
+apply(const struct lane_operation *operation, double *restrict result, const double *restrict a,
       const double *restrict b, const double *restrict c)
 {
 #define CASE(name)                                                                                 \
     case name:                                                                                     \
         for (int i = 0; i < PROGRAM_LANES; i++)                                                    \
-            out[i] = node_value(name, operation->node, a[i], b[i], c[i]);                          \
+            result[i] = node_value(name, operation->node, a[i], b[i], c[i]);                       \
         break;
     switch (operation->kind) {
         OPERATIONS(CASE)
     case NODE_KINDS:
-        memcpy(out, a, PROGRAM_LANES * sizeof *out);
+        memcpy(result, a, PROGRAM_LANES * sizeof *result);
         break;
     default: /* no operations */
         break;
@@ -84,27 +84,27 @@ apply(const struct lane_operation *operation, double *restrict out, const double
 #undef CASE
 }
 
-CLONES static void run(struct lane_operation *i, double *output)
+CLONES static void lane_operations_run(struct lane_operation *i, double *output)
 {
     for (; i->node; i++) {
-        double *out = i->out ? i->out : output + i->output * PROGRAM_LANES;
+        double *result = i->target ? i->target : output + i->output * PROGRAM_LANES;
         if (i->many) {
-            i->many(PROGRAM_LANES, i->operand[0], out);
+            i->many(PROGRAM_LANES, i->operand[0], result);
             continue;
         }
         if (!i->once) {
-            apply(i, out, i->operand[0], i->operand[1], i->operand[2]);
+            apply(i, result, i->operand[0], i->operand[1], i->operand[2]);
             continue;
         }
         const double value = value_once(i);
         for (int lane = 0; lane < PROGRAM_LANES; lane++)
-            out[lane] = value;
+            result[lane] = value;
     }
 }
 
 /* ---- preparing ---- */
 
-static void (*many_of(double (*one)(double)))(int n, const double *x, double *out)
+static void (*many_of(double (*one)(double)))(int n, const double *x, double *result)
 {
     return one == fixed_sin   ? fixed_sines
            : one == fixed_cos ? fixed_cosines
@@ -114,8 +114,8 @@ static void (*many_of(double (*one)(double)))(int n, const double *x, double *ou
 
 /* What is known of the value at a place. */
 struct slot_value {
-    unsigned lanes;   /* enum program_lanes */
-    const double *at; /* where it is going to be */
+    unsigned lanes;       /* enum program_lanes */
+    const double *values; /* where it is going to be */
 };
 
 /* Of an intermediate value, kept where that would be. */
@@ -152,35 +152,36 @@ void program_prepare_lanes(const struct program *p, const double *input,
         for (int j = 0; j < 3; j++) {
             const struct slot_value operand =
                 slot_lookup(p, input, lanes_of, frame, i->node.operand[j]);
-            next->operand[j] = operand.at;
+            next->operand[j] = operand.values;
             lanes &= operand.lanes; /* one that it does not have is the first one again */
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
         next->many = next->kind == NODE_ONE && !next->once ? many_of(i->node.one) : NULL;
         const bool now = lanes & LANES_FIXED && i->output < 0;
-        double *out = now ? fixed : frame + (size_t)(i->out - p->names) * PROGRAM_LANES;
-        *value_in_slot(p, frame, i->out) = (struct slot_value){lanes, out};
-        next->out = i->output < 0 ? out : NULL;
+        double *target = now ? fixed : frame + (size_t)(i->target_slot - p->names) * PROGRAM_LANES;
+        *value_in_slot(p, frame, i->target_slot) = (struct slot_value){lanes, target};
+        next->target = i->output < 0 ? target : NULL;
         if (!now) {
             next++;
             continue;
         }
         next[1] = end;
-        run(next, NULL);
+        lane_operations_run(next, NULL);
         fixed += PROGRAM_LANES;
     }
     for (int i = 0; i < p->outputs; i++) {
         const struct slot_value output = slot_lookup(p, input, lanes_of, frame, p->output[i]);
         if (!p->written[i])
-            *next++ = (struct lane_operation){.kind = NODE_KINDS,
-                                              .output = i,
-                                              .operand = {output.at, output.at, output.at},
-                                              .node = &copy};
+            *next++ =
+                (struct lane_operation){.kind = NODE_KINDS,
+                                        .output = i,
+                                        .operand = {output.values, output.values, output.values},
+                                        .node = &copy};
     }
     *next = end;
 }
 
 void program_eval_lanes(const struct program *p, double *output, double *frame)
 {
-    run(operations(p, frame), output);
+    lane_operations_run(operations(p, frame), output);
 }

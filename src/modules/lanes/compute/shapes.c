@@ -14,7 +14,7 @@
 
 #include <float.h>
 
-INLINE four load(const double *x)
+INLINE four four_load(const double *x)
 {
     return *(const four *)(const void *)x;
 }
@@ -53,7 +53,7 @@ OF_EACH_LANE(cos)
 typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q, four v,
                         four cosine);
 
-#define LANE_COEFFICIENT(i, j) load(c + ((i)*TERM_COEFFICIENTS + (j)) * LANE_COUNT)
+#define LANE_COEFFICIENT(i, j) four_load(c + ((i)*TERM_COEFFICIENTS + (j)) * LANE_COUNT)
 #define LANE_TERM(i, name)                                                                         \
     if ((name##_flags & mask) == wanted && name##_flags & TERM_TIME)                               \
         a += LANE_COEFFICIENT(i, 0) * cosine;                                                      \
@@ -77,27 +77,28 @@ LANE_SHAPES(LANE_FORCE)
 /* The drive is FORCE(drive, c0 * cos(c1 * t + c2)). Returns the angles of four lanes at time t. */
 INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
 {
-    return load(drive->c1 + lane) * t + load(drive->c2 + lane);
+    return four_load(drive->c1 + lane) * t + four_load(drive->c2 + lane);
 }
 
-CLONES static void look_at_drive(struct lane_drive *drive, int64_t place, struct lane_time at)
+CLONES static void look_at_drive(struct lane_drive *drive, int64_t place,
+                                 struct lane_time stage_time)
 {
-    const size_t size = (at.t ? LANE_COUNT : 1) * sizeof *at.t;
-    const double *const t = at.t ? at.t : &at.all;
+    const size_t size = (stage_time.t ? LANE_COUNT : 1) * sizeof *stage_time.t;
+    const double *const t = stage_time.t ? stage_time.t : &stage_time.all;
     double *row = drive->value + drive->rows * LANE_COUNT, angle[LANE_COUNT];
-    four now = at.all - (four){0};
+    four now = stage_time.all - (four){0};
     if (!drive->own) {
         drive->value[place] = fixed_cos(drive_angle(drive, 0, now)[0]);
         return;
     }
     const bool again = drive->rows > 0 && memcmp(t, drive->time, size) == 0;
-    drive->at[place] = again ? row - LANE_COUNT : row;
+    drive->value_rows[place] = again ? row - LANE_COUNT : row;
     if (again)
         return;
     memcpy(drive->time, t, size);
     for (int lane = 0; lane < LANE_COUNT; lane += WIDE) {
-        if (at.t)
-            now = load(t + lane);
+        if (stage_time.t)
+            now = four_load(t + lane);
         *fours(angle + lane) = drive_angle(drive, lane, now);
     }
     fixed_cosines(LANE_COUNT, angle, row);
@@ -109,15 +110,15 @@ static void look_at_step(struct lanes *lanes, int64_t place)
 {
     const struct splitting *splitting = lanes->method->splitting;
     double time[LANE_COUNT];
-    struct lane_time at = lanes_time(lanes, 0, time);
+    struct lane_time stage_time = lanes_time(lanes, 0, time);
     for (int i = 0; i < lanes->drive.places; i++, place++)
         if (!splitting)
             look_at_drive(&lanes->drive, place,
                           lanes_time(lanes, lanes->method->tableau->c[i], time));
         else if ((i % 2 == 0) == splitting->kick_first)
-            look_at_drive(&lanes->drive, place, at);
+            look_at_drive(&lanes->drive, place, stage_time);
         else
-            lanes_time_add(lanes, splitting_weight(splitting, i), &at, time);
+            lanes_time_add(lanes, splitting_weight(splitting, i), &stage_time, time);
 }
 
 /* Returns of how many of the next steps, at most `count`, the drive is known. Where it is the same
@@ -129,21 +130,21 @@ static int64_t look_ahead(struct lanes *lanes, int64_t count)
     if (!drive->c1)
         return count;
     const int64_t max = (drive->own ? DRIVE_ROWS : DRIVE_VALUES) / drive->places;
-    const struct driven_by by = {drive->own ? NULL : lanes->method,
-                                 {*drive->c1, *drive->c2, lanes->t0, lanes->h}};
-    if (drive->own || memcmp(&by, &drive->by, sizeof by) != 0 || first < drive->from ||
-        first > drive->end || first - drive->from >= max) {
-        drive->by = by;
-        drive->from = drive->end = first;
+    const struct driven_by driver = {drive->own ? NULL : lanes->method,
+                                     {*drive->c1, *drive->c2, lanes->t0, lanes->h}};
+    if (drive->own || memcmp(&driver, &drive->driver, sizeof driver) != 0 || first < drive->begin ||
+        first > drive->end || first - drive->begin >= max) {
+        drive->driver = driver;
+        drive->begin = drive->end = first;
         drive->rows = 0;
     }
-    const int64_t end = first + count < drive->from + max ? first + count : drive->from + max;
+    const int64_t end = first + count < drive->begin + max ? first + count : drive->begin + max;
     for (; drive->end < end; drive->end++) {
         lanes->step = drive->end;
-        look_at_step(lanes, (drive->end - drive->from) * drive->places);
+        look_at_step(lanes, (drive->end - drive->begin) * drive->places);
     }
     lanes->step = first;
-    drive->next = drive->value + (first - drive->from) * drive->places;
+    drive->next = drive->value + (first - drive->begin) * drive->places;
     return end - first;
 }
 
@@ -155,7 +156,7 @@ INLINE four cosine_at(enum drive_known known, const struct lane_drive *drive, in
                       int lane)
 {
     if (known == DRIVE_OWN)
-        return load(drive->at[place] + lane);
+        return four_load(drive->value_rows[place] + lane);
     return (known == DRIVE_ALIKE ? drive->next[place] : 0) - (four){0};
 }
 
@@ -195,16 +196,16 @@ enum { TURN_TIME, TURN_SPEED, TURN_SLOPE, TURN_NUMBERS };
 
 INLINE four turning_time(const four *p, const four *q)
 {
-    const four from = p[TURN_TIME], size = q[TURN_TIME] - from,
+    const four begin = p[TURN_TIME], size = q[TURN_TIME] - begin,
                rise = q[TURN_SPEED] - p[TURN_SPEED], u = -p[TURN_SPEED] / rise, r = 1 - u;
-    const four x = from + size * (u * u * (3 - 2 * u)) +
+    const four x = begin + size * (u * u * (3 - 2 * u)) +
                    rise * u * r * (r / p[TURN_SLOPE] - u / q[TURN_SLOPE]);
-    return four_either((x - from) * (q[TURN_TIME] - x) > 0, from + size / 2, x);
+    return four_either((x - begin) * (q[TURN_TIME] - x) > 0, begin + size / 2, x);
 }
 
-INLINE four_masks crosses(four before, four after)
+INLINE four_masks crosses(four first, four second)
 {
-    return ((before < 0) & (after > 0)) | ((before > 0) & (after < 0));
+    return ((first < 0) & (second > 0)) | ((first > 0) & (second < 0));
 }
 
 INLINE four_masks is_infinite(const four z[2])
@@ -212,10 +213,10 @@ INLINE four_masks is_infinite(const four z[2])
     return ~((four_magnitude(z[0]) <= DBL_MAX) & (four_magnitude(z[1]) <= DBL_MAX));
 }
 
-INLINE void take(four_masks which, int count, const four *from, four *to)
+INLINE void fours_select(four_masks which, int count, const four *source, four *target)
 {
     for (int j = 0; j < count; j++)
-        to[j] = four_either(which, to[j], from[j]);
+        target[j] = four_either(which, target[j], source[j]);
 }
 
 /* method_turning_step() of those lanes of a vector whose velocity changes its sign in the step from
@@ -233,16 +234,16 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
             evals += moving & 4;
         }
         failed |= moving & is_infinite(t);
-        take(moving, 2, t, z);
+        fours_select(moving, 2, t, z);
         moving &= ~failed & crosses(y[1], t[1]);
         if (piece == TURN_PIECES || four_none(moving))
             break;
         evals += moving & 2;
         four first[TURN_NUMBERS] = {{0}, y[1], force(0, 0, c, y[0], y[1], rest)},
              last[TURN_NUMBERS] = {rest, t[1], force(0, 0, c, t[0], t[1], rest)};
-        const four near = TURN_NEAR * four_magnitude(rest);
+        const four tolerance = TURN_NEAR * four_magnitude(rest);
         four x = turning_time(first, last), used = x;
-        moving &= ~((four_magnitude(x) <= near) | (four_magnitude(rest - x) <= near));
+        moving &= ~((four_magnitude(x) <= tolerance) | (four_magnitude(rest - x) <= tolerance));
         four_masks trying = moving;
         for (int i = 0; i < TURN_TRIES && !four_none(trying); i++) {
             classical_weights(tableau, x, w);
@@ -250,24 +251,24 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
             const four here[TURN_NUMBERS] = {x, t[1], force(0, 0, c, t[0], t[1], rest)};
             evals += trying & 4;
             failed |= trying & is_infinite(t);
-            take(trying, 2, t, z);
-            take(trying, 1, &x, &used);
-            trying &=
-                ~(four_magnitude(here[TURN_SPEED]) <= near * four_magnitude(here[TURN_SLOPE])) &
-                ~failed;
-            const four_masks before = ~((here[TURN_SPEED] < 0) ^ (y[1] < 0));
-            take(trying & before, TURN_NUMBERS, here, first);
-            take(trying & ~before, TURN_NUMBERS, here, last);
+            fours_select(trying, 2, t, z);
+            fours_select(trying, 1, &x, &used);
+            trying &= ~(four_magnitude(here[TURN_SPEED]) <=
+                        tolerance * four_magnitude(here[TURN_SLOPE])) &
+                      ~failed;
+            const four_masks is_early = ~((here[TURN_SPEED] < 0) ^ (y[1] < 0));
+            fours_select(trying & is_early, TURN_NUMBERS, here, first);
+            fours_select(trying & ~is_early, TURN_NUMBERS, here, last);
             x = four_either(trying, x, turning_time(first, last));
         }
         moving &= ~failed;
         if (four_none(moving))
             break;
         rest -= used;
-        take(moving, 2, z, y);
+        fours_select(moving, 2, z, y);
     }
     t[0] = t[1] = NAN - (four){0};
-    take(failed, 2, t, z);
+    fours_select(failed, 2, t, z);
     return evals;
 }
 
@@ -278,10 +279,10 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
     const double *c = lanes->input + (1 + N) * LANE_COUNT;
     four w[LANE_COUNT][RK_WEIGHTS]; /* of every fourth */
     for (int lane = 0; lane < LANE_COUNT; lane += WIDE)
-        classical_weights(tableau, load(lanes->own_h + lane), w[lane]);
+        classical_weights(tableau, four_load(lanes->own_h + lane), w[lane]);
     for (int64_t i = 0; i < count; i++, row += row ? 2 * LANE_COUNT : 0)
         for (int lane = 0; lane < LANE_COUNT; lane += WIDE) {
-            four y[2] = {load(lanes->y + lane), load(lanes->y + LANE_COUNT + lane)}, z[2],
+            four y[2] = {four_load(lanes->y + lane), four_load(lanes->y + LANE_COUNT + lane)}, z[2],
                  cosine[4];
             UNROLL for (int s = 0; s < 4; s++) cosine[s] =
                 cosine_at(drive, &lanes->drive, 4 * i + s, lane);
@@ -290,7 +291,7 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
             if (flags & TERM_KINK && lanes->turns &&
                 (turned[0] | turned[1] | turned[2] | turned[3]) < 0) {
                 const four_masks evals =
-                    turn_lanes(force, c + lane, tableau, load(lanes->own_h + lane), y, z);
+                    turn_lanes(force, c + lane, tableau, four_load(lanes->own_h + lane), y, z);
                 for (int k = 0; k < WIDE; k++)
                     lanes->evals[lane + k] += evals[k];
             }
@@ -309,37 +310,37 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
 enum { SPLIT_PARTS = 4 };
 
 /* Copy numbers [count][LANE_COUNT] of these vectors from a lane on. */
-INLINE void parts_load(int count, const double *from, four *to)
+INLINE void parts_load(int count, const double *source, four *target)
 {
-    UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) to[j] =
-        load(from + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE);
+    UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) target[j] =
+        four_load(source + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE);
 }
 
-INLINE void parts_store(int count, const four *from, double *to)
+INLINE void parts_store(int count, const four *source, double *target)
 {
     UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) *
-        fours(to + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = from[j];
+        fours(target + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = source[j];
 }
 
 /* Lets velocities follow the drag's own flow over h/2: drag_flow_apply(), which forward in time has
  * no pole. half: from the lane on. */
-INLINE void flow(const double *half, four v[SPLIT_PARTS])
+INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
 {
     UNROLL for (int p = 0; p < SPLIT_PARTS; p++, half += WIDE) v[p] =
-        v[p] * load(half) /
-        (load(half + LANE_COUNT) + load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
+        v[p] * four_load(half) /
+        (four_load(half + LANE_COUNT) + four_load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
 }
 
 /* As split_kick(); lost: of this kick, from the lane on. */
-INLINE void kick(enum drag variant, bool around, lane_force *force, const double *c,
-                 const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
-                 four z[2][SPLIT_PARTS])
+INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, const double *c,
+                       const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
+                       four z[2][SPLIT_PARTS])
 {
     UNROLL for (int p = 0; p < SPLIT_PARTS; p++, c += WIDE, lost += WIDE)
     {
         four *const v = &z[1][p];
-        if (variant == DRAG_EXACT && !around)
-            *v += pull[p] * load(lost + LANE_COUNT) - *v * load(lost);
+        if (variant == DRAG_EXACT && !drag_at_ends)
+            *v += pull[p] * four_load(lost + LANE_COUNT) - *v * four_load(lost);
         else if (variant == DRAG_EXPLICIT)
             *v += w[p] * (pull[p] + force(TERM_VELOCITY, TERM_VELOCITY, c, z[0][p], *v, w[p]));
         else
@@ -352,7 +353,8 @@ INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned 
 {
     const struct split_way *way = &lanes->way;
     const enum drag variant = flags & TERM_VELOCITY ? way->drag : DRAG_DEFAULT;
-    const bool around = variant == DRAG_EXACT && way->around, continues = way->continues;
+    const bool drag_at_ends = variant == DRAG_EXACT && way->drag_at_ends,
+               continues = way->continues;
     const int places = way->splitting->count;
     const double *c = lanes->input + (1 + N) * LANE_COUNT;
     for (int lane = 0; lane < LANE_COUNT; lane += SPLIT_PARTS * WIDE, c += SPLIT_PARTS * WIDE) {
@@ -361,12 +363,12 @@ INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned 
         for (int i = 0; i < places; i++)
             for (int p = 0; p < SPLIT_PARTS; p++)
                 w[i][p] =
-                    splitting_weight(way->splitting, i) * load(lanes->own_h + lane + p * WIDE);
+                    splitting_weight(way->splitting, i) * four_load(lanes->own_h + lane + p * WIDE);
         parts_load(2, lanes->state + lane, z[0]);
         parts_load(1, lanes->pull + lane, pull);
         for (int64_t i = 0; i < count; i++) {
-            if (around)
-                flow(lanes->half + lane, z[1]);
+            if (drag_at_ends)
+                fours_drag_flow(lanes->half + lane, z[1]);
             for (int index = 0; index < places; index++) {
                 if ((index % 2 == 0) != way->splitting->kick_first) {
                     UNROLL for (int p = 0; p < SPLIT_PARTS; p++) z[0][p] += w[index][p] * z[1][p];
@@ -377,11 +379,11 @@ INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned 
                         force(TERM_VELOCITY, 0, c + p * WIDE, z[0][p], z[1][p],
                               cosine_at(drive, &lanes->drive, places * i + index, lane + p * WIDE));
                 known = continues && index == places - 1;
-                kick(variant, around, force, c, lanes->frozen + 2 * index * LANE_COUNT + lane,
-                     w[index], pull, z);
+                fours_kick(variant, drag_at_ends, force, c,
+                           lanes->frozen + 2 * index * LANE_COUNT + lane, w[index], pull, z);
             }
-            if (around)
-                flow(lanes->half + lane, z[1]);
+            if (drag_at_ends)
+                fours_drag_flow(lanes->half + lane, z[1]);
             if (row)
                 parts_store(2, z[0], row + 2 * i * LANE_COUNT + lane);
         }

@@ -64,10 +64,11 @@ struct lane_drive {
     bool own;
     int rows, places;
     const double *c1, *c2; /* [LANE_COUNT] coefficients; NULL if there is no drive */
-    struct driven_by by;
-    int64_t from, end;            /* steps of which it is known */
-    const double *next;           /* [steps][places] of the next ones, the same in all lanes; */
-    const double *at[DRIVE_ROWS]; /* [steps][places] rows of values, where lanes have their own */
+    struct driven_by driver;
+    int64_t begin, end; /* steps of which it is known */
+    const double *next; /* [steps][places] of the next ones, the same in all lanes; */
+    const double
+        *value_rows[DRIVE_ROWS]; /* [steps][places] rows of values, where lanes have their own */
     double time[LANE_COUNT], value[DRIVE_VALUES]; /* the time of the last row */
 };
 
@@ -124,13 +125,15 @@ void lanes_set_values(struct lanes *lanes, int lane, const struct system *system
 /* Before the first step, when all lanes are set: prepares the programs for what lanes share. */
 void lanes_prepare_forces(struct lanes *lanes);
 /* out [rows][LANE_COUNT]: a sum of forces at lanes->state */
-void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time at, double *out);
+void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time stage_time,
+                 double *force);
 /* out [n][LANE_COUNT] */
-void lanes_slope(struct lanes *lanes, struct lane_time at, double *out);
+void lanes_slope(struct lanes *lanes, struct lane_time stage_time, double *slope);
 /* Returns the time of this part of the present step; own: [LANE_COUNT], where lanes have theirs. */
 struct lane_time lanes_time(const struct lanes *lanes, double c, double *own);
 /* Goes on by this part of the step; own: as above. */
-void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *at, double *own);
+void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *stage_time,
+                    double *own);
 
 /* ---- steps ---- */
 
@@ -151,16 +154,16 @@ static inline bool lane_turns(double v0, double v1)
 }
 
 /* Copies numbers [count][LANE_COUNT] of one lane from or to an array of its own. */
-static inline void lane_get(int count, const double *from, int lane, double *to)
+static inline void lane_get(int count, const double *source, int lane, double *target)
 {
     for (int i = 0; i < count; i++)
-        to[i] = from[i * LANE_COUNT + lane];
+        target[i] = source[i * LANE_COUNT + lane];
 }
 
-static inline void lane_put(int count, const double *from, int lane, double *to)
+static inline void lane_put(int count, const double *source, int lane, double *target)
 {
     for (int i = 0; i < count; i++)
-        to[i * LANE_COUNT + lane] = from[i];
+        target[i * LANE_COUNT + lane] = source[i];
 }
 
 #endif

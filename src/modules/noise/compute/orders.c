@@ -100,10 +100,10 @@ static void measure_one(void *context, int thread, int64_t path)
         follow_increments(work, increment, (int64_t)1 << levels, ldexp(h, levels), sign, coarse);
         for (int level = 0; level < levels; level++) {
             const int left = levels - level - 1;
-            const size_t at = (size_t)level * (size_t)request->paths + (size_t)path;
+            const size_t index = (size_t)level * (size_t)request->paths + (size_t)path;
             follow_increments(work, increment, (int64_t)1 << left, ldexp(h, left), sign, next);
-            add_differences(&request->forcing->system, coarse, next, &work->strong[at],
-                            &work->weak[at]);
+            add_differences(&request->forcing->system, coarse, next, &work->strong[index],
+                            &work->weak[index]);
             memcpy(coarse, next, sizeof coarse);
         }
     }
@@ -117,19 +117,19 @@ static void measure_one(void *context, int thread, int64_t path)
 static struct measured find_order(const struct order_level *level, int levels, bool strong)
 {
     enum { LEVELS_LEAST = 3 };
-    static const double beyond = 3;
+    static const double sigmas_min = 3;
     /* Differences of states and squares of natural size that may be nothing but rounding. */
     static const double rounding = 1e-12;
     double order[ORDER_LEVELS_MAX] = {0}, relative[ORDER_LEVELS_MAX] = {0};
     int n = 0;
     for (; n < levels; n++) {
         const struct measured value = strong ? level[n].strong : level[n].weak;
-        if (!(fabs(value.value) > fmax(beyond * value.uncertainty, rounding)))
+        if (!(fabs(value.value) > fmax(sigmas_min * value.uncertainty, rounding)))
             break;
         relative[n] = value.uncertainty / fabs(value.value);
-        const struct order_level *before = n ? &level[n - 1] : NULL;
-        if (before)
-            order[n] = log2((strong ? before->strong.value : before->weak.value) / value.value);
+        const struct order_level *previous = n ? &level[n - 1] : NULL;
+        if (previous)
+            order[n] = log2((strong ? previous->strong.value : previous->weak.value) / value.value);
     }
     if (n < LEVELS_LEAST || !isfinite(order[n - 1]) || !isfinite(order[n - 2]))
         return (struct measured){NAN, NAN};
@@ -190,12 +190,12 @@ static void summarise(const struct orders_work *work, struct method_orders *orde
     orders->levels = request->levels;
     for (int i = 0; i < request->levels; i++) {
         struct order_level *level = &orders->level[i];
-        const size_t at = (size_t)i * (size_t)request->paths, n = (size_t)request->paths;
-        const struct measured square = noise_mean_of(work->strong + at, n);
+        const size_t first = (size_t)i * (size_t)request->paths, n = (size_t)request->paths;
+        const struct measured square = noise_mean_of(work->strong + first, n);
         const double distance = sqrt(square.value);
         level->dt = ldexp(request->span / (double)work->steps, -i);
         level->strong = (struct measured){distance, square.uncertainty / (2 * distance)};
-        level->weak = noise_mean_of(work->weak + at, n);
+        level->weak = noise_mean_of(work->weak + first, n);
     }
     if (request->forcing->system.linear && request->forcing->system.n <= GROWTH_VARIABLES)
         find_linear_weak(work, orders);

@@ -183,10 +183,10 @@ struct ensemble_path {
 
 static void keep_row(void *context, size_t row, double t, const double *y)
 {
-    const struct ensemble_path *at = context;
-    struct ensemble *ensemble = at->work->ensemble;
-    ensemble->value[row * (size_t)ensemble->paths + (size_t)at->path] =
-        noise_path_value(at->work->request->forcing, at->work->column, t, y);
+    const struct ensemble_path *path = context;
+    struct ensemble *ensemble = path->work->ensemble;
+    ensemble->value[row * (size_t)ensemble->paths + (size_t)path->path] =
+        noise_path_value(path->work->request->forcing, path->work->column, t, y);
 }
 
 static void follow_one(void *context, int thread, int64_t index)
@@ -194,12 +194,12 @@ static void follow_one(void *context, int thread, int64_t index)
     (void)thread;
     struct ensemble_work *work = context;
     struct ensemble *ensemble = work->ensemble;
-    struct ensemble_path at = {work, index};
+    struct ensemble_path path = {work, index};
     const int n = work->request->forcing->system.n;
     for (size_t row = 0; row < ensemble->rows; row++)
         ensemble->value[row * (size_t)ensemble->paths + (size_t)index] = NAN;
     double *end = ensemble->end + index * n;
-    const int64_t steps = noise_path_follow(work->request, (uint64_t)index, end, keep_row, &at);
+    const int64_t steps = noise_path_follow(work->request, (uint64_t)index, end, keep_row, &path);
     for (int i = 0; i < n && steps < work->request->grid.steps; i++)
         end[i] = NAN;
 }

@@ -43,13 +43,13 @@ struct cairo_work {
     double width, height; /* [pt] */
 };
 
-static bool work(const void *context, struct buffer *out, struct error *error)
+static bool cairo_work_run(const void *context, struct buffer *output, struct error *error)
 {
     const struct cairo_work *work = context;
     struct cairo_api api;
     return cairo_load(&api, CAIRO_LIBRARY, error) &&
-           (!work->figure ||
-            cairo_picture(&api, work->figure, work->kind, work->width, work->height, out, error));
+           (!work->figure || cairo_picture(&api, work->figure, work->kind, work->width,
+                                           work->height, output, error));
 }
 
 static bool work_stopped(const void *context)
@@ -61,12 +61,12 @@ static bool work_stopped(const void *context)
 /* fontconfig and pixman crash on every fourth allocation that fails, or never end: that happens in
  * a process of their own. */
 static bool through_cairo(const struct figure *figure, enum picture kind, double width,
-                          double height, struct buffer *out, struct error *error)
+                          double height, struct buffer *output, struct error *error)
 {
-    const struct cairo_work of = {figure, kind, width, height};
-    const struct child child = {work, work_stopped, &of, "the picture could not be drawn",
-                                PICTURE_SECONDS_MAX};
-    const bool done = child_run(&child, out, error);
+    const struct cairo_work job = {figure, kind, width, height};
+    const struct child child = {cairo_work_run, work_stopped, &job,
+                                "the picture could not be drawn", PICTURE_SECONDS_MAX};
+    const bool done = child_run(&child, output, error);
     if (!done && error->code == ERROR_IO)
         error_hint(error, "a file that ends in .svg needs no library of the system's");
     return done;
@@ -97,11 +97,11 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
 }
 #endif
 
-static bool as_svg(const struct figure *figure, double width, double height, struct buffer *out,
+static bool as_svg(const struct figure *figure, double width, double height, struct buffer *output,
                    struct error *error)
 {
     struct svg_surface svg;
-    svg_begin(&svg, width, height, picture_style(width, height).font, figure->title, out);
+    svg_begin(&svg, width, height, picture_style(width, height).font, figure->title, output);
     const bool drawn = picture_draw(&svg.surface, figure, width, height);
     svg_end(&svg);
     const bool failed = !drawn || svg.surface.failed;
@@ -123,10 +123,10 @@ bool picture_offered(enum picture kind, struct error *error)
 }
 
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
-                    struct buffer *out, struct error *error)
+                    struct buffer *output, struct error *error)
 {
     width = page_length(width, PICTURE_WIDTH);
     height = page_length(height, PICTURE_HEIGHT);
-    return kind == PICTURE_SVG ? as_svg(figure, width, height, out, error)
-                               : through_cairo(figure, kind, width, height, out, error);
+    return kind == PICTURE_SVG ? as_svg(figure, width, height, output, error)
+                               : through_cairo(figure, kind, width, height, output, error);
 }

@@ -71,7 +71,7 @@ void cairo_unload(struct cairo_api *api);
 
 /* All but SVG; a table that is there. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
-                   double width, double height, struct buffer *out, struct error *error);
+                   double width, double height, struct buffer *output, struct error *error);
 #endif
 
 #endif

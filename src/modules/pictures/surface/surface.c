@@ -107,7 +107,7 @@ double text_advance(struct text text)
         635,  635, 411, 521, 392, 634, 592, 818, 592, 592, 525, 636, 337, 636, 838};
     const uint32_t superscript = 0x2070, subscript_end = 0x209C;
     double width = 0;
-    for (size_t used; text.len; text.at += used, text.len -= used) {
+    for (size_t used; text.len; text.data += used, text.len -= used) {
         const uint32_t c = text_codepoint(text, &used);
         if (c >= ' ' && c - ' ' < COUNT_OF(widths))
             width += widths[c - ' '];

@@ -78,13 +78,13 @@ double text_advance(struct text text);
 /* Appends an SVG document; done by svg_end. */
 struct svg_surface {
     struct surface surface;
-    struct buffer *out;
+    struct buffer *output;
     double font; /* size of most texts */
     int clips;
 };
 
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
-               struct buffer *out);
+               struct buffer *output);
 void svg_end(struct svg_surface *svg);
 
 /* Draws a figure on a page of that size; returns false if out of memory. */

@@ -12,24 +12,24 @@
 #define SVG_FONTS "DejaVu Sans,Segoe UI,Lucida Grande,Noto Sans,Helvetica,Arial,sans-serif"
 
 /* ".25", "-3", "17.5" */
-static void put_hundredths(struct buffer *out, long value)
+static void put_hundredths(struct buffer *output, long value)
 {
     char digits[24];
     const unsigned long size = (unsigned long)labs(value), rest = size % 100;
-    size_t at = sizeof digits;
+    size_t index = sizeof digits;
     if (rest) {
         if (rest % 10)
-            digits[--at] = (char)('0' + rest % 10);
-        digits[--at] = (char)('0' + rest / 10);
-        digits[--at] = '.';
+            digits[--index] = (char)('0' + rest % 10);
+        digits[--index] = (char)('0' + rest / 10);
+        digits[--index] = '.';
     }
     for (unsigned long whole = size / 100; whole > 0; whole /= 10)
-        digits[--at] = (char)('0' + whole % 10);
+        digits[--index] = (char)('0' + whole % 10);
     if (size == 0)
-        digits[--at] = '0';
+        digits[--index] = '0';
     if (value < 0)
-        digits[--at] = '-';
-    buffer_put(out, (struct text){digits + at, sizeof digits - at});
+        digits[--index] = '-';
+    buffer_put(output, (struct text){digits + index, sizeof digits - index});
 }
 
 static long hundredths(double value)
@@ -37,22 +37,22 @@ static long hundredths(double value)
     return lround(100 * fmax(fmin(value, 1e6), -1e6));
 }
 
-static void put_length(struct buffer *out, const char *name, double value)
+static void put_length(struct buffer *output, const char *name, double value)
 {
-    buffer_format(out, " %s=\"", name);
-    put_hundredths(out, hundredths(value));
-    buffer_char(out, '"');
+    buffer_format(output, " %s=\"", name);
+    put_hundredths(output, hundredths(value));
+    buffer_char(output, '"');
 }
 
-static void put_color(struct buffer *out, const char *name, const double *color)
+static void put_color(struct buffer *output, const char *name, const double *color)
 {
-    buffer_format(out, " %s=\"#", name);
+    buffer_format(output, " %s=\"#", name);
     for (int i = 0; i < 3; i++)
-        buffer_format(out, "%02x", (unsigned)lround(255 * color[i]));
-    buffer_char(out, '"');
+        buffer_format(output, "%02x", (unsigned)lround(255 * color[i]));
+    buffer_char(output, '"');
 }
 
-static void put_escaped(struct buffer *out, const char *text)
+static void put_escaped(struct buffer *output, const char *text)
 {
     for (; *text; text++) {
         const char *name = *text == '<'   ? "&lt;"
@@ -61,16 +61,16 @@ static void put_escaped(struct buffer *out, const char *text)
                            : *text == '"' ? "&quot;"
                                           : NULL;
         if (name)
-            buffer_put(out, text_of(name));
+            buffer_put(output, text_of(name));
         else
-            buffer_char(out, *text);
+            buffer_char(output, *text);
     }
 }
 
 /* ---- paths ---- */
 
 struct path_writer {
-    struct buffer *out;
+    struct buffer *output;
     char command; /* the last one: it need not be repeated */
     long x, y;    /* [pt/100] */
     long start[2];
@@ -80,13 +80,13 @@ struct path_writer {
 static void put_pair(struct path_writer *state, char command, long x, long y)
 {
     if (command != state->command)
-        buffer_char(state->out, command);
+        buffer_char(state->output, command);
     else if (x >= 0)
-        buffer_char(state->out, ' ');
-    put_hundredths(state->out, x);
+        buffer_char(state->output, ' ');
+    put_hundredths(state->output, x);
     if (y >= 0)
-        buffer_char(state->out, ' ');
-    put_hundredths(state->out, y);
+        buffer_char(state->output, ' ');
+    put_hundredths(state->output, y);
     state->command = command;
 }
 
@@ -99,24 +99,24 @@ static void put_point(struct path_writer *state, const struct path_point *point)
         state->start[1] = y;
         state->command = '\0'; /* what follows without a letter would be a line */
     } else if (point->kind == PATH_LINE && x == state->x && y == state->y) { /* a dot */
-        buffer_put(state->out, TEXT("h0"));
+        buffer_put(state->output, TEXT("h0"));
         state->command = 'h';
     } else if (point->kind == PATH_LINE) {
         put_pair(state, 'l', x - state->x, y - state->y);
     } else if (point->kind == PATH_CIRCLE) {
         put_pair(state, 'M', x - r, y);
         for (int half = 1; half >= -1; half -= 2) {
-            buffer_char(state->out, 'a');
-            put_hundredths(state->out, r);
-            buffer_char(state->out, ' ');
-            put_hundredths(state->out, r);
-            buffer_put(state->out, TEXT(" 0 1 0 "));
-            put_hundredths(state->out, half * 2 * r);
-            buffer_put(state->out, TEXT(" 0"));
+            buffer_char(state->output, 'a');
+            put_hundredths(state->output, r);
+            buffer_char(state->output, ' ');
+            put_hundredths(state->output, r);
+            buffer_put(state->output, TEXT(" 0 1 0 "));
+            put_hundredths(state->output, half * 2 * r);
+            buffer_put(state->output, TEXT(" 0"));
         }
         state->command = 'a';
     } else {
-        buffer_char(state->out, 'z');
+        buffer_char(state->output, 'z');
         state->command = 'z';
     }
     state->x = point->kind == PATH_CLOSE ? state->start[0] : point->kind == PATH_CIRCLE ? x - r : x;
@@ -125,47 +125,47 @@ static void put_point(struct path_writer *state, const struct path_point *point)
 
 static struct buffer *out_of(struct surface *surface)
 {
-    return ((struct svg_surface *)(void *)surface)->out;
+    return ((struct svg_surface *)(void *)surface)->output;
 }
 
 static void paint(struct surface *surface, const struct brush *brush)
 {
-    struct buffer *out = out_of(surface);
-    struct path_writer state = {.out = out};
-    buffer_put(out, TEXT("<path"));
+    struct buffer *output = out_of(surface);
+    struct path_writer state = {.output = output};
+    buffer_put(output, TEXT("<path"));
     if (brush->fill)
-        put_color(out, "fill", brush->color);
+        put_color(output, "fill", brush->color);
     if (brush->width > 0) {
-        put_color(out, "stroke", brush->color);
-        put_length(out, "stroke-width", brush->width);
+        put_color(output, "stroke", brush->color);
+        put_length(output, "stroke-width", brush->width);
     }
     if (brush->opacity > 0 && brush->opacity < 1)
-        put_length(out, "opacity", brush->opacity);
+        put_length(output, "opacity", brush->opacity);
     for (int i = 0; brush->dashes && i < brush->dashes->n; i++) {
-        buffer_put(out, i ? TEXT(" ") : TEXT(" stroke-dasharray=\""));
-        put_hundredths(out, hundredths(brush->dashes->length[i] * brush->dash));
+        buffer_put(output, i ? TEXT(" ") : TEXT(" stroke-dasharray=\""));
+        put_hundredths(output, hundredths(brush->dashes->length[i] * brush->dash));
         if (i == brush->dashes->n - 1)
-            buffer_char(out, '"');
+            buffer_char(output, '"');
     }
-    buffer_put(out, TEXT(" d=\""));
+    buffer_put(output, TEXT(" d=\""));
     for (size_t i = 0; i < surface->points; i++)
         put_point(&state, &surface->path[i]);
-    buffer_put(out, TEXT("\"/>\n"));
+    buffer_put(output, TEXT("\"/>\n"));
 }
 
-static void clip(struct surface *surface, const double box[4])
+static void svg_clip(struct surface *surface, const double box[4])
 {
     struct svg_surface *svg = (struct svg_surface *)(void *)surface;
     if (!box) {
-        buffer_put(svg->out, TEXT("</g>\n"));
+        buffer_put(svg->output, TEXT("</g>\n"));
         return;
     }
-    buffer_format(svg->out, "<clipPath id=\"c%d\"><rect", ++svg->clips);
-    put_length(svg->out, "x", box[0]);
-    put_length(svg->out, "y", box[1]);
-    put_length(svg->out, "width", box[2] - box[0]);
-    put_length(svg->out, "height", box[3] - box[1]);
-    buffer_format(svg->out, "/></clipPath>\n<g clip-path=\"url(#c%d)\">\n", svg->clips);
+    buffer_format(svg->output, "<clipPath id=\"c%d\"><rect", ++svg->clips);
+    put_length(svg->output, "x", box[0]);
+    put_length(svg->output, "y", box[1]);
+    put_length(svg->output, "width", box[2] - box[0]);
+    put_length(svg->output, "height", box[3] - box[1]);
+    buffer_format(svg->output, "/></clipPath>\n<g clip-path=\"url(#c%d)\">\n", svg->clips);
 }
 
 /* ---- text ---- */
@@ -179,56 +179,57 @@ static double svg_text_width(struct surface *surface, double size, const char *t
 static void svg_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct svg_surface *svg = (struct svg_surface *)(void *)surface;
-    struct buffer *out = svg->out;
-    buffer_put(out, TEXT("<text"));
-    put_length(out, "x", text->x);
-    put_length(out, "y", text->y);
+    struct buffer *output = svg->output;
+    buffer_put(output, TEXT("<text"));
+    put_length(output, "x", text->x);
+    put_length(output, "y", text->y);
     if (text->turned) {
-        buffer_put(out, TEXT(" transform=\"rotate(-90 "));
-        put_hundredths(out, hundredths(text->x));
-        buffer_char(out, ' ');
-        put_hundredths(out, hundredths(text->y));
-        buffer_put(out, TEXT(")\""));
+        buffer_put(output, TEXT(" transform=\"rotate(-90 "));
+        put_hundredths(output, hundredths(text->x));
+        buffer_char(output, ' ');
+        put_hundredths(output, hundredths(text->y));
+        buffer_put(output, TEXT(")\""));
     }
     if (text->align > 0)
-        buffer_put(out, text->align < 1 ? TEXT(" text-anchor=\"middle\"")
-                                        : TEXT(" text-anchor=\"end\""));
+        buffer_put(output, text->align < 1 ? TEXT(" text-anchor=\"middle\"")
+                                           : TEXT(" text-anchor=\"end\""));
     if (text->size != svg->font)
-        put_length(out, "font-size", text->size);
-    put_color(out, "fill", text->color);
-    buffer_char(out, '>');
-    put_escaped(out, text->text);
-    buffer_put(out, TEXT("</text>\n"));
+        put_length(output, "font-size", text->size);
+    put_color(output, "fill", text->color);
+    buffer_char(output, '>');
+    put_escaped(output, text->text);
+    buffer_put(output, TEXT("</text>\n"));
 }
 
 /* ---- the document ---- */
 
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
-               struct buffer *out)
+               struct buffer *output)
 {
-    static const struct surface_kind kind = {paint, clip, svg_text_put, svg_text_width};
-    *svg = (struct svg_surface){.surface.kind = &kind, .out = out, .font = font};
-    buffer_put(out, TEXT("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""));
-    put_hundredths(out, hundredths(width));
-    buffer_put(out, TEXT("pt\" height=\""));
-    put_hundredths(out, hundredths(height));
-    buffer_put(out, TEXT("pt\" viewBox=\"0 0 "));
-    put_hundredths(out, hundredths(width));
-    buffer_char(out, ' ');
-    put_hundredths(out, hundredths(height));
-    buffer_put(out, TEXT("\" font-family=\"" SVG_FONTS "\""));
-    put_length(out, "font-size", font);
-    buffer_put(out, TEXT(" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"));
+    static const struct surface_kind kind = {paint, svg_clip, svg_text_put, svg_text_width};
+    *svg = (struct svg_surface){.surface.kind = &kind, .output = output, .font = font};
+    buffer_put(output, TEXT("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""));
+    put_hundredths(output, hundredths(width));
+    buffer_put(output, TEXT("pt\" height=\""));
+    put_hundredths(output, hundredths(height));
+    buffer_put(output, TEXT("pt\" viewBox=\"0 0 "));
+    put_hundredths(output, hundredths(width));
+    buffer_char(output, ' ');
+    put_hundredths(output, hundredths(height));
+    buffer_put(output, TEXT("\" font-family=\"" SVG_FONTS "\""));
+    put_length(output, "font-size", font);
+    buffer_put(output,
+               TEXT(" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"));
     if (title && *title) {
-        buffer_put(out, TEXT("<title>"));
-        put_escaped(out, title);
-        buffer_put(out, TEXT("</title>\n"));
+        buffer_put(output, TEXT("<title>"));
+        put_escaped(output, title);
+        buffer_put(output, TEXT("</title>\n"));
     }
-    buffer_put(out, TEXT("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"));
+    buffer_put(output, TEXT("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"));
 }
 
 void svg_end(struct svg_surface *svg)
 {
-    buffer_put(svg->out, TEXT("</svg>\n"));
-    svg->surface.failed |= svg->out->failed;
+    buffer_put(svg->output, TEXT("</svg>\n"));
+    svg->surface.failed |= svg->output->failed;
 }

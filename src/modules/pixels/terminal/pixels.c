@@ -47,11 +47,11 @@ static size_t answer_length(struct text text)
     static const char *const begins[] = {"\033_G", "\033P>|", "\033[?"};
     for (size_t i = 0; i < COUNT_OF(begins); i++) {
         const size_t whole = strlen(begins[i]), len = text.len < whole ? text.len : whole;
-        if (len == 0 || memcmp(text.at, begins[i], len) != 0)
+        if (len == 0 || memcmp(text.data, begins[i], len) != 0)
             continue;
         for (size_t k = whole; k < text.len; k++) {
-            const char c = text.at[k];
-            if (i < 2 ? c == '\\' && text.at[k - 1] == '\033' : c == 'c')
+            const char c = text.data[k];
+            if (i < 2 ? c == '\\' && text.data[k - 1] == '\033' : c == 'c')
                 return k + 1;
             if (i == 2 && !strchr("0123456789;", c))
                 return 0;
@@ -63,7 +63,7 @@ static size_t answer_length(struct text text)
 
 static bool has_sixels(struct text attributes)
 {
-    const struct text inside = {attributes.at + 3, attributes.len - 4};
+    const struct text inside = {attributes.data + 3, attributes.len - 4};
     struct text rest = inside, part;
     for (bool first = true; text_split(&rest, ';', &part); first = false)
         if (!first && text_is(part, "4"))
@@ -75,24 +75,24 @@ static bool has_sixels(struct text attributes)
 static bool take_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;
-    if (answer.at[1] == '_' && answer.len > 5 && memmem(answer.at, answer.len, ";OK", 3))
+    if (answer.data[1] == '_' && answer.len > 5 && memmem(answer.data, answer.len, ";OK", 3))
         says = PROTOCOL_KITTY;
-    else if (answer.at[1] == 'P' && memmem(answer.at, answer.len, "iTerm2", 6))
+    else if (answer.data[1] == 'P' && memmem(answer.data, answer.len, "iTerm2", 6))
         says = PROTOCOL_ITERM;
-    else if (answer.at[1] == '[' && has_sixels(answer))
+    else if (answer.data[1] == '[' && has_sixels(answer))
         says = PROTOCOL_SIXEL;
     if (says != PROTOCOL_NONE && (*best == PROTOCOL_NONE || says < *best))
         *best = says;
-    return answer.at[1] == '[';
+    return answer.data[1] == '[';
 }
 
 /* Reads until the last answer; what a person typed meanwhile stays in `bytes`. */
 static bool await_answers(struct buffer *bytes, enum protocol *best)
 {
-    const int64_t until = clock_ns() + PATIENCE_NS;
-    size_t from = 0;
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    size_t position = 0;
     for (;;) {
-        const int64_t left = until - clock_ns();
+        const int64_t left = deadline - clock_ns();
         struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
         char chunk[256];
         if (left <= 0 || cancelled(&interrupt) || poll(&ready, 1, (int)(left / 1000000) + 1) <= 0)
@@ -101,16 +101,18 @@ static bool await_answers(struct buffer *bytes, enum protocol *best)
         if (got <= 0)
             return false;
         buffer_put(bytes, (struct text){chunk, (size_t)got});
-        while (!bytes->failed && from < bytes->len) {
-            const size_t len = answer_length((struct text){bytes->data + from, bytes->len - from});
+        while (!bytes->failed && position < bytes->len) {
+            const size_t len =
+                answer_length((struct text){bytes->data + position, bytes->len - position});
             if (len == SIZE_MAX)
                 break;
             if (len == 0) {
-                from++;
+                position++;
                 continue;
             }
-            const bool last = take_answer((struct text){bytes->data + from, len}, best);
-            memmove(bytes->data + from, bytes->data + from + len, bytes->len - from - len);
+            const bool last = take_answer((struct text){bytes->data + position, len}, best);
+            memmove(bytes->data + position, bytes->data + position + len,
+                    bytes->len - position - len);
             bytes->len -= len;
             if (last)
                 return true;
@@ -118,15 +120,15 @@ static bool await_answers(struct buffer *bytes, enum protocol *best)
     }
 }
 
-static enum protocol ask(bool at_prompt)
+static enum protocol protocol_query(bool at_prompt)
 {
-    struct termios before, raw;
+    struct termios saved, raw;
     struct buffer bytes = {0};
     enum protocol best = PROTOCOL_NONE;
     int failure;
-    if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) || tcgetattr(STDIN_FILENO, &before) != 0)
+    if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) || tcgetattr(STDIN_FILENO, &saved) != 0)
         return PROTOCOL_NONE;
-    raw = before;
+    raw = saved;
     raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
     raw.c_cc[VMIN] = 1;
     raw.c_cc[VTIME] = 0;
@@ -138,7 +140,7 @@ static enum protocol ask(bool at_prompt)
         return PROTOCOL_NONE;
     pixels.owed =
         write_all(STDOUT_FILENO, TEXT(GRAPHICS_QUERY), &failure) && !await_answers(&bytes, &best);
-    tcsetattr(STDIN_FILENO, TCSANOW, &before);
+    tcsetattr(STDIN_FILENO, TCSANOW, &saved);
     if (!at_prompt)
         crash_disarm();
     for (size_t i = 0; at_prompt && i < bytes.len; i++)
@@ -171,26 +173,26 @@ static int skip_answer(int key)
 /* ---- pictures ---- */
 
 /* https://sw.kovidgoyal.net/kitty/graphics-protocol: transmit and display, without an answer. */
-static void put_kitty(struct text code, int columns, struct buffer *out)
+static void put_kitty(struct text code, int columns, struct buffer *output)
 {
     for (size_t i = 0; i < code.len; i += SEQUENCE_BYTES) {
         const size_t n = code.len - i < SEQUENCE_BYTES ? code.len - i : SEQUENCE_BYTES;
-        buffer_put(out, TEXT("\033_G"));
+        buffer_put(output, TEXT("\033_G"));
         if (i == 0)
-            buffer_format(out, "a=T,f=100,q=2,c=%d,", columns);
-        buffer_format(out, "m=%d;", i + n < code.len);
-        buffer_put(out, (struct text){code.at + i, n});
-        buffer_put(out, TEXT("\033\\"));
+            buffer_format(output, "a=T,f=100,q=2,c=%d,", columns);
+        buffer_format(output, "m=%d;", i + n < code.len);
+        buffer_put(output, (struct text){code.data + i, n});
+        buffer_put(output, TEXT("\033\\"));
     }
 }
 
 /* https://iterm2.com/documentation-images.html */
-static void put_iterm(struct text code, size_t size, int columns, struct buffer *out)
+static void put_iterm(struct text code, size_t size, int columns, struct buffer *output)
 {
-    buffer_format(out, "\033]1337;File=inline=1;preserveAspectRatio=1;size=%zu;width=%d:", size,
+    buffer_format(output, "\033]1337;File=inline=1;preserveAspectRatio=1;size=%zu;width=%d:", size,
                   columns);
-    buffer_put(out, code);
-    buffer_char(out, '\a');
+    buffer_put(output, code);
+    buffer_char(output, '\a');
 }
 
 /* [pt] of a picture that is as wide as the cells, and not higher: 2 pixels are a point. */
@@ -208,18 +210,18 @@ static void choose_page(int columns, int rows, double page[2])
 }
 
 /* picture: PICTURE_PIXELS of that page. */
-static bool put_sixel(const struct buffer *picture, const double page[2], struct buffer *out)
+static bool put_sixel(const struct buffer *picture, const double page[2], struct buffer *output)
 {
     const int width = (int)(PICTURE_PIXELS_EACH * page[0]);
     const size_t stride = 4 * (size_t)width;
     return sixel_write((const unsigned char *)picture->data, stride, width,
-                       (int)(picture->len / stride), out);
+                       (int)(picture->len / stride), output);
 }
 
 static bool pixels_figure_show(const struct figure *figure, int width, int height,
                                struct error *error)
 {
-    struct buffer picture = {0}, code = {0}, out = {0};
+    struct buffer picture = {0}, code = {0}, output = {0};
     double page[2];
     const enum protocol protocol = pixels.protocol;
     const enum picture kind = protocol == PROTOCOL_SIXEL ? PICTURE_PIXELS : PICTURE_PNG;
@@ -228,21 +230,21 @@ static bool pixels_figure_show(const struct figure *figure, int width, int heigh
     if (ok && kind == PICTURE_PNG)
         buffer_base64(&code, buffer_text(&picture));
     if (ok && protocol == PROTOCOL_KITTY)
-        put_kitty(buffer_text(&code), width, &out);
+        put_kitty(buffer_text(&code), width, &output);
     else if (ok && protocol == PROTOCOL_ITERM)
-        put_iterm(buffer_text(&code), picture.len, width, &out);
+        put_iterm(buffer_text(&code), picture.len, width, &output);
     else if (ok)
-        ok = put_sixel(&picture, page, &out) || error_memory(error);
-    buffer_char(&out, '\n');
-    if (ok && (code.failed || out.failed))
+        ok = put_sixel(&picture, page, &output) || error_memory(error);
+    buffer_char(&output, '\n');
+    if (ok && (code.failed || output.failed))
         ok = error_memory(error);
     if (ok && streams_flush(pixels.streams)) {
         int *failure = &pixels.streams->failure;
-        pixels.streams->broken = !write_all(STDOUT_FILENO, buffer_text(&out), failure);
+        pixels.streams->broken = !write_all(STDOUT_FILENO, buffer_text(&output), failure);
     }
     buffer_free(&picture);
     buffer_free(&code);
-    buffer_free(&out);
+    buffer_free(&output);
     return ok;
 }
 
@@ -250,7 +252,7 @@ static bool pixels_show(const struct front *front, const struct figure *figure, 
                         int height, struct error *error)
 {
     if (pixels.protocol == PROTOCOL_UNKNOWN && streams_flush(pixels.streams))
-        pixels.protocol = ask(front->interactive);
+        pixels.protocol = protocol_query(front->interactive);
     if (pixels.protocol == PROTOCOL_NONE || pixels.protocol == PROTOCOL_UNKNOWN) {
         error_set(error, ERROR_COMMAND, "%s",
                   isatty(STDIN_FILENO) && isatty(STDOUT_FILENO)

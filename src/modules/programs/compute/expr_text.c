@@ -62,24 +62,24 @@ static const struct {
 
 static const char *const pi_word[DIALECTS] = {"3.141592653589793", "pi", "pi", "pi", "\\pi"};
 
-void dialect_number(struct buffer *out, enum dialect dialect, double number)
+void dialect_number(struct buffer *output, enum dialect dialect, double number)
 {
     char z[REAL_TEXT_SIZE];
     const size_t len = real_format(number, z), digits = strcspn(z, "e");
     const bool whole = !memchr(z, '.', digits);
     if (number == 3.14159265358979323846) {
-        buffer_put(out, text_of(pi_word[dialect]));
+        buffer_put(output, text_of(pi_word[dialect]));
     } else if (dialect == DIALECT_TEX && digits < len) {
         const char *power = z + digits + 1 + (z[digits + 1] == '+');
         if (digits > 1 || z[0] != '1')
-            buffer_format(out, "%.*s \\cdot ", (int)digits, z);
-        buffer_format(out, "10^{%s}", power);
+            buffer_format(output, "%.*s \\cdot ", (int)digits, z);
+        buffer_format(output, "10^{%s}", power);
     } else {
-        buffer_put(out, text_of(z));
+        buffer_put(output, text_of(z));
         /* whole numbers of Python and C know other divisions */
         if (whole && digits == len && fabs(number) >= 1e9 && isfinite(number) &&
             (dialect == DIALECT_C || dialect == DIALECT_PYTHON))
-            buffer_put(out, TEXT(".0"));
+            buffer_put(output, TEXT(".0"));
     }
 }
 
@@ -118,17 +118,18 @@ static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
 }
 
 /* In parentheses where it binds less than that; with its sign. */
-static void put_piece(struct printer *p, struct buffer *out, const struct piece *piece, int binds)
+static void put_piece(struct printer *p, struct buffer *output, const struct piece *piece,
+                      int binds)
 {
     const bool enclosed = piece->binds < binds || (piece->negative && binds > SUM);
     const bool tex = p->dialect == DIALECT_TEX;
-    buffer_put(out, !enclosed ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
+    buffer_put(output, !enclosed ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
     const bool signs = piece->negative && piece->binds == SUM;
-    buffer_put(out, piece->negative ? TEXT("-") : TEXT(""));
-    buffer_put(out, !signs ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
-    buffer_put(out, piece->text);
-    buffer_put(out, !signs ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
-    buffer_put(out, !enclosed ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
+    buffer_put(output, piece->negative ? TEXT("-") : TEXT(""));
+    buffer_put(output, !signs ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
+    buffer_put(output, piece->text);
+    buffer_put(output, !signs ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
+    buffer_put(output, !enclosed ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
 }
 
 static struct piece nothing(void)
@@ -171,33 +172,33 @@ static struct piece sum_of(struct printer *p, const struct piece *a, struct piec
                           .zero = a->zero < b.zero ? a->zero : b.zero};
 }
 
-static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool over)
+static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool is_quotient)
 {
-    if (over ? a.zero >= NAME_ZERO : a.zero || b.zero)
+    if (is_quotient ? a.zero >= NAME_ZERO : a.zero || b.zero)
         return nothing();
     const bool negative = a.negative != b.negative, tex = p->dialect == DIALECT_TEX;
     a.negative = b.negative = false;
     struct buffer text = {0};
-    if (tex && over) {
-        buffer_format(&text, "\\frac{%.*s}{%.*s}", (int)a.text.len, a.text.at, (int)b.text.len,
-                      b.text.at);
+    if (tex && is_quotient) {
+        buffer_format(&text, "\\frac{%.*s}{%.*s}", (int)a.text.len, a.text.data, (int)b.text.len,
+                      b.text.data);
     } else {
         put_piece(p, &text, &a, PRODUCT);
-        buffer_put(&text, over       ? TEXT("/")
-                          : !tex     ? TEXT("*")
-                          : b.number ? TEXT(" \\cdot ")
-                                     : TEXT(" "));
+        buffer_put(&text, is_quotient ? TEXT("/")
+                          : !tex      ? TEXT("*")
+                          : b.number  ? TEXT(" \\cdot ")
+                                      : TEXT(" "));
         put_piece(p, &text, &b, tex ? PRODUCT : FACTOR);
     }
     return (struct piece){.text = printed_text_keep(p, &text),
-                          .binds = tex && over ? FACTOR : PRODUCT,
+                          .binds = tex && is_quotient ? FACTOR : PRODUCT,
                           .negative = negative};
 }
 
 static bool text_is_word(struct text text)
 {
     for (size_t i = 0; i < text.len; i++)
-        if (!is_name_char(text.at[i]))
+        if (!is_name_char(text.data[i]))
             return false;
     return text.len > 0;
 }
@@ -216,7 +217,7 @@ static struct piece power_of(struct printer *p, const struct piece *x, const str
     } else if (computes && brief && text_is_word(x->text) && !x->negative &&
                (n->value == 2 || n->value == 3)) {
         for (int i = 0; i < (int)n->value; i++)
-            buffer_format(&text, "%s%.*s", i ? "*" : "", (int)x->text.len, x->text.at);
+            buffer_format(&text, "%s%.*s", i ? "*" : "", (int)x->text.len, x->text.data);
         binds = PRODUCT;
     } else if (computes) {
         buffer_put(&text, brief ? TEXT("power(") : TEXT("pow("));
@@ -285,10 +286,10 @@ static struct piece call_of(struct printer *p, const struct function *function,
     if (form.len == 0)
         buffer_char(&text, ')');
     for (size_t i = 0; i < form.len; i++)
-        if (form.at[i] == '$')
-            put_piece(p, &text, &operand[form.at[++i] - '1'], COMPARISON);
+        if (form.data[i] == '$')
+            put_piece(p, &text, &operand[form.data[++i] - '1'], COMPARISON);
         else
-            buffer_char(&text, form.at[i]);
+            buffer_char(&text, form.data[i]);
     return (struct piece){.text = printed_text_keep(p, &text), .binds = ATOM};
 }
 
@@ -316,7 +317,7 @@ static struct piece operation(struct printer *p, const struct op *op, const stru
 }
 
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
-               const bool *zero, struct buffer *out)
+               const bool *zero, struct buffer *output)
 {
     struct printer *p = calloc(1, sizeof *p);
     if (!p)
@@ -339,8 +340,8 @@ bool expr_text(const struct expr *expr, enum dialect dialect, const char *const 
             top++;
         }
     }
-    put_piece(p, out, &p->stack[0], COMPARISON);
-    const bool fine = !p->failed && !out->failed;
+    put_piece(p, output, &p->stack[0], COMPARISON);
+    const bool fine = !p->failed && !output->failed;
     arena_reset(&p->arena);
     free(p);
     return fine;

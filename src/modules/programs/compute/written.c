@@ -12,10 +12,10 @@ static bool primed(const struct written *w, struct text name, int *slot)
 {
     const struct model *model = w->system.model;
     const int half = model->n / 2;
-    if (model->order != 2 || name.len < 2 || name.at[name.len - 1] != '\'')
+    if (model->order != 2 || name.len < 2 || name.data[name.len - 1] != '\'')
         return false;
     for (int i = 0; i < half; i++)
-        if (text_is((struct text){name.at, name.len - 1}, model->variable[i].name)) {
+        if (text_is((struct text){name.data, name.len - 1}, model->variable[i].name)) {
             *slot = 1 + half + i;
             return true;
         }
@@ -75,8 +75,8 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
 static const struct expr *renamed(struct written *w, const struct typed *typed,
                                   const struct expr *expr, struct error *error)
 {
-    struct expr *out = arena_alloc(&w->arena, sizeof *out);
-    struct op *op = out ? arena_array(&w->arena, expr->count, sizeof *op) : NULL;
+    struct expr *result = arena_alloc(&w->arena, sizeof *result);
+    struct op *op = result ? arena_array(&w->arena, expr->count, sizeof *op) : NULL;
     if (!op)
         return error_memory(error), NULL;
     memcpy(op, expr->op, expr->count * sizeof *op);
@@ -92,8 +92,8 @@ static const struct expr *renamed(struct written *w, const struct typed *typed,
             op[i].slot = w->params + typed->read[slot - typed_first_read(typed)];
         }
     }
-    *out = (struct expr){.op = op, .count = expr->count, .capacity = expr->count};
-    return out;
+    *result = (struct expr){.op = op, .count = expr->count, .capacity = expr->count};
+    return result;
 }
 
 /* Finds what a term adds to a row; *expr is NULL if it adds nothing. */

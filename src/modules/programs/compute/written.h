@@ -21,12 +21,12 @@ enum dialect { DIALECT_C, DIALECT_PYTHON, DIALECT_OCTAVE, DIALECT_XPP, DIALECT_T
 extern const struct catalog dialect_catalog;
 
 /* A number, in C and Python one that is a double whatever stands beside it. */
-void dialect_number(struct buffer *out, enum dialect dialect, double number);
+void dialect_number(struct buffer *output, enum dialect dialect, double number);
 /* "y^3" is y*y*y in C: name [names] of what stands for each name; zero [names]: of those that are
  * 0, whose products are left out, as programs do; NULL: none are. Returns false if out of memory.
  */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
-               const bool *zero, struct buffer *out);
+               const bool *zero, struct buffer *output);
 /* ---- the forces of a scene ---- */
 
 /*

@@ -33,7 +33,7 @@ static void note_size(struct finding *finding, double size)
 
 static void find_gaps(struct cleaning *c)
 {
-    struct finding *gaps = &c->findings->of[FINDING_GAPS];
+    struct finding *gaps = &c->findings->finding[FINDING_GAPS];
     for (size_t i = 0; i + 1 < c->n; i++)
         c->sorted[i] = c->t[i + 1] - c->t[i];
     c->step = values_quantile(c->sorted, c->n - 1, 0.5);
@@ -46,7 +46,7 @@ static void find_gaps(struct cleaning *c)
 
 static void find_missing(struct cleaning *c)
 {
-    struct finding *missing = &c->findings->of[FINDING_MISSING];
+    struct finding *missing = &c->findings->finding[FINDING_MISSING];
     for (size_t i = 0; i < c->n; i++) {
         if (!isnan(c->y[i]))
             continue;
@@ -55,8 +55,8 @@ static void find_missing(struct cleaning *c)
         if (i == 0 || !c->excluded[i - 1])
             clean_note(missing, c->t[i], 0);
     }
-    c->findings->of[FINDING_REPEATED].count = c->recording->repeated;
-    c->findings->of[FINDING_BACKWARD].count = c->recording->backward;
+    c->findings->finding[FINDING_REPEATED].count = c->recording->repeated;
+    c->findings->finding[FINDING_BACKWARD].count = c->recording->backward;
 }
 
 /* ---- values ---- */
@@ -66,14 +66,14 @@ static void find_missing(struct cleaning *c)
 static void find_steps(struct cleaning *c)
 {
     const struct column *column = &c->recording->column[c->recording->value];
-    double quantum = HUGE_VAL, before = NAN;
+    double quantum = HUGE_VAL, previous = NAN;
     size_t n = 0;
     for (size_t i = 0; i < c->n; i++) {
-        const double now = column->value[i], step = fabs(now - before);
+        const double now = column->value[i], step = fabs(now - previous);
         if (isnan(c->y[i]))
             continue;
         quantum = step > 0 && step < quantum ? step : quantum;
-        before = now;
+        previous = now;
         c->sorted[n++] = c->y[i];
     }
     c->sorted_count = n;
@@ -81,17 +81,17 @@ static void find_steps(struct cleaning *c)
         return;
     c->swing = c->sorted[(size_t)(0.995 * (double)(n - 1) + 0.5)] -
                c->sorted[(size_t)(0.005 * (double)(n - 1) + 0.5)];
-    before = NAN;
+    previous = NAN;
     for (size_t i = 0, others = 0; i < c->n; i++) {
-        const double multiple = (column->value[i] - before) / quantum;
+        const double multiple = (column->value[i] - previous) / quantum;
         others += fabs(multiple - nearbyint(multiple)) > 0.01;
         if (100 * others > n)
             return;
-        before = isnan(c->y[i]) ? before : column->value[i];
+        previous = isnan(c->y[i]) ? previous : column->value[i];
     }
     c->quantum = isfinite(quantum) ? quantum * fabs(column->factor) : 0;
     if (c->quantum * LEVELS_FEW > c->swing && c->quantum < c->swing) {
-        struct finding *steps = &c->findings->of[FINDING_QUANTISED];
+        struct finding *steps = &c->findings->finding[FINDING_QUANTISED];
         steps->count = n;
         steps->size = c->quantum;
     }
@@ -104,17 +104,18 @@ static void find_steps(struct cleaning *c)
 static void find_stuck(struct cleaning *c)
 {
     const double min = STUCK_MOVES * fmax(c->typical, c->quantum);
-    for (size_t from = 0, to; from < c->n; from = to) {
+    for (size_t first = 0, stop; first < c->n; first = stop) {
         double low = HUGE_VAL, high = -HUGE_VAL;
-        for (to = from; to < c->n && (to == from || c->y[to] == c->y[from]); to++) {
-            low = c->model[to] < low ? c->model[to] : low;
-            high = c->model[to] > high ? c->model[to] : high;
+        for (stop = first; stop < c->n && (stop == first || c->y[stop] == c->y[first]); stop++) {
+            low = c->model[stop] < low ? c->model[stop] : low;
+            high = c->model[stop] > high ? c->model[stop] : high;
         }
-        const bool end = from == 0 || to == c->n, many = to - from >= STUCK_MIN;
-        const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
-        if (end || !many || c->excluded[from] || !(high - low > min || lasts))
+        const bool end = first == 0 || stop == c->n, many = stop - first >= STUCK_MIN;
+        const bool lasts =
+            c->t[stop - 1] - c->t[first] > 0.5 * c->period && c->typical > c->quantum;
+        if (end || !many || c->excluded[first] || !(high - low > min || lasts))
             continue;
-        for (size_t i = from + 1; i < to; i++) {
+        for (size_t i = first + 1; i < stop; i++) {
             c->findings->mask[i] = 1 + FINDING_STUCK;
             c->excluded[i] = 1;
         }
@@ -144,7 +145,7 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
 {
     size_t count = 0;
     const double min = FAR_OFF * fmax(c->typical, local->scale);
-    for (size_t i = local->from; i < local->to; i++)
+    for (size_t i = local->begin; i < local->end; i++)
         count += !c->excluded[i] && fabs(c->residual[i]) > min;
     return count;
 }
@@ -152,25 +153,25 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
 /* Returns true for a stretch that has samples, but too few that may be fitted: no gap. */
 static bool lacks_good_samples(const struct cleaning *c, const struct local *local)
 {
-    return !local->fitted && 2 * (double)(local->to - local->from) * c->step > c->period;
+    return !local->fitted && 2 * (double)(local->end - local->begin) * c->step > c->period;
 }
 
 /* Returns the smallest amplitude of a stretch over that of the larger ones before and after it:
  * what waxes and wanes, such as beats, is small at an end without a hand. */
 static double deepest_wane(struct cleaning *c)
 {
-    double before = 0, after = 0, deepest = 1;
+    double peak = 0, next_max = 0, deepest = 1;
     for (size_t k = c->locals; k-- > 0;) {
-        c->per_local[k] = after;
-        after = fmax(after, c->local[k].fitted ? c->local[k].amplitude : 0);
+        c->per_local[k] = next_max;
+        next_max = fmax(next_max, c->local[k].fitted ? c->local[k].amplitude : 0);
     }
     for (size_t k = 0; k < c->locals; k++) {
-        const double around = fmin(before, c->per_local[k]), here = c->local[k].amplitude;
+        const double nearby = fmin(peak, c->per_local[k]), here = c->local[k].amplitude;
         if (!c->local[k].fitted)
             continue;
         deepest =
-            around > AMPLITUDE_SEEN_SCALES * c->typical ? fmin(deepest, here / around) : deepest;
-        before = fmax(before, here);
+            nearby > AMPLITUDE_SEEN_SCALES * c->typical ? fmin(deepest, here / nearby) : deepest;
+        peak = fmax(peak, here);
     }
     return deepest;
 }
@@ -207,7 +208,7 @@ static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fal
         const bool still = s->amplitude < fmin(0.6, 0.8 * wane) * inside &&
                            inside > AMPLITUDE_SEEN_SCALES * c->typical;
         const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
-                           4 * far_off(c, s) > s->to - s->from;
+                           4 * far_off(c, s) > s->end - s->begin;
         const bool gone =
             rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
         if (!still && !rough && !gone)
@@ -224,21 +225,21 @@ static void find_ends(struct cleaning *c)
     const double fall = usual_fall(c);
     const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
     const size_t rest = motion_rest(&rows, c->period);
-    const size_t before = bad_stretches(c, false, false, fall),
-                 after = bad_stretches(c, true, rest < c->n, fall);
-    if (before + after >= c->locals)
+    const size_t leading = bad_stretches(c, false, false, fall),
+                 trailing = bad_stretches(c, true, rest < c->n, fall);
+    if (leading + trailing >= c->locals)
         return;
-    const size_t from = before > 0 ? c->local[before].from : 0;
-    const size_t to = rest < c->n && rest > from ? rest
-                      : after > 0                ? c->local[c->locals - 1 - after].to
-                                                 : c->n;
-    c->findings->rests = to == rest && rest < c->n ? c->t[rest] : NAN;
-    c->findings->window[0] = c->t[from];
-    c->findings->window[1] = c->t[to - 1];
-    if (from > 0)
-        clean_note(&c->findings->of[FINDING_START], c->t[0], from);
-    if (to < c->n)
-        clean_note(&c->findings->of[FINDING_END], c->t[to], c->n - to);
+    const size_t begin = leading > 0 ? c->local[leading].begin : 0;
+    const size_t end = rest < c->n && rest > begin ? rest
+                       : trailing > 0              ? c->local[c->locals - 1 - trailing].end
+                                                   : c->n;
+    c->findings->rests = end == rest && rest < c->n ? c->t[rest] : NAN;
+    c->findings->window[0] = c->t[begin];
+    c->findings->window[1] = c->t[end - 1];
+    if (begin > 0)
+        clean_note(&c->findings->finding[FINDING_START], c->t[0], begin);
+    if (end < c->n)
+        clean_note(&c->findings->finding[FINDING_END], c->t[end], c->n - end);
 }
 
 /* ---- bad echoes ---- */
@@ -259,20 +260,20 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
                      here = hypot(s->parameter[4], s->parameter[5]) / s->amplitude,
                      change = fmax(loss, s->fitted ? fmin(here, 1) : 0),
                      bend = 0.5 * change * change;
-        const double off = k == 0 || k + 1 == c->locals ? 2 * bend : bend;
-        const double min =
-            fmax(FAR_OFF * scale, fmax(fmax(FAR_OFF_MIN, off) * s->amplitude, 1.5 * c->quantum));
-        const double beside = FAR_OFF_BESIDE / FAR_OFF * min;
-        for (size_t i = s->from; i < s->to && s->fitted; i++) {
+        const double allowance = k == 0 || k + 1 == c->locals ? 2 * bend : bend;
+        const double min = fmax(
+            FAR_OFF * scale, fmax(fmax(FAR_OFF_MIN, allowance) * s->amplitude, 1.5 * c->quantum));
+        const double neighbour_min = FAR_OFF_BESIDE / FAR_OFF * min;
+        for (size_t i = s->begin; i < s->end && s->fitted; i++) {
             const double r = c->residual[i];
             if (c->excluded[i] || !(fabs(r) > min))
                 continue;
             mask[i] = mark;
-            for (size_t j = i;
-                 j-- > 0 && !mask[j] && !c->excluded[j] && r * c->residual[j] > beside * fabs(r);)
+            for (size_t j = i; j-- > 0 && !mask[j] && !c->excluded[j] &&
+                               r * c->residual[j] > neighbour_min * fabs(r);)
                 mask[j] = mark;
             for (size_t j = i + 1;
-                 j < c->n && !c->excluded[j] && r * c->residual[j] > beside * fabs(r); j++)
+                 j < c->n && !c->excluded[j] && r * c->residual[j] > neighbour_min * fabs(r); j++)
                 mask[j] = mark;
         }
     }
@@ -282,24 +283,24 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
 static void trim_ends(struct cleaning *c)
 {
     struct findings *f = c->findings;
-    size_t first = 0, last = c->n - 1, from, to;
+    size_t first = 0, last = c->n - 1, begin, end;
     while (c->t[first] < f->window[0])
         first++;
     while (c->t[last] > f->window[1])
         last--;
-    for (from = first; from < last && f->mask[from]; from++)
+    for (begin = first; begin < last && f->mask[begin]; begin++)
         ;
-    for (to = last; to > from && f->mask[to]; to--)
+    for (end = last; end > begin && f->mask[end]; end--)
         ;
-    if (from - first >= SHOULDER_MIN) {
-        f->of[FINDING_START].stretches = 0;
-        clean_note(&f->of[FINDING_START], c->t[0], from - first);
-        f->window[0] = c->t[from];
+    if (begin - first >= SHOULDER_MIN) {
+        f->finding[FINDING_START].stretches = 0;
+        clean_note(&f->finding[FINDING_START], c->t[0], begin - first);
+        f->window[0] = c->t[begin];
     }
-    if (last - to >= SHOULDER_MIN) {
-        f->of[FINDING_END].stretches = 0;
-        clean_note(&f->of[FINDING_END], c->t[to + 1], last - to);
-        f->window[1] = c->t[to];
+    if (last - end >= SHOULDER_MIN) {
+        f->finding[FINDING_END].stretches = 0;
+        clean_note(&f->finding[FINDING_END], c->t[end + 1], last - end);
+        f->window[1] = c->t[end];
     }
 }
 
@@ -308,27 +309,27 @@ static void count_masked(struct cleaning *c)
 {
     struct findings *f = c->findings;
     const unsigned char any = 1 + FINDING_SPIKES;
-    for (size_t from = 0, to; from < c->n; from = to) {
-        const unsigned char kind = f->mask[from];
-        const double r = c->residual[from];
-        for (to = from + 1;
-             to < c->n && f->mask[to] == kind && (kind != any || r * c->residual[to] > 0);)
-            to++;
-        const bool outside = c->t[from] < f->window[0] || c->t[to - 1] > f->window[1];
+    for (size_t begin = 0, end; begin < c->n; begin = end) {
+        const unsigned char kind = f->mask[begin];
+        const double r = c->residual[begin];
+        for (end = begin + 1;
+             end < c->n && f->mask[end] == kind && (kind != any || r * c->residual[end] > 0);)
+            end++;
+        const bool outside = c->t[begin] < f->window[0] || c->t[end - 1] > f->window[1];
         if (kind == 0)
             continue;
-        const enum finding_kind found = kind != any                 ? (enum finding_kind)(kind - 1)
-                                        : to - from >= SHOULDER_MIN ? FINDING_SHOULDERS
-                                                                    : FINDING_SPIKES;
-        for (size_t i = from; i < to; i++) {
+        const enum finding_kind found = kind != any ? (enum finding_kind)(kind - 1)
+                                        : end - begin >= SHOULDER_MIN ? FINDING_SHOULDERS
+                                                                      : FINDING_SPIKES;
+        for (size_t i = begin; i < end; i++) {
             f->mask[i] = outside ? 0 : (unsigned char)(1 + found);
             if (!outside && found != FINDING_STUCK)
-                note_size(&f->of[found], fabs(c->residual[i]));
+                note_size(&f->finding[found], fabs(c->residual[i]));
         }
         if (outside)
             continue;
-        clean_note(&f->of[found], c->t[from], to - from);
-        f->masked += to - from;
+        clean_note(&f->finding[found], c->t[begin], end - begin);
+        f->masked += end - begin;
     }
 }
 
@@ -341,13 +342,13 @@ static void count_masked(struct cleaning *c)
 /* Takes out of y what is along the basis vector. */
 static void take_out(double *y, const double *basis, size_t n)
 {
-    double along = 0, square = 0;
+    double projection = 0, square = 0;
     for (size_t i = 0; i < n; i++) {
-        along += y[i] * basis[i];
+        projection += y[i] * basis[i];
         square += basis[i] * basis[i];
     }
     for (size_t i = 0; i < n; i++)
-        y[i] -= square > 0 ? along / square * basis[i] : 0;
+        y[i] -= square > 0 ? projection / square * basis[i] : 0;
 }
 
 /* ln of the local amplitudes about a parabola in time, against what the noise makes of them. */
@@ -365,7 +366,7 @@ static bool find_sway(struct cleaning *c)
         if (!s->fitted || !(s->amplitude > 0) || s->t < f->window[0] || s->t > f->window[1])
             continue;
         const double noise = s->scale / s->amplitude;
-        expected += noise * noise / fmax((double)(s->to - s->from), 1);
+        expected += noise * noise / fmax((double)(s->end - s->begin), 1);
         y[n] = log(s->amplitude);
         one[n] = 1;
         line[n] = s->t - c->t[0];
@@ -387,8 +388,8 @@ static bool find_sway(struct cleaning *c)
     }
     const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
     if (sway > SWAY_MIN && sway > 3 * noise && turns >= SWAY_TURNS) {
-        clean_note(&f->of[FINDING_SWAY], first, n);
-        f->of[FINDING_SWAY].size = sway;
+        clean_note(&f->finding[FINDING_SWAY], first, n);
+        f->finding[FINDING_SWAY].size = sway;
         f->sway_period = 2 * (last - first) / (double)turns;
     }
     return true;
@@ -434,9 +435,9 @@ static bool inspect(struct recording *recording, double period, struct findings 
     f->period = period;
     f->sway_period = f->rests = NAN;
     for (int k = 0; k < FINDINGS; k++) {
-        f->of[k].size = NAN;
+        f->finding[k].size = NAN;
         for (int i = 0; i < FINDING_STRETCHES; i++)
-            f->of[k].first[i] = NAN;
+            f->finding[k].first[i] = NAN;
     }
     if (!c.excluded || !c.residual || !c.model || !c.sorted || !f->mask)
         return false;
@@ -481,8 +482,8 @@ void recording_keep_ends(struct recording *recording)
     f->window[0] = recording->t[0];
     f->window[1] = recording->t[recording->rows - 1];
     f->rests = NAN;
-    f->of[FINDING_START].count = f->of[FINDING_END].count = 0;
-    f->of[FINDING_START].stretches = f->of[FINDING_END].stretches = 0;
+    f->finding[FINDING_START].count = f->finding[FINDING_END].count = 0;
+    f->finding[FINDING_START].stretches = f->finding[FINDING_END].stretches = 0;
     recording->findings = f;
 }
 

@@ -13,7 +13,7 @@ enum { LOCAL_TERMS = 6 };
 /* The motion about one moment, where an oscillation of known period goes on. */
 struct local {
     double t;                      /* [s] middle of what it judges: a period */
-    size_t from, to;               /* rows it judges */
+    size_t begin, end;             /* rows it judges */
     double amplitude;              /* at t */
     double scale;                  /* robust standard deviation of the residuals */
     bool fitted;                   /* false if there are too few good samples */

@@ -25,12 +25,12 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
     const size_t n = c->sorted_count;
     const double middle = sorted[n / 2], far = 0.2 * c->swing,
                  reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
-    size_t first = 0, last = 0, below = 0, above = 0;
+    size_t first = 0, last = 0, lower_count = 0, upper_count = 0;
     layer->count = 0;
     /* All of it lies beyond the middle: a wider one would hold most of any noise. */
-    const double beyond = fmax(far - 0.5 * width, 0), from = upper ? middle + beyond : -HUGE_VAL,
-                 to = upper ? HUGE_VAL : middle - width - beyond;
-    for (size_t i = first_from(sorted, n, from), end = i; i < n && sorted[i] <= to; i++) {
+    const double margin = fmax(far - 0.5 * width, 0), low = upper ? middle + margin : -HUGE_VAL,
+                 high = upper ? HUGE_VAL : middle - width - margin;
+    for (size_t i = first_from(sorted, n, low), end = i; i < n && sorted[i] <= high; i++) {
         while (end < n && sorted[end] <= sorted[i] + width)
             end++;
         if (end - i <= layer->count)
@@ -42,10 +42,10 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
     if (layer->count < CLIPPED_MIN)
         return false;
     for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - reach;)
-        below++;
+        lower_count++;
     for (size_t i = last; i < n && sorted[i] <= layer->high + reach; i++)
-        above++;
-    const size_t inside = upper ? below : above, outside = upper ? n - last : first;
+        upper_count++;
+    const size_t inside = upper ? lower_count : upper_count, outside = upper ? n - last : first;
     const double n_in = (double)layer->count, n_beside = (double)inside;
     const bool by_chance =
         n_in - SINE_MAX * n_beside < 3 * sqrt(n_in + SINE_MAX * SINE_MAX * n_beside);
@@ -59,10 +59,10 @@ static bool in_layer(const struct cleaning *c, size_t i, const struct layer *lay
 
 void clean_clipped(struct cleaning *c, bool upper)
 {
-    struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
+    struct finding tops = {.size = NAN}, *clipped = &c->findings->finding[FINDING_CLIPPED];
     struct layer layer = {0};
     size_t max = 0, here = 0;
-    double until = -HUGE_VAL, sum = 0;
+    double t_end = -HUGE_VAL, sum = 0;
     const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum),
                  widths[] = {0, thin, fmax(thin, 6 * c->typical)};
     bool found = false;
@@ -73,14 +73,14 @@ void clean_clipped(struct cleaning *c, bool upper)
     for (size_t i = 0; i < c->n; i++) {
         if (!in_layer(c, i, &layer))
             continue;
-        here = c->t[i] > until ? 0 : here;
+        here = c->t[i] > t_end ? 0 : here;
         clean_note(&tops, c->t[i], 0);
-        tops.stretches -= c->t[i] > until ? 0 : 1;
+        tops.stretches -= c->t[i] > t_end ? 0 : 1;
         here++;
         max = here > max ? here : max;
         tops.count++;
         sum += c->y[i];
-        until = c->t[i] + 0.25 * c->period;
+        t_end = c->t[i] + 0.25 * c->period;
     }
     if (tops.stretches < 3 || 2 * max > tops.count || tops.count < 3 * tops.stretches)
         return;

@@ -41,11 +41,11 @@ void recording_describe_masked(const struct recording *recording, struct buffer 
     buffer_format(text, "cleaned: %zu of %zu samples masked", f->masked, recording->rows);
     int kinds = 0;
     for (size_t k = 0; k < FINDINGS; k++)
-        if (rows[k].remedy == REMEDY_MASK && f->of[k].count > 0)
-            buffer_format(text, "%s%zu in %s", kinds++ ? ", " : " (", f->of[k].count,
+        if (rows[k].remedy == REMEDY_MASK && f->finding[k].count > 0)
+            buffer_format(text, "%s%zu in %s", kinds++ ? ", " : " (", f->finding[k].count,
                           rows[k].row.name);
     buffer_put(text, kinds ? TEXT(")") : TEXT(""));
-    if (f->of[FINDING_CLIPPED].count > 0)
-        buffer_format(text, "; %zu clipped", f->of[FINDING_CLIPPED].count);
+    if (f->finding[FINDING_CLIPPED].count > 0)
+        buffer_format(text, "; %zu clipped", f->finding[FINDING_CLIPPED].count);
     buffer_put(text, TEXT("; 'data restore' takes it back\n"));
 }

@@ -37,9 +37,9 @@ static size_t padded(size_t n)
     return (n + 3) / 4 * 4;
 }
 
-static four *fours(double *values, size_t at)
+static four *fours(double *values, size_t offset)
 {
-    return (four *)(void *)(values + at);
+    return (four *)(void *)(values + offset);
 }
 
 /* Weighted products of the terms with each other and with the values. */
@@ -94,15 +94,15 @@ static double median_size(const struct clean_samples *s, double guess)
 {
     const double low = 0.8 * guess, high = 1.25 * guess;
     const size_t middle = s->n / 2;
-    size_t below = 0, near = 0;
+    size_t smaller_count = 0, near_count = 0;
     for (size_t i = 0; i < s->n; i++) {
         const double size = fabs(s->residual[i]);
-        s->size[near] = size;
-        below += size < low;
-        near += size >= low && size <= high;
+        s->size[near_count] = size;
+        smaller_count += size < low;
+        near_count += size >= low && size <= high;
     }
-    if (middle >= below && middle < below + near)
-        return gsl_stats_select(s->size, 1, near, middle - below);
+    if (middle >= smaller_count && middle < smaller_count + near_count)
+        return gsl_stats_select(s->size, 1, near_count, middle - smaller_count);
     for (size_t i = 0; i < s->n; i++)
         s->size[i] = fabs(s->residual[i]);
     return values_quantile(s->size, s->n, 0.5);
@@ -151,19 +151,19 @@ static bool robust_fit(const struct clean_samples *s, int first_round, double mi
                        double parameter[TERMS], double *scale)
 {
     const double settled = SETTLED_SHARE / sqrt((double)s->n);
-    double before[TERMS];
-    memcpy(before, parameter, sizeof before);
+    double previous[TERMS];
+    memcpy(previous, parameter, sizeof previous);
     for (int round = first_round; round <= ROUNDS; round++) {
         if (cancelled(s->cancel) || !weighted_fit(s, parameter))
             return false;
         *scale = residual_scale(s, parameter, *scale);
         const double width = fmax(*scale, min);
-        if (round > 0 && largest_change(parameter, before) <= settled * width) {
+        if (round > 0 && largest_change(parameter, previous) <= settled * width) {
             if (round > ROUNDS_HUBER)
                 return true;
             round = ROUNDS_HUBER;
         }
-        memcpy(before, parameter, sizeof before);
+        memcpy(previous, parameter, sizeof previous);
         set_weights(s, round < ROUNDS_HUBER, width);
     }
     return true;
@@ -174,18 +174,18 @@ static bool robust_fit(const struct clean_samples *s, int first_round, double mi
  * them as those were, and fits from there on. Where some lie far off, Huber's weights come first:
  * these lead to the same minimum from everywhere. Returns false if not fitted.
  */
-static bool fit_onward(const struct clean_samples *s, const struct local *before, double periods,
+static bool fit_onward(const struct clean_samples *s, const struct local *previous, double periods,
                        double min, struct local *local)
 {
     static const int rate_of[TERMS] = {1, -1, 4, 5, -1, -1};
     double *parameter = local->parameter;
     int first_round = 0;
-    if (before) {
+    if (previous) {
         for (int j = 0; j < TERMS; j++)
-            parameter[j] = before->parameter[j] +
-                           (rate_of[j] < 0 ? 0 : periods * before->parameter[rate_of[j]]);
-        const double width = fmax(residual_scale(s, parameter, before->scale), min);
-        if (width <= start_scale_max * fmax(before->scale, min)) {
+            parameter[j] = previous->parameter[j] +
+                           (rate_of[j] < 0 ? 0 : periods * previous->parameter[rate_of[j]]);
+        const double width = fmax(residual_scale(s, parameter, previous->scale), min);
+        if (width <= start_scale_max * fmax(previous->scale, min)) {
             first_round = ROUNDS_HUBER + 1;
             if (set_weights(s, false, width) > 0) {
                 first_round = 1;
@@ -218,9 +218,9 @@ static bool fill_turns(struct cleaning *c)
         const double angle = TWO_PI * (c->t[i] - c->t[0]) / c->period;
         double *turn = c->turn[i];
         if (i % TURNED_MAX && fabs(c->t[i] - c->t[i - 1] - c->step) < equal_steps * c->step) {
-            const double *before = c->turn[i - 1];
-            turn[0] = before[0] * x - before[1] * y;
-            turn[1] = before[0] * y + before[1] * x;
+            const double *previous = c->turn[i - 1];
+            turn[0] = previous[0] * x - previous[1] * y;
+            turn[1] = previous[0] * y + previous[1] * x;
         } else {
             turn[0] = cos(angle);
             turn[1] = sin(angle);
@@ -236,7 +236,7 @@ static size_t row_at(const struct cleaning *c, double t)
 
 static void put_residuals(struct cleaning *c, const struct local *local)
 {
-    for (size_t i = local->from; i < local->to; i++)
+    for (size_t i = local->begin; i < local->end; i++)
         c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
 }
 
@@ -244,8 +244,9 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
 {
     const double first = c->t[0], last = c->t[c->n - 1];
     const double begin = fmin(fmax(local->t - c->period, first), fmax(first, last - 2 * c->period));
-    const size_t from = row_at(c, begin), to = row_at(c, begin + 2 * c->period);
-    if (c->fitted_without && memcmp(c->excluded + from, c->fitted_without + from, to - from) == 0) {
+    const size_t row_begin = row_at(c, begin), row_end = row_at(c, begin + 2 * c->period);
+    if (c->fitted_without &&
+        memcmp(c->excluded + row_begin, c->fitted_without + row_begin, row_end - row_begin) == 0) {
         put_residuals(c, local); /* the same samples have the same fit */
         return;
     }
@@ -253,7 +254,7 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     const double *parameter = local->parameter;
     double here[TERMS];
     s.n = 0;
-    for (size_t i = from; i < to; i++)
+    for (size_t i = row_begin; i < row_end; i++)
         if (!c->excluded[i]) {
             terms_at(c, i, local->t, here);
 #pragma GCC unroll 8
@@ -263,15 +264,15 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
         }
     const double min = fmax(c->quantum / sqrt(12.0), BEND_SHARE * c->swing);
     const bool enough = s.n >= SAMPLES_MIN && (double)s.n * c->step > COVERED_PERIODS * c->period &&
-                        local->to > local->from;
-    const struct local *before = local > c->local && local[-1].fitted ? local - 1 : NULL;
+                        local->end > local->begin;
+    const struct local *previous = local > c->local && local[-1].fitted ? local - 1 : NULL;
     local->fitted =
         enough &&
-        fit_onward(&s, before, before ? (local->t - before->t) / c->period : 0, min, local);
+        fit_onward(&s, previous, previous ? (local->t - previous->t) / c->period : 0, min, local);
     /* So few samples are followed too closely. */
     local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
-    for (size_t i = local->from; i < local->to; i++) {
+    for (size_t i = local->begin; i < local->end; i++) {
         terms_at(c, i, local->t, here);
         c->model[i] = local->fitted ? clean_fit_value(parameter, here) : NAN;
     }
@@ -297,8 +298,8 @@ bool clean_fit(struct cleaning *c)
         if (!again)
             c->local[k] = (struct local){
                 .t = begin + 0.5 * each,
-                .from = row_at(c, begin),
-                .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
+                .begin = row_at(c, begin),
+                .end = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
     const size_t room = padded(largest);

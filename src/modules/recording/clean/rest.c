@@ -20,14 +20,14 @@ struct spread {
     double mean, deviation, count;
 };
 
-static struct spread spread_of(const struct motion_rows *x, size_t from, size_t to)
+static struct spread spread_of(const struct motion_rows *x, size_t begin, size_t end)
 {
     struct spread s = {0};
-    for (size_t i = from; i < to; i++)
+    for (size_t i = begin; i < end; i++)
         if (x->mask[i] == x->wanted) { /* Welford 1962 */
-            const double off = x->y[i] - s.mean;
-            s.mean += off / ++s.count;
-            s.deviation += off * (x->y[i] - s.mean);
+            const double difference = x->y[i] - s.mean;
+            s.mean += difference / ++s.count;
+            s.deviation += difference * (x->y[i] - s.mean);
         }
     s.deviation = s.count > 1 ? sqrt(s.deviation / (s.count - 1)) : NAN;
     return s;
@@ -35,22 +35,22 @@ static struct spread spread_of(const struct motion_rows *x, size_t from, size_t 
 
 /* Returns the amplitude of the sine of this period in rows from … to, beside their mean, or NAN if
  * they do not determine it. */
-static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period,
+static double amplitude_of(const struct motion_rows *x, size_t begin, size_t end, double period,
                            double *count)
 {
     double n = 0, mean[3] = {0}, square[3][3] = {{0}};
-    for (size_t i = from; i < to; i++) {
+    for (size_t i = begin; i < end; i++) {
         if (x->mask[i] != x->wanted)
             continue;
-        const double phase = TWO_PI * (x->t[i] - x->t[from]) / period,
+        const double phase = TWO_PI * (x->t[i] - x->t[begin]) / period,
                      v[3] = {cos(phase), sin(phase), x->y[i]};
-        double before[3];
+        double deviation[3];
         n++;
         for (int j = 0; j < 3; j++) {
-            before[j] = v[j] - mean[j];
-            mean[j] += before[j] / n;
+            deviation[j] = v[j] - mean[j];
+            mean[j] += deviation[j] / n;
             for (int k = 0; k <= j; k++)
-                square[j][k] += before[j] * (v[k] - mean[k]);
+                square[j][k] += deviation[j] * (v[k] - mean[k]);
         }
     }
     *count = n;
@@ -70,7 +70,7 @@ static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, 
 static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
                   double noise)
 {
-    const double from = x->t[rest] + 0.5 * stretch;
+    const double t_begin = x->t[rest] + 0.5 * stretch;
     double w = 0, mean_t = 0, mean_l = 0, tt = 0, tl = 0, largest = 0, count;
     for (double t = x->t[0]; t + stretch <= x->t[rest]; t += stretch) {
         const double a = amplitude_of(x, first_from(x->t, x->n, t),
@@ -92,9 +92,9 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
         tt += weight * off_t * (t - mean_t);
         tl += weight * off_t * (log(a) - mean_l);
     }
-    const double a = amplitude_of(x, first_from(x->t, x->n, from),
-                                  first_from(x->t, x->n, from + stretch), period, &count);
-    const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (from - mean_t));
+    const double a = amplitude_of(x, first_from(x->t, x->n, t_begin),
+                                  first_from(x->t, x->n, t_begin + stretch), period, &count);
+    const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (t_begin - mean_t));
     return w > 0 && count > 0 && left > AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count) &&
            (isnan(a) ? 0 : a) + AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count) <
                FADED_AMPLITUDE_FRACTION * left;
@@ -121,22 +121,22 @@ size_t motion_quiet(const struct motion_rows *x, double period)
     const struct spread end = spread_of(x, first_from(x->t, x->n, last - min), x->n);
     if (!(end.count > 4) || !(end.deviation < REST_SCATTER_FRACTION * start.deviation))
         return x->n;
-    size_t rest = first_from(x->t, x->n, last - min), to = rest;
+    size_t rest = first_from(x->t, x->n, last - min), row_end = rest;
     int moves = 0; /* half stretches in a row: a single one may be chance */
     double t = last - min - 0.5 * stretch;
     while (t > first + min) {
-        const size_t from = first_from(x->t, x->n, t);
-        const struct spread s = spread_of(x, from, to);
-        const double off = fabs(s.mean - end.mean);
+        const size_t row_begin = first_from(x->t, x->n, t);
+        const struct spread s = spread_of(x, row_begin, row_end);
+        const double difference = fabs(s.mean - end.mean);
         moves = s.count > 1 && (s.deviation > HALF_PERIOD_SCATTER_RATIO_MAX * end.deviation ||
-                                off > end.deviation)
+                                difference > end.deviation)
                     ? moves + 1
                     : 0;
         if (moves == 2)
             return rest;
-        to = from;
+        row_end = row_begin;
         t -= 0.5 * stretch;
-        rest = moves == 0 ? from : rest;
+        rest = moves == 0 ? row_begin : rest;
     }
     return x->n; /* it never moved */
 }
@@ -146,6 +146,6 @@ size_t motion_rest(const struct motion_rows *x, double period)
     const size_t rest = motion_quiet(x, period);
     if (rest >= x->n)
         return x->n;
-    const struct spread after = spread_of(x, rest, x->n);
-    return stops(x, rest, period, stretch_of(x, period), after.deviation) ? rest : x->n;
+    const struct spread resting = spread_of(x, rest, x->n);
+    return stops(x, rest, period, stretch_of(x, period), resting.deviation) ? rest : x->n;
 }

@@ -109,12 +109,12 @@ static bool is_scattered(const struct sentinel_search *s)
 static bool is_mostly_rest(const struct sentinel_search *s)
 {
     size_t count = 0, resting = 0;
-    for (size_t from = 0, to; from < s->n; from = to) {
-        for (to = from; to < s->n && s->y[to] == s->value;)
-            to++;
-        count += to - from;
-        resting += to - from > RUN_MEAN_MAX ? to - from : 0;
-        to += to == from;
+    for (size_t run_begin = 0, run_end; run_begin < s->n; run_begin = run_end) {
+        for (run_end = run_begin; run_end < s->n && s->y[run_end] == s->value;)
+            run_end++;
+        count += run_end - run_begin;
+        resting += run_end - run_begin > RUN_MEAN_MAX ? run_end - run_begin : 0;
+        run_end += run_end == run_begin;
     }
     return 2 * resting > count;
 }
@@ -134,35 +134,36 @@ static double longest_step(const struct sentinel_search *s)
 static double jump_share(const struct sentinel_search *s, double longest)
 {
     double jumps = 0, runs = 0;
-    for (size_t from = 0, to; from < s->n; from = to) {
-        for (to = from; to < s->n && s->y[to] == s->value;)
-            to++;
-        const bool before = from > 0 && is_other(s, from - 1), after = to < s->n && is_other(s, to);
-        if (to > from && (before || after)) {
-            jumps += (!before || fabs(s->y[from - 1] - s->value) > longest) &&
-                     (!after || fabs(s->y[to] - s->value) > longest);
+    for (size_t run_begin = 0, run_end; run_begin < s->n; run_begin = run_end) {
+        for (run_end = run_begin; run_end < s->n && s->y[run_end] == s->value;)
+            run_end++;
+        const bool has_previous = run_begin > 0 && is_other(s, run_begin - 1),
+                   has_next = run_end < s->n && is_other(s, run_end);
+        if (run_end > run_begin && (has_previous || has_next)) {
+            jumps += (!has_previous || fabs(s->y[run_begin - 1] - s->value) > longest) &&
+                     (!has_next || fabs(s->y[run_end] - s->value) > longest);
             runs++;
         }
-        to += to == from;
+        run_end += run_end == run_begin;
     }
     return runs > 0 ? jumps / runs : 0;
 }
 
 /* Mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest to it. */
-static double neighbour_rank(const struct sentinel_search *s, bool above)
+static double neighbour_rank(const struct sentinel_search *s, bool is_upper)
 {
     double sum = 0, count = 0;
     for (size_t i = 0; i < s->n; i++) {
-        const bool beside = is_other(s, i) && ((i > 0 && s->y[i - 1] == s->value) ||
-                                               (i + 1 < s->n && s->y[i + 1] == s->value));
-        if (!beside)
+        const bool is_neighbour = is_other(s, i) && ((i > 0 && s->y[i - 1] == s->value) ||
+                                                     (i + 1 < s->n && s->y[i + 1] == s->value));
+        if (!is_neighbour)
             continue;
-        const double below = (double)first_from(s->sorted, s->others, s->y[i]);
-        sum += below / (double)s->others;
+        const double lower_count = (double)first_from(s->sorted, s->others, s->y[i]);
+        sum += lower_count / (double)s->others;
         count++;
     }
     const double mean = count > 0 ? sum / count : 1;
-    return above ? mean : 1 - mean;
+    return is_upper ? mean : 1 - mean;
 }
 
 /* Returns true if the others are correlated with their neighbours, one or two rows away. Values
@@ -194,9 +195,9 @@ static bool others_move(const struct sentinel_search *s)
 /* Returns true if nearly all runs of the candidate begin at equal distances, give or take a row. */
 static bool is_regular(const struct sentinel_search *s)
 {
-    size_t runs = 0, last = 0, alike = 0, before = s->n;
-    for (size_t i = 0; i < s->n; before = i++) {
-        if (s->y[i] != s->value || (before < s->n && s->y[before] == s->value))
+    size_t runs = 0, last = 0, alike = 0, previous = s->n;
+    for (size_t i = 0; i < s->n; previous = i++) {
+        if (s->y[i] != s->value || (previous < s->n && s->y[previous] == s->value))
             continue;
         if (runs > 0)
             s->scratch[runs - 1] = (double)(i - last);
@@ -215,12 +216,13 @@ static bool is_regular(const struct sentinel_search *s)
 static size_t most_frequent(const struct sentinel_search *s, double *value)
 {
     size_t longest = 0;
-    for (size_t from = 0, to; from < s->others; from = to) {
-        for (to = from + 1; to < s->others && s->sorted[to] == s->sorted[from];)
-            to++;
-        if (to - from > longest) {
-            longest = to - from;
-            *value = s->sorted[from];
+    for (size_t run_begin = 0, run_end; run_begin < s->others; run_begin = run_end) {
+        for (run_end = run_begin + 1;
+             run_end < s->others && s->sorted[run_end] == s->sorted[run_begin];)
+            run_end++;
+        if (run_end - run_begin > longest) {
+            longest = run_end - run_begin;
+            *value = s->sorted[run_begin];
         }
     }
     return longest;
@@ -244,14 +246,14 @@ static bool is_sentinel(struct sentinel_search *s)
         return false;
     const size_t strays = (size_t)(stray_share * (double)s->others);
     const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];
-    const bool above = s->value > high;
-    const double distance = above ? s->value - high : low - s->value, range = high - low,
+    const bool is_upper = s->value > high;
+    const double distance = is_upper ? s->value - high : low - s->value, range = high - low,
                  longest = longest_step(s), jumps = jump_share(s, longest);
     if (distance <= distance_sure * range && is_mostly_rest(s))
         return false;
     if (distance <= distance_jump * range)
         return is_sentinel_inside(s, jumps);
-    const double rank = neighbour_rank(s, above);
+    const double rank = neighbour_rank(s, is_upper);
     if (is_regular(s) && (rank < out_of_range_rank || longest > out_of_range_step * range))
         return false;
     return distance > distance_sure * range || jumps > jumps_outside ||

@@ -72,7 +72,7 @@ struct unpacking {
     struct archive *archive;
     const char *shown;
     struct intake *intake; /* may be NULL */
-    size_t out;            /* [byte] that came out so far */
+    size_t unpacked;       /* [byte] that came out so far */
     size_t max;            /* [byte] that may come out */
     const struct cancel *cancel;
 };
@@ -92,14 +92,14 @@ static bool damaged(const struct unpacking *u, struct error *error)
  * expansion is detected at once. */
 static bool is_bomb(const struct unpacking *u, size_t more)
 {
-    const int64_t in = u->api->archive_filter_bytes(u->archive, -1);
-    const uint64_t grown = EXPANSION_MAX * (uint64_t)(in > 0 ? in : 0) + EXPANSION_FREE;
-    return u->out + more > u->max || u->out + more > grown;
+    const int64_t packed = u->api->archive_filter_bytes(u->archive, -1);
+    const uint64_t grown = EXPANSION_MAX * (uint64_t)(packed > 0 ? packed : 0) + EXPANSION_FREE;
+    return u->unpacked + more > u->max || u->unpacked + more > grown;
 }
 
 static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *error)
 {
-    if (u->out + more > u->max)
+    if (u->unpacked + more > u->max)
         error_set(error, ERROR_IO,
                   "%s unpacks to more than %zu bytes, which is the most that is read", u->shown,
                   u->max);
@@ -115,15 +115,15 @@ static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *
     for (la_ssize_t got; (got = u->api->archive_read_data(u->archive, piece, sizeof piece)) != 0;) {
         if (got < 0)
             return damaged(u, error);
-        const size_t before = bytes->len;
+        const size_t old_len = bytes->len;
         if (is_bomb(u, (size_t)got))
             return refuse_bomb(u, (size_t)got, error);
-        u->out += (size_t)got;
+        u->unpacked += (size_t)got;
         buffer_put(bytes, (struct text){piece, (size_t)got});
         if (bytes->failed)
             return error_memory(error);
         if (!unpacking_goes_on(u->cancel, error) ||
-            (u->intake && !intake_look(u->intake, buffer_text(bytes), before, 0, error)))
+            (u->intake && !intake_look(u->intake, buffer_text(bytes), old_len, 0, error)))
             return false;
     }
     buffer_put(bytes, TEXT(""));
@@ -175,7 +175,7 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
             api.archive_read_support_format_raw(u.archive);
         else
             api.archive_read_support_format_zip(u.archive);
-        done = (api.archive_read_open_memory(u.archive, bytes.at, bytes.len) == ARCHIVE_OK ||
+        done = (api.archive_read_open_memory(u.archive, bytes.data, bytes.len) == ARCHIVE_OK ||
                 damaged(&u, error)) &&
                read_entries(&u, wanted, content, error);
         api.archive_read_free(u.archive);

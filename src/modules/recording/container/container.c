@@ -39,7 +39,7 @@ void put_cell(struct buffer *text, struct text cell)
 {
     cell = text_trim(cell);
     for (size_t i = 0; i < cell.len; i++)
-        buffer_char(text, strchr("\t\r\n", cell.at[i]) ? ' ' : cell.at[i]);
+        buffer_char(text, strchr("\t\r\n", cell.data[i]) ? ' ' : cell.data[i]);
 }
 
 /* Hinnant 2013, chrono-compatible low-level date algorithms: civil_from_days. */
@@ -74,28 +74,28 @@ void put_stamp(struct buffer *text, double days, bool with_date)
 
 /* ---- UTF-16 ---- */
 
-static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel, struct buffer *out,
-                       struct error *error)
+static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
+                       struct buffer *output, struct error *error)
 {
-    const unsigned char *at = (const unsigned char *)bytes.at;
+    const unsigned char *octets = (const unsigned char *)bytes.data;
     uint32_t high = 0;
     for (size_t i = 2; i + 1 < bytes.len; i += 2) {
         if (i % LOOK_EACH_ROWS == 0 && !unpacking_goes_on(cancel, error))
             return false;
-        const uint32_t unit =
-            big ? (uint32_t)(at[i] << 8 | at[i + 1]) : (uint32_t)(at[i + 1] << 8 | at[i]);
+        const uint32_t unit = big ? (uint32_t)(octets[i] << 8 | octets[i + 1])
+                                  : (uint32_t)(octets[i + 1] << 8 | octets[i]);
         if (unit >= 0xD800 && unit < 0xDC00) {
             high = unit;
             continue;
         }
         const bool pair = high && unit >= 0xDC00 && unit < 0xE000;
-        buffer_codepoint(out, pair ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
-                              : unit >= 0xDC00 && unit < 0xE000 ? 0xFFFD
-                                                                : unit);
+        buffer_codepoint(output, pair ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
+                                 : unit >= 0xDC00 && unit < 0xE000 ? 0xFFFD
+                                                                   : unit);
         high = 0;
     }
-    buffer_put(out, TEXT(""));
-    return !out->failed || error_memory(error);
+    buffer_put(output, TEXT(""));
+    return !output->failed || error_memory(error);
 }
 
 /*
@@ -108,9 +108,9 @@ static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
     enum { UNITS = 16 };
     size_t units = 0;
     for (size_t i = 2; i + 1 < bytes.len && !cancelled_at(cancel, i); i += 2) {
-        bool both = bytes.at[i] && bytes.at[i + 1];
+        bool both = bytes.data[i] && bytes.data[i + 1];
         for (size_t k = i; k < i + 2; k++)
-            both = both && strchr("0123456789.,;\t\r\n -+eE", bytes.at[k]);
+            both = both && strchr("0123456789.,;\t\r\n -+eE", bytes.data[k]);
         units = both ? units + 1 : 0;
         if (units == UNITS)
             return i - 2 * (UNITS - 1);
@@ -135,7 +135,7 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
         return error_hint(error, "split it there, or export the data anew as UTF-8");
     }
     if (wide)
-        return from_utf16(raw, raw.at[0] == '\xFE', contents->cancel, &part->text, error);
+        return from_utf16(raw, raw.data[0] == '\xFE', contents->cancel, &part->text, error);
     part->text = *bytes;
     *bytes = (struct buffer){0};
     return true;
@@ -148,7 +148,7 @@ static bool ends_in(const char *path, const char *endings)
     const char *dot = strrchr(path, '.');
     struct text rest = text_of(endings), one;
     while (dot && text_split(&rest, ' ', &one))
-        if (strlen(dot + 1) == one.len && strncasecmp(dot + 1, one.at, one.len) == 0)
+        if (strlen(dot + 1) == one.len && strncasecmp(dot + 1, one.data, one.len) == 0)
             return true;
     return false;
 }
@@ -178,12 +178,13 @@ static struct text entry_name(const char *path)
 static bool has_directory(struct text bytes)
 {
     enum { END = 22, REMARKS = 65535 };
-    const size_t from = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
-    for (size_t at = bytes.len; at-- > from;) {
-        const unsigned char *end = (const unsigned char *)bytes.at + at;
-        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")) &&
-            bytes.len - at >= END &&
-            bytes.len - at >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
+    const size_t first = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
+    for (size_t position = bytes.len; position-- > first;) {
+        const unsigned char *end = (const unsigned char *)bytes.data + position;
+        if (text_starts((struct text){bytes.data + position, bytes.len - position},
+                        TEXT("PK\5\6")) &&
+            bytes.len - position >= END &&
+            bytes.len - position >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
             return true;
     }
     return false;

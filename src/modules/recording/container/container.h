@@ -46,7 +46,7 @@ struct intake {
 
 /* The look of a read_watch whose context is a struct intake: refuses what is no text and no
  * container, what no table begins in, lines without end, containers that are too large. */
-bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+bool intake_look(void *context, struct text content, size_t offset, uintmax_t size,
                  struct error *error);
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes,
                  struct error *error);

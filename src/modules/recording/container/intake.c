@@ -21,7 +21,7 @@
 static bool is_xml(struct text text)
 {
     if (text_starts(text, BYTE_ORDER_MARK))
-        text = (struct text){text.at + 3, text.len - 3};
+        text = (struct text){text.data + 3, text.len - 3};
     text = text_trim(text);
     return text_starts(text, TEXT("<?xml")) || text_starts(text, TEXT("<Document")) ||
            text_starts(text, TEXT("<cassylab"));
@@ -34,7 +34,7 @@ enum {
 
 enum packing packing_of(struct text bytes)
 {
-    const struct text head = {bytes.at, bytes.len < HEAD ? bytes.len : HEAD};
+    const struct text head = {bytes.data, bytes.len < HEAD ? bytes.len : HEAD};
     return text_starts(head, TEXT("\x1F\x8B"))           ? PACKING_GZIP
            : text_starts(head, TEXT("PK\x03\x04"))       ? PACKING_ZIP
            : text_starts(head, TEXT("\xD0\xCF\x11\xE0")) ? PACKING_XLS
@@ -42,7 +42,7 @@ enum packing packing_of(struct text bytes)
                ? PACKING_UTF16
            : is_xml(head)                                   ? PACKING_XML
            : text_starts(head, TEXT("# Created by Octave")) ? PACKING_OCTAVE
-           : table_recognise(head) && head.at[0] == '{'     ? PACKING_JSON
+           : table_recognise(head) && head.data[0] == '{'   ? PACKING_JSON
                                                             : PACKING_NONE;
 }
 
@@ -68,7 +68,7 @@ static bool refuse_known(struct text text, const char *name, struct error *error
 
 static bool refuse_nul(struct text text, size_t nul, const char *name, struct error *error)
 {
-    struct text rest = {text.at, nul + 1}, line = {0};
+    struct text rest = {text.data, nul + 1}, line = {0};
     size_t number = 0;
     while (table_line(&rest, &line))
         number++;
@@ -77,12 +77,14 @@ static bool refuse_nul(struct text text, size_t nul, const char *name, struct er
     return error_hint(error, "export the data as CSV text");
 }
 
-/* From byte `from` on. */
-static bool refuse_binary_from(struct text text, size_t from, const char *name, struct error *error)
+/* From byte `offset` on. */
+static bool refuse_binary_from(struct text text, size_t offset, const char *name,
+                               struct error *error)
 {
-    const char *nul = from < text.len ? memchr(text.at + from, '\0', text.len - from) : NULL;
+    const char *nul =
+        offset < text.len ? memchr(text.data + offset, '\0', text.len - offset) : NULL;
     return refuse_known(text, name, error) &&
-           (!nul || refuse_nul(text, (size_t)(nul - text.at), name, error));
+           (!nul || refuse_nul(text, (size_t)(nul - text.data), name, error));
 }
 
 bool refuse_binary(struct text text, const char *name, struct error *error)
@@ -93,10 +95,10 @@ bool refuse_binary(struct text text, const char *name, struct error *error)
 
 /* ---- while it is read ---- */
 
-static bool refuse_wide_nul(struct text bytes, size_t from, const char *name, struct error *error)
+static bool refuse_wide_nul(struct text bytes, size_t offset, const char *name, struct error *error)
 {
-    for (size_t i = from - from % 2; i + 1 < bytes.len; i += 2)
-        if (!bytes.at[i] && !bytes.at[i + 1]) {
+    for (size_t i = offset - offset % 2; i + 1 < bytes.len; i += 2)
+        if (!bytes.data[i] && !bytes.data[i + 1]) {
             error_set(error, ERROR_IO,
                       "%s is not a text file: it begins in UTF-16, NUL character at byte %zu", name,
                       i + 1);
@@ -116,11 +118,11 @@ static bool refuse_large(const struct intake *intake, uintmax_t size, struct err
 }
 
 /* The line at hand, which began somewhere before. */
-static bool refuse_endless_line(struct intake *intake, struct text text, size_t from,
+static bool refuse_endless_line(struct intake *intake, struct text text, size_t offset,
                                 struct error *error)
 {
-    for (size_t i = text.len; i > from && i > intake->line; i--)
-        if (text.at[i - 1] == '\n' || text.at[i - 1] == '\r')
+    for (size_t i = text.len; i > offset && i > intake->line; i--)
+        if (text.data[i - 1] == '\n' || text.data[i - 1] == '\r')
             intake->line = i;
     if (text.len - intake->line <= LINE_BYTES)
         return true;
@@ -130,7 +132,7 @@ static bool refuse_endless_line(struct intake *intake, struct text text, size_t 
     return error_hint(error, "export the data as CSV text");
 }
 
-bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+bool intake_look(void *context, struct text content, size_t offset, uintmax_t size,
                  struct error *error)
 {
     struct intake *intake = context;
@@ -138,22 +140,22 @@ bool intake_look(void *context, struct text content, size_t from, uintmax_t size
     if (cancelled(intake->options->cancel))
         return error_set(error, ERROR_CANCELLED, "reading was stopped");
     const bool enough = content.len >= ENOUGH_BYTES && !intake->sought;
-    const enum packing packing = from < HEAD ? packing_of(content) : intake->packing;
+    const enum packing packing = offset < HEAD ? packing_of(content) : intake->packing;
     intake->packing = packing;
     if (packing == PACKING_UTF16)
-        return refuse_wide_nul(content, from, name, error);
+        return refuse_wide_nul(content, offset, name, error);
     if (packing != PACKING_NONE &&
         !refuse_large(intake, size > content.len ? size : content.len, error))
         return false;
     if (packing != PACKING_NONE && packing != PACKING_XML)
         return true;
-    if (!refuse_binary_from(content, from, name, error))
+    if (!refuse_binary_from(content, offset, name, error))
         return false;
     if (packing == PACKING_XML)
         return true;
     intake->sought |= enough;
     return (!enough || table_begins(content, name, intake->options, error)) &&
-           refuse_endless_line(intake, content, from, error);
+           refuse_endless_line(intake, content, offset, error);
 }
 
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error)

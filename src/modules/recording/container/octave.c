@@ -32,12 +32,12 @@ static const char *const blanks = " \t\r\n";
 /* Takes the next number or word off the text. Returns an empty text at its end. */
 static struct text next_word(struct text *rest)
 {
-    const size_t gap = rest->len > 0 ? strspn(rest->at, blanks) : 0,
+    const size_t gap = rest->len > 0 ? strspn(rest->data, blanks) : 0,
                  skipped = gap < rest->len ? gap : rest->len;
-    *rest = (struct text){rest->at + skipped, rest->len - skipped};
-    const size_t used = rest->len > 0 ? strcspn(rest->at, blanks) : 0;
-    const struct text word = {rest->at, used < rest->len ? used : rest->len};
-    *rest = (struct text){rest->at + word.len, rest->len - word.len};
+    *rest = (struct text){rest->data + skipped, rest->len - skipped};
+    const size_t used = rest->len > 0 ? strcspn(rest->data, blanks) : 0;
+    const struct text word = {rest->data, used < rest->len ? used : rest->len};
+    *rest = (struct text){rest->data + word.len, rest->len - word.len};
     return word;
 }
 
@@ -45,7 +45,7 @@ static bool has_label(struct text line, const char *label, struct text *value)
 {
     if (!text_starts(line, text_of(label)))
         return false;
-    *value = text_trim((struct text){line.at + strlen(label), line.len - strlen(label)});
+    *value = text_trim((struct text){line.data + strlen(label), line.len - strlen(label)});
     return true;
 }
 
@@ -82,10 +82,10 @@ static void read_variables(struct text text, struct octave_file *file)
             v->rows = real_parse(value, &v->rows) == REAL_OK ? v->rows : 0;
         } else if (is_matrix && has_label(line, "# columns:", &value)) {
             v->columns = real_parse(value, &v->columns) == REAL_OK ? v->columns : 0;
-        } else if (v && line.len > 0 && line.at[0] != '#') {
+        } else if (v && line.len > 0 && line.data[0] != '#') {
             if (v->body.len == 0)
-                v->body.at = line.at;
-            v->body.len = (size_t)(line.at + line.len - v->body.at);
+                v->body.data = line.data;
+            v->body.len = (size_t)(line.data + line.len - v->body.data);
         }
     }
     if (v && v->is_range)
@@ -117,17 +117,17 @@ static double longest_vectors(const struct octave_file *file, double limit)
 static bool add_table(struct octave_file *file, double length, struct contents *contents,
                       struct error *error)
 {
-    struct octave_variable *of[VARIABLES_MAX];
+    struct octave_variable *column[VARIABLES_MAX];
     size_t count = 0;
     for (size_t i = 0; i < file->variables; i++)
         if (vector_length(&file->variable[i]) == length)
-            of[count++] = &file->variable[i];
-    struct container_part *part = count > 1 ? contents_add(contents, of[0]->name) : NULL;
+            column[count++] = &file->variable[i];
+    struct container_part *part = count > 1 ? contents_add(contents, column[0]->name) : NULL;
     if (!part)
         return count < 2 || contents->parts == PARTS_MAX || error_memory(error);
     for (size_t i = 0; i < count; i++) {
         buffer_put(&part->text, i > 0 ? TEXT("\t") : TEXT(""));
-        put_cell(&part->text, of[i]->name);
+        put_cell(&part->text, column[i]->name);
     }
     for (double row = 0; row < length && !part->text.failed; row++) {
         if (fmod(row, LOOK_EACH_ROWS) == 0 && !unpacking_goes_on(contents->cancel, error))
@@ -135,10 +135,10 @@ static bool add_table(struct octave_file *file, double length, struct contents *
         buffer_char(&part->text, '\n');
         for (size_t i = 0; i < count; i++) {
             buffer_put(&part->text, i > 0 ? TEXT("\t") : TEXT(""));
-            if (of[i]->is_range)
-                buffer_format(&part->text, "%.17g", of[i]->base + row * of[i]->increment);
+            if (column[i]->is_range)
+                buffer_format(&part->text, "%.17g", column[i]->base + row * column[i]->increment);
             else
-                buffer_put(&part->text, next_word(&of[i]->body));
+                buffer_put(&part->text, next_word(&column[i]->body));
         }
     }
     buffer_char(&part->text, '\n');
@@ -167,8 +167,8 @@ static bool refuse_lengths(const struct octave_file *file, const char *shown, st
     error_set(error, ERROR_IO,
               "%s holds the vectors %.*s (%.0f values) and %.*s (%.0f values): columns of a table "
               "are equally long",
-              shown, (int)text_fitting(a->name, SHORT_NAME - 1), a->name.at, vector_length(a),
-              (int)text_fitting(b->name, SHORT_NAME - 1), b->name.at, vector_length(b));
+              shown, (int)text_fitting(a->name, SHORT_NAME - 1), a->name.data, vector_length(a),
+              (int)text_fitting(b->name, SHORT_NAME - 1), b->name.data, vector_length(b));
     return error_hint(error, "save one matrix: M = [t(:) y(:)]; save -text FILE M");
 }
 

@@ -44,7 +44,7 @@ struct workbook {
     struct buffer text; /* of the element at hand */
     bool keep;          /* text is wanted */
     /* one sheet */
-    struct buffer *out;
+    struct buffer *output;
     int column, filled; /* of the cell at hand; cells written in this row */
     char type[16];
     enum cell_style cell_style;
@@ -260,12 +260,12 @@ static void put_value(struct workbook *book)
     double number;
     if (strcmp(book->type, "s") == 0) {
         if (real_parse(value, &number) == REAL_OK && number >= 0 && number < (double)book->words)
-            put_cell(book->out, book->word[(size_t)number]);
+            put_cell(book->output, book->word[(size_t)number]);
     } else if (strcmp(book->type, "n") == 0 && book->cell_style != STYLE_NUMBER &&
                real_parse(value, &number) == REAL_OK) {
-        put_stamp(book->out, number - book->epoch, book->cell_style == STYLE_DATE);
+        put_stamp(book->output, number - book->epoch, book->cell_style == STYLE_DATE);
     } else if (strcmp(book->type, "e") != 0) {
-        put_cell(book->out, value);
+        put_cell(book->output, value);
     }
 }
 
@@ -273,9 +273,9 @@ static void put_value(struct workbook *book)
  * little. */
 static bool bounded(struct workbook *book)
 {
-    if (book->out->failed)
+    if (book->output->failed)
         return error_memory(book->error);
-    if (book->out->len <= book->left)
+    if (book->output->len <= book->left)
         return true;
     error_set(book->error, ERROR_IO,
               "%s has sheets that become more than %d times their size: refused", book->shown,
@@ -290,13 +290,13 @@ static bool sheet_end(void *context, const char *name)
         book->keep = false;
     } else if (strcmp(name, "c") == 0) {
         for (; book->filled < book->column; book->filled++)
-            buffer_char(book->out, '\t');
+            buffer_char(book->output, '\t');
         put_value(book);
         return bounded(book);
     } else if (strcmp(name, "row") == 0) {
-        buffer_char(book->out, '\n');
+        buffer_char(book->output, '\n');
     }
-    return !book->out->failed || error_memory(book->error);
+    return !book->output->failed || error_memory(book->error);
 }
 
 static bool read_sheet(struct workbook *book, int i, struct contents *contents)
@@ -313,10 +313,10 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
     struct container_part *part = contents_add(contents, text_of(book->sheet[i].name));
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(book->error);
-    book->out = &part->text;
-    buffer_put(book->out, TEXT(""));
+    book->output = &part->text;
+    buffer_put(book->output, TEXT(""));
     const bool done = xml_read(buffer_text(sheet), book->shown, &reader, book->error);
-    book->left -= book->out->len < book->left ? book->out->len : book->left;
+    book->left -= book->output->len < book->left ? book->output->len : book->left;
     return done;
 }
 

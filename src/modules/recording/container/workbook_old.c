@@ -41,21 +41,21 @@ static bool load_freexl_library(struct freexl_api *api, const char *shown, struc
     return error_hint(error, "install libfreexl1, or save it as .xlsx or CSV");
 }
 
-static void put(struct buffer *out, const FreeXL_CellValue *cell)
+static void cell_value_put(struct buffer *output, const FreeXL_CellValue *cell)
 {
     switch (cell->type) {
     case FREEXL_CELL_INT:
-        buffer_format(out, "%d", cell->value.int_value);
+        buffer_format(output, "%d", cell->value.int_value);
         break;
     case FREEXL_CELL_DOUBLE:
-        buffer_real(out, cell->value.double_value);
+        buffer_real(output, cell->value.double_value);
         break;
     case FREEXL_CELL_TEXT:
     case FREEXL_CELL_SST_TEXT:
     case FREEXL_CELL_DATE:
     case FREEXL_CELL_DATETIME:
     case FREEXL_CELL_TIME:
-        put_cell(out, text_of(cell->value.text_value));
+        put_cell(output, text_of(cell->value.text_value));
         break;
     default:
         break;
@@ -85,7 +85,7 @@ static bool read_sheet(const struct freexl_api *api, const void *book, unsigned 
                 buffer_char(&part->text, '\t');
             const int status = api->freexl_get_cell_value(book, row, column, &cell);
             if (status == FREEXL_OK)
-                put(&part->text, &cell);
+                cell_value_put(&part->text, &cell);
             else if (status != FREEXL_ILLEGAL_CELL_ROW_COL)
                 return error_set(error, ERROR_IO, "%s is damaged: row %u of its sheet %d", shown,
                                  row + 1, index + 1);

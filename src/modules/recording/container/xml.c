@@ -68,7 +68,7 @@ struct parsing {
     bool stopped, typed;
 };
 
-static void stop(struct parsing *p)
+static void parsing_stop(struct parsing *p)
 {
     p->stopped = true;
     p->api.XML_StopParser(p->parser, XML_FALSE);
@@ -80,7 +80,7 @@ static void on_start(void *data, const XML_Char *name, const XML_Char **attribut
     p->events++;
     if (!p->stopped &&
         (++p->depth > DEPTH_MAX || !p->reader->start(p->reader->context, name, attributes)))
-        stop(p);
+        parsing_stop(p);
 }
 
 static void on_end(void *data, const XML_Char *name)
@@ -89,7 +89,7 @@ static void on_end(void *data, const XML_Char *name)
     p->events++;
     p->depth -= !p->stopped;
     if (!p->stopped && !p->reader->end(p->reader->context, name))
-        stop(p);
+        parsing_stop(p);
 }
 
 static void on_text(void *data, const XML_Char *text, int len)
@@ -97,7 +97,7 @@ static void on_text(void *data, const XML_Char *text, int len)
     struct parsing *p = data;
     p->events++;
     if (!p->stopped && !p->reader->text(p->reader->context, (struct text){text, (size_t)len}))
-        stop(p);
+        parsing_stop(p);
 }
 
 static void on_type(void *data, const XML_Char *name, const XML_Char *system,
@@ -106,27 +106,28 @@ static void on_type(void *data, const XML_Char *name, const XML_Char *system,
     struct parsing *p = data;
     (void)name, (void)system, (void)public, (void)internal;
     p->typed = true;
-    stop(p);
+    parsing_stop(p);
 }
 
 static bool parse(struct parsing *p, struct text document, const char *shown, struct error *error)
 {
     bool done = true;
-    size_t events = 0, since = 0; /* [byte] since the last of them */
-    for (size_t at = 0; done && at <= document.len; at += PIECE_BYTES) {
-        const size_t len = document.len - at < PIECE_BYTES ? document.len - at : PIECE_BYTES;
-        since = p->events > events ? 0 : since + len;
+    size_t events = 0, silent_bytes = 0; /* [byte] since the last of them */
+    for (size_t offset = 0; done && offset <= document.len; offset += PIECE_BYTES) {
+        const size_t len =
+            document.len - offset < PIECE_BYTES ? document.len - offset : PIECE_BYTES;
+        silent_bytes = p->events > events ? 0 : silent_bytes + len;
         events = p->events;
-        if (since > TOKEN_MAX)
+        if (silent_bytes > TOKEN_MAX)
             return error_set(
                 error, ERROR_IO,
                 "%s holds a name of more than %u bytes, which no instrument does: refused", shown,
                 TOKEN_MAX);
         if (!unpacking_goes_on(p->reader->cancel, error))
             return false;
-        done = p->api.XML_Parse(p->parser, document.at + at, (int)len, at + len == document.len) ==
-               XML_STATUS_OK;
-        if (at + len == document.len)
+        done = p->api.XML_Parse(p->parser, document.data + offset, (int)len,
+                                offset + len == document.len) == XML_STATUS_OK;
+        if (offset + len == document.len)
             break;
     }
     if (p->typed || p->depth > DEPTH_MAX) {

@@ -40,7 +40,7 @@ static bool is_one_of(const char *name, const char *names)
 {
     struct text rest = text_of(names), one;
     while (text_split(&rest, ' ', &one))
-        if (strlen(name) == one.len && memcmp(name, one.at, one.len) == 0)
+        if (strlen(name) == one.len && memcmp(name, one.data, one.len) == 0)
             return true;
     return false;
 }
@@ -106,34 +106,34 @@ static bool start(void *context, const char *name, const char **attributes)
 }
 
 /* The longest column's numbers, side by side. */
-static bool write_rows(struct tables *tables, struct buffer *out)
+static bool write_rows(struct tables *tables, struct buffer *output)
 {
     struct text rest[COLUMNS_MAX], cell;
     bool more = true;
     for (size_t i = 0; i < tables->columns; i++)
         rest[i] = buffer_text(&tables->column[i].cells);
-    for (size_t row = 1; more && !out->failed; row++) {
+    for (size_t row = 1; more && !output->failed; row++) {
         if (row % LOOK_EACH_ROWS == 0 &&
             !unpacking_goes_on(tables->contents->cancel, tables->error))
             return false;
-        const size_t before = out->len;
+        const size_t old_len = output->len;
         more = false;
         for (size_t i = 0; i < tables->columns; i++) {
-            buffer_put(out, i > 0 ? TEXT("\t") : TEXT(""));
+            buffer_put(output, i > 0 ? TEXT("\t") : TEXT(""));
             bool found = false;
             while (!found && text_split(&rest[i], '\n', &cell))
                 found = text_trim(cell).len > 0;
             more |= found;
             if (found && !text_is(text_trim(cell), "Z"))
-                put_cell(out, cell);
+                put_cell(output, cell);
         }
-        buffer_char(out, '\n');
-        if (!more && !out->failed) {
-            out->len = before;
-            out->data[before] = '\0';
+        buffer_char(output, '\n');
+        if (!more && !output->failed) {
+            output->len = old_len;
+            output->data[old_len] = '\0';
         }
     }
-    return !out->failed || error_memory(tables->error);
+    return !output->failed || error_memory(tables->error);
 }
 
 static bool finish_set(struct tables *tables)
@@ -163,7 +163,7 @@ static bool finish_set(struct tables *tables)
     return write_rows(tables, &part->text);
 }
 
-static bool end(void *context, const char *name)
+static bool element_end(void *context, const char *name)
 {
     struct tables *tables = context;
     if (tables->target && strcmp(name, "value") == 0)
@@ -172,7 +172,7 @@ static bool end(void *context, const char *name)
     return !is_one_of(name, tables->cassy ? "channels" : "DataSet") || finish_set(tables);
 }
 
-static bool text(void *context, struct text text)
+static bool element_text(void *context, struct text text)
 {
     struct tables *tables = context;
     if (tables->target)
@@ -184,7 +184,7 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
                 struct error *error)
 {
     struct tables tables = {.contents = contents, .error = error, .shown = shown};
-    const struct xml_reader reader = {&tables, contents->cancel, start, end, text};
+    const struct xml_reader reader = {&tables, contents->cancel, start, element_end, element_text};
     tables.column = calloc(COLUMNS_MAX, sizeof *tables.column);
     bool done = tables.column ? xml_read(document, shown, &reader, error) : error_memory(error);
     contents->container = tables.cassy ? "labx" : "cmbl";

@@ -88,7 +88,7 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 static int first_variable(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    if (request->columns > 0 || request->at.len > 0)
+    if (request->columns > 0 || request->event.len > 0)
         return -1;
     if (!kind_of(d)->coordinates || (!d->model && kind_of(d)->vertical != VERTICAL_FIRST))
         return -1;
@@ -174,7 +174,7 @@ bool drawing_stored_band(struct drawing *d)
 
 double stored_band_at(const struct fit_band *band, int variable, double t)
 {
-    const double index = (t - band->from) / band->step;
+    const double index = (t - band->t_begin) / band->step;
     if (variable >= band->variables || !(index > -1e-6) || !(index < (double)band->n - 1 + 1e-6))
         return NAN;
     const double *half = band->half + (size_t)variable * band->n;
@@ -200,11 +200,11 @@ static bool find_band(struct session *session, const struct run *run, struct fit
     band->half = calloc(n * (size_t)run->system.n, sizeof *band->half);
     if (!t || !band->half)
         return false;
-    band->from = trace_time(run->trace, 0);
+    band->t_begin = trace_time(run->trace, 0);
     band->step = span / (double)(n - 1);
     band->variables = run->system.n;
     for (size_t i = 0; i < n; i++)
-        t[i] = i + 1 < n ? band->from + (double)i * band->step : run->t;
+        t[i] = i + 1 < n ? band->t_begin + (double)i * band->step : run->t;
     for (int v = 0; v < run->system.n; v++)
         if (!band_half(session, run, v, t, n, arena, band->half + (size_t)v * n, &ignored))
             return false;
@@ -223,13 +223,13 @@ void session_store_band(struct session *session)
     struct fit_band *band = &fits->band;
     const size_t rows = trace_count(run->trace);
     if (band->run == run->number && band->rows == rows && band->end == run->t &&
-        memcmp(&band->of, &fits->adopted, sizeof band->of) == 0)
+        memcmp(&band->adopted, &fits->adopted, sizeof band->adopted) == 0)
         return;
     fits_drop_band(fits);
     band->run = run->number;
     band->rows = rows;
     band->end = run->t;
-    memcpy(&band->of, &fits->adopted, sizeof band->of);
+    memcpy(&band->adopted, &fits->adopted, sizeof band->adopted);
     struct arena arena = {0};
     if (rows > 1 && band_of_run(session, run, TEXT(""), &ignored) &&
         !find_band(session, run, band, &arena)) {

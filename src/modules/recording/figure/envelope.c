@@ -15,18 +15,18 @@ bool drawing_data_envelope(struct drawing *d, const struct series *series, struc
 {
     struct overview overview;
     struct reading reading[ENVELOPE_MAX];
-    double at[ENVELOPE_MAX];
+    double times[ENVELOPE_MAX];
     curve->n = 0;
     if (series->n < ENVELOPE_SAMPLES) /* a window of time in which there is next to nothing */
         return true;
     series_overview(series, d->arena, &overview);
     int count =
         overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_MIN), ENVELOPE_MAX) : 1;
-    const double from = series->t[0], span = series->t[series->n - 1] - from;
+    const double t_begin = series->t[0], span = series->t[series->n - 1] - t_begin;
     for (;; count /= 2) {
         for (int i = 0; i < count; i++)
-            at[i] = from + (i + 0.5) / count * span;
-        if (series_amplitudes(series, d->arena, at, count, span / count, reading, d->error))
+            times[i] = t_begin + (i + 0.5) / count * span;
+        if (series_amplitudes(series, d->arena, times, count, span / count, reading, d->error))
             break;
         if (count < 2 * ENVELOPE_MIN)
             return false;

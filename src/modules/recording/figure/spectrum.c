@@ -22,12 +22,12 @@ static bool data_spectrum(const struct series *series, struct arena *arena, stru
 
 /* Samples the position evenly between two times, no finer than a spectrum of a few harmonics needs:
  * the newest part where that is not all of it. */
-static bool run_even_series(const struct run *run, double from, double to, double period,
+static bool run_even_series(const struct run *run, double t_begin, double t_end, double period,
                             struct arena *arena, struct series *series, struct error *error)
 {
     const double step =
         isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
-    const double max = floor((to - from) / step);
+    const double max = floor((t_end - t_begin) / step);
     const size_t n = max > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(max, 0);
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
@@ -36,7 +36,7 @@ static bool run_even_series(const struct run *run, double from, double to, doubl
     for (size_t i = 0; i < n; i++) {
         if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
-        t[series->n] = to - (double)(n - i) * step;
+        t[series->n] = t_end - (double)(n - i) * step;
         y[series->n] = run_position(run, t[series->n]);
         series->n += isfinite(y[series->n]) ? 1 : 0;
     }
@@ -76,7 +76,8 @@ struct axis spectrum_axis(const struct drawing *d)
     return (struct axis){.label = "f",
                          .unit = "Hz",
                          .fixed = nyquist > 0,
-                         .to = line > 0 ? fmin(nyquist, SPECTRUM_AXIS_TIMES * line) : nyquist};
+                         .last_value =
+                             line > 0 ? fmin(nyquist, SPECTRUM_AXIS_TIMES * line) : nyquist};
 }
 
 void spectrum_note(const struct drawing *d, struct buffer *text)

@@ -81,7 +81,7 @@ struct censoring {
     unsigned char *use; /* [n] without the censored ones */
     double *residual;   /* [n] */
     double level, rss, slope;
-    double beyond;  /* distance of the model beyond the level */
+    double excess;  /* distance of the model beyond the level */
     double scatter; /* of the readings there about the level */
     size_t censored;
 };
@@ -99,38 +99,38 @@ static bool settle_level(const struct motion *m, int side, const struct harmonic
     if (!harmonic_residuals(&x, start, c->residual))
         return false;
     for (int round = 0; round < ROUNDS; round++) {
-        double sum = 0, counted = 0, before = c->level;
+        double sum = 0, counted = 0, previous = c->level;
         size_t changed = 0;
         c->censored = 0;
         for (size_t i = 0; i < x.n; i++) {
-            bool beyond = side * (x.y[i] - c->residual[i] - c->level) > 0,
-                 use = m->samples.use[i] && !beyond;
+            bool is_clipped = side * (x.y[i] - c->residual[i] - c->level) > 0,
+                 use = m->samples.use[i] && !is_clipped;
             changed += use != (c->use[i] != 0);
             c->use[i] = use;
-            c->censored += beyond;
-            sum += beyond && m->samples.use[i] ? x.y[i] : 0;
-            counted += beyond && m->samples.use[i];
+            c->censored += is_clipped;
+            sum += is_clipped && m->samples.use[i] ? x.y[i] : 0;
+            counted += is_clipped && m->samples.use[i];
         }
         if (counted < CENSORED_MIN || !harmonic_fit(&x, FREE_GAMMA, &c->harmonic, c->residual) ||
             !c->harmonic.converged)
             return false;
         c->level = sum / counted;
         if (changed <= x.n / ROWS_A_CHANGE &&
-            fabs(c->level - before) <= fmax(small * hypot(c->harmonic.a, c->harmonic.b),
-                                            unseen * m->overview.noise / sqrt(counted)))
+            fabs(c->level - previous) <= fmax(small * hypot(c->harmonic.a, c->harmonic.b),
+                                              unseen * m->overview.noise / sqrt(counted)))
             break;
     }
-    c->beyond = 0;
+    c->excess = 0;
     double square = 0, xx = 0, xy = 0, mean_x = 0, mean_y = 0, counted = 0;
     for (size_t i = 0; i < x.n; i++) {
-        double over = x.y[i] - c->residual[i] - c->level, off = x.y[i] - c->level;
+        double excess = x.y[i] - c->residual[i] - c->level, deviation = x.y[i] - c->level;
         if (m->samples.use[i] && !c->use[i]) {
-            square += off * off;
-            c->beyond = fmax(c->beyond, fabs(over));
-            xx += over * over;
-            xy += over * off;
-            mean_x += over;
-            mean_y += off;
+            square += deviation * deviation;
+            c->excess = fmax(c->excess, fabs(excess));
+            xx += excess * excess;
+            xy += excess * deviation;
+            mean_x += excess;
+            mean_y += deviation;
             counted++;
         }
     }
@@ -145,9 +145,9 @@ static bool settle_level(const struct motion *m, int side, const struct harmonic
  * rounding do. */
 static bool is_flat(const struct motion *m, const struct censoring *c)
 {
-    return fabs(c->slope) < SLOPE_MAX && c->beyond > FLAT_RESOLVED_STEPS * m->quantum &&
+    return fabs(c->slope) < SLOPE_MAX && c->excess > FLAT_RESOLVED_STEPS * m->quantum &&
            c->scatter <= FLAT_NOISE_RATIO_MAX * m->overview.noise +
-                             FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->beyond;
+                             FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->excess;
 }
 
 /* Sets a motion of every few rows of a long one, in which ceilings are looked for first; of all of

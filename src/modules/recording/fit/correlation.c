@@ -30,15 +30,15 @@ struct blocks {
     const struct cancel *cancel;
 };
 
-/* Sets out[length] to means of `each` neighbours on the even grid, from the mean of that number on.
- * work [each]. Returns their sum. */
+/* Sets block[length] to means of `each` neighbours on the even grid, from the mean of that number
+ * on. work [each]. Returns their sum. */
 static double fill_block(const struct series *s, const struct even_times *even, size_t each,
-                         size_t first, size_t length, double *work, double *out)
+                         size_t first, size_t length, double *work, double *block)
 {
     const double t0 = s->t[0] + (double)(first * each) * even->step;
     double sum = 0;
     if (each == 1 && !even->even)
-        return series_fill_grid(s, t0, even->step, length, out);
+        return series_fill_grid(s, t0, even->step, length, block);
     for (size_t i = 0; i < length; i++) {
         double of_these = 0;
         const double *y = s->y + (first + i) * each;
@@ -48,7 +48,7 @@ static double fill_block(const struct series *s, const struct even_times *even, 
         }
         for (size_t k = 0; k < each; k++)
             of_these += y[k];
-        sum += out[i] = of_these / (double)each;
+        sum += block[i] = of_these / (double)each;
     }
     return sum;
 }
@@ -135,12 +135,12 @@ static bool climb(const struct blocks *b, size_t low, size_t high, size_t *shift
     for (size_t k = 0; k < 3; k++)
         v[k] = correlation(b, *shift + k - 1);
     while (!(v[1] >= v[0] && v[1] >= v[2])) {
-        const bool up = v[2] > v[0];
-        *shift = up ? *shift + 1 : *shift - 1;
+        const bool is_rising = v[2] > v[0];
+        *shift = is_rising ? *shift + 1 : *shift - 1;
         if (*shift <= low || *shift >= high || cancelled(b->cancel))
             return false;
-        memmove(up ? v : v + 1, up ? v + 1 : v, 2 * sizeof *v);
-        v[up ? 2 : 0] = correlation(b, up ? *shift + 1 : *shift - 1);
+        memmove(is_rising ? v : v + 1, is_rising ? v + 1 : v, 2 * sizeof *v);
+        v[is_rising ? 2 : 0] = correlation(b, is_rising ? *shift + 1 : *shift - 1);
     }
     return true;
 }
@@ -215,7 +215,7 @@ bool series_correlation_period(const struct series *series, const struct period 
     even_times_find(series->t, series->y, series->n, series->cancel, &even);
     const double span = even.step * (double)(series->n - 1), T = known->period.value,
                  periods = span / T;
-    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt = NAN;
+    double lags[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt = NAN;
     struct blocks blocks;
     if (!(even.step > 0) || !(periods > 0) || !fill_blocks(series, &even, T, arena, &blocks))
         return false;
@@ -224,16 +224,16 @@ bool series_correlation_period(const struct series *series, const struct period 
         const double shift = peak_about(&blocks, (peaks + 1) * blocks.period, &doubt);
         if (!isfinite(shift))
             break;
-        at[peaks++] = shift * blocks.step;
+        lags[peaks++] = shift * blocks.step;
         kk += (double)peaks * peaks;
-        kt += peaks * at[peaks - 1];
+        kt += peaks * lags[peaks - 1];
         doubts += peaks * doubt * blocks.step;
     }
     if (peaks < 2)
         return false;
     period->value = kt / kk;
     for (int k = 0; k < peaks; k++)
-        square += (at[k] - (k + 1) * period->value) * (at[k] - (k + 1) * period->value);
+        square += (lags[k] - (k + 1) * period->value) * (lags[k] - (k + 1) * period->value);
     const double scatter = sqrt(square / (peaks - 1) / kk),
                  noise = known->period.uncertainty *
                          sqrt(variance_of_peaks(&blocks, span / blocks.step, peaks));
@@ -282,7 +282,7 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
  * memory or cancelled.
  */
 static bool tabulate(const double *y, size_t n, const struct cancel *cancel, struct arena *arena,
-                     double *out)
+                     double *result)
 {
     size_t all = 4;
     while (all < 2 * n)
@@ -305,7 +305,7 @@ static bool tabulate(const double *y, size_t n, const struct cancel *cancel, str
     second = first;
     for (size_t i = 0; i < n; i++) {
         const double power = fmax(first, 0) * fmax(second, 0); /* but for rounding */
-        out[i] = power > 0 ? data[i] / (double)all / sqrt(power) : 0;
+        result[i] = power > 0 ? data[i] / (double)all / sqrt(power) : 0;
         second -= y[i] * y[i];
         first -= y[n - 1 - i] * y[n - 1 - i];
     }
@@ -315,9 +315,9 @@ static bool tabulate(const double *y, size_t n, const struct cancel *cancel, str
 double *series_correlations(const struct series *series, struct arena *arena, double **grid)
 {
     const size_t n = series->n;
-    double *out = arena_array(arena, n, sizeof *out), *y = arena_array(arena, n, sizeof *y),
+    double *result = arena_array(arena, n, sizeof *result), *y = arena_array(arena, n, sizeof *y),
            moment = 0, square = 0;
-    if (!out || !y)
+    if (!result || !y)
         return NULL;
     const double dt = (series->t[n - 1] - series->t[0]) / (double)(n - 1),
                  mean = series_fill_grid(series, series->t[0], dt, n, y) / (double)n,
@@ -329,5 +329,5 @@ double *series_correlations(const struct series *series, struct arena *arena, do
     for (size_t i = 0; i < n; i++)
         y[i] -= mean + moment / square * ((double)i - middle);
     *grid = y;
-    return tabulate(y, n, series->cancel, arena, out) ? out : NULL;
+    return tabulate(y, n, series->cancel, arena, result) ? result : NULL;
 }

@@ -25,7 +25,7 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY 
 static bool evaluate(struct curve_problem *p, const double *x)
 {
     const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
-    if (p->known && memcmp(p->at, x, bytes) == 0)
+    if (p->known && memcmp(p->point, x, bytes) == 0)
         return true;
     p->known = false;
     if (!p->curve->evaluate(p->curve->context, x, p->t, p->n, p->value, p->derivative))
@@ -36,7 +36,7 @@ static bool evaluate(struct curve_problem *p, const double *x)
             if (!isfinite(p->derivative[i * count + j]))
                 return false;
     }
-    memcpy(p->at, x, bytes);
+    memcpy(p->point, x, bytes);
     return p->known = true;
 }
 
@@ -54,8 +54,8 @@ static void to_model(const struct curve_problem *p, const double *curve, double 
 }
 
 /* The derivatives by the model's first parameters and `right` [n], weighted, as a triangle. */
-static bool fold(const struct curve_problem *p, int columns, const double *right,
-                 struct triangle *t)
+static bool triangle_fold(const struct curve_problem *p, int columns, const double *right,
+                          struct triangle *t)
 {
     const size_t count = (size_t)p->curve->parameters, width = (size_t)columns + 1;
     double block[(TRIANGLE_COLUMNS + TRIANGLE_ROWS) * TRIANGLE_COLUMNS];
@@ -84,7 +84,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     struct curve_problem *p = context;
     double place[CURVE_PARAMETERS];
     to_curve(p, x, place);
-    return evaluate(p, place) && fold(p, columns, p->residual, t);
+    return evaluate(p, place) && triangle_fold(p, columns, p->residual, t);
 }
 
 static bool curvature(void *context, const double *x, const double *step, struct triangle *t)
@@ -104,7 +104,7 @@ static bool curvature(void *context, const double *x, const double *step, struct
             slope += p->derivative[i * count + j] * step[j];
         p->scratch[i] = 2 / part * (slope - (p->value[i] - p->y[i] + p->residual[i]) / part);
     }
-    return fold(p, p->model.parameters, p->scratch, t);
+    return triangle_fold(p, p->model.parameters, p->scratch, t);
 }
 
 /* The linear parameters first; none is, if linear is NULL. */
@@ -192,11 +192,11 @@ static bool go_down(struct curve_problem *p, double *x, enum manner manner, int 
 }
 
 /* Robust standard deviation of the residuals [from, to) about `middle`. */
-static double robust_scale(struct curve_problem *p, double middle, size_t from, size_t to)
+static double robust_scale(struct curve_problem *p, double middle, size_t begin, size_t end)
 {
-    for (size_t i = from; i < to; i++)
+    for (size_t i = begin; i < end; i++)
         p->scratch[i] = fabs(p->residual[i] - middle);
-    return MAD_TO_SIGMA * values_quantile(p->scratch + from, to - from, 0.5);
+    return MAD_TO_SIGMA * values_quantile(p->scratch + begin, end - begin, 0.5);
 }
 
 /* Sets the weights of the residuals in robust standard deviations. Returns the largest change, or
@@ -210,10 +210,10 @@ static double set_weights(struct curve_problem *p, bool soft)
         return INFINITY;
     p->scale = fmax(robust_scale(p, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
     for (size_t k = 0; k < stretches && !cancelled(p->cancel); k++) {
-        const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
-        const double local = stretches > 1 ? robust_scale(p, middle, from, to) : 0;
+        const size_t begin = p->n * k / stretches, end = p->n * (k + 1) / stretches;
+        const double local = stretches > 1 ? robust_scale(p, middle, begin, end) : 0;
         const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE_TUNING);
-        for (size_t i = from; i < to; i++) {
+        for (size_t i = begin; i < end; i++) {
             double z = p->residual[i] / width;
             double left = 1 - z * z, weight = soft       ? 1 / sqrt(1 + z * z)
                                               : left > 0 ? left * left
@@ -285,7 +285,7 @@ static bool minimise(struct curve_problem *p, double *x, const struct curve_opti
     return !cancelled(p->cancel);
 }
 
-static bool fail(const struct fit_curve *curve, const double *start, struct error *error)
+static bool fit_error_set(const struct fit_curve *curve, const double *start, struct error *error)
 {
     struct buffer where = {0};
     for (int j = 0; j < curve->parameters; j++) {
@@ -375,7 +375,7 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     } else if (cancelled(o->cancel)) {
         error_set(error, ERROR_CANCELLED, "the fit was stopped");
     } else {
-        fail(curve, start, error);
+        fit_error_set(curve, start, error);
     }
     arena_reset(&work);
     return ok;

@@ -15,10 +15,10 @@ struct curve_problem {
     double unit[CURVE_PARAMETERS];
     double *value, *scratch, *weight, *residual; /* [n] */
     double *derivative;                          /* [n][parameters] */
-    double at[CURVE_PARAMETERS]; /* the point that residuals and derivatives are those of */
-    bool known;                  /* there is one */
-    double size;                 /* length of y: rounding */
-    double scale;                /* robust standard deviation the weights were set with */
+    double point[CURVE_PARAMETERS]; /* the point that residuals and derivatives are those of */
+    bool known;                     /* there is one */
+    double size;                    /* length of y: rounding */
+    double scale;                   /* robust standard deviation the weights were set with */
     bool robust, rough, costly;
     size_t stretch; /* see struct curve_options */
     const struct cancel *cancel;

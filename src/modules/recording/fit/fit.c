@@ -16,22 +16,23 @@ static double covariance(const struct harmonic *h, const double *a, const double
 
 void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty)
 {
-    const double before = sqrt(covariance->at[i][i]),
-                 factor = before > 0 ? uncertainty / before : 0;
+    const double previous = sqrt(covariance->entry[i][i]),
+                 factor = previous > 0 ? uncertainty / previous : 0;
     for (int j = 0; j < covariance->n; j++) {
-        covariance->at[i][j] *= factor;
-        covariance->at[j][i] *= factor;
+        covariance->entry[i][j] *= factor;
+        covariance->entry[j][i] *= factor;
     }
 }
 
 /* gradient [SINE_PARAMETERS], each with the deviation of a residual that counts for it. */
 static void cover(const struct harmonic *h, const double *const gradient[],
-                  const double deviation[], struct fit_covariance *out)
+                  const double deviation[], struct fit_covariance *result)
 {
-    out->n = SINE_PARAMETERS;
+    result->n = SINE_PARAMETERS;
     for (int i = 0; i < SINE_PARAMETERS; i++)
         for (int j = 0; j < SINE_PARAMETERS; j++)
-            out->at[i][j] = deviation[i] * deviation[j] * covariance(h, gradient[i], gradient[j]);
+            result->entry[i][j] =
+                deviation[i] * deviation[j] * covariance(h, gradient[i], gradient[j]);
 }
 
 /*
@@ -77,9 +78,9 @@ static void report(const struct samples *x, const double *residual, const struct
 
 /* One half of the samples on its own, from the whole's frequency and damping on. NAN where it
  * determines nothing. */
-static void fit_half(const struct motion *m, size_t from, size_t to, int i, struct fit *fit)
+static void fit_half(const struct motion *m, size_t begin, size_t end, int i, struct fit *fit)
 {
-    struct samples part = samples_part(&m->samples, from, to);
+    struct samples part = samples_part(&m->samples, begin, end);
     struct harmonic h = {
         .omega = m->harmonic.omega, .gamma = m->harmonic.gamma, .drifts = m->harmonic.drifts};
     struct fit half;
@@ -109,14 +110,14 @@ enum { LEFT_OUT_SIZE = 120 };
 
 /* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)"
  */
-static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
+static void say_left_out(const struct motion *m, char output[LEFT_OUT_SIZE])
 {
     char flat[64] = "";
     if (m->clipped > 0)
         snprintf(flat, sizeof flat, ", %zu of them at flat tops (clipped)", m->clipped);
-    out[0] = 0;
+    output[0] = 0;
     if (m->rejected > 0)
-        snprintf(out, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected,
+        snprintf(output, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected,
                  m->samples.n, flat);
 }
 
@@ -136,12 +137,12 @@ static bool hint_swing(const struct motion *m, const struct series *series, stru
 static bool refuse_laws(const struct motion *m, const struct series *series, struct fit *fit,
                         struct error *error)
 {
-    char without[LEFT_OUT_SIZE];
+    char left_out[LEFT_OUT_SIZE];
     fit->converged = false;
-    say_left_out(m, without);
+    say_left_out(m, left_out);
     error_set(error, ERROR_NUMERICAL,
               "it oscillates, every %.4g s on average, but no law of damping follows it%s",
-              m->overview.period, without);
+              m->overview.period, left_out);
     return hint_swing(m, series, error);
 }
 
@@ -181,11 +182,11 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
     if (m.tracked && !fit->converged && !drag) {
-        char without[LEFT_OUT_SIZE];
-        say_left_out(&m, without);
+        char left_out[LEFT_OUT_SIZE];
+        say_left_out(&m, left_out);
         error_set(error, ERROR_NUMERICAL,
                   "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
-                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
+                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", left_out);
         struct mode_pair pair;
         if (two_lines(&m.samples, &pair))
             return error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
@@ -284,9 +285,9 @@ static const struct fit_model models[] = {
              .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
      .fit = fit_law},
     {.row = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
-     .by = FIT_SCENE},
+     .kind = FIT_SCENE},
     {.row = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
-     .by = FIT_MODES},
+     .kind = FIT_MODES},
 };
 
 const struct catalog fit_catalog = CATALOG("model", models);

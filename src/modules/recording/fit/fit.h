@@ -218,7 +218,7 @@ struct equation_walk {
     double t0, omega, offset;
     double g, b, f, cubic; /* in the time unit 1/omega */
     double side;           /* sign of the velocity, or 0 if it rests for good */
-    double at;             /* [rad] where the step begins */
+    double phase;          /* [rad] where the step begins */
     /* Taylor coefficients of y, and of its derivatives by the parameters */
     double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
 };
@@ -268,7 +268,7 @@ struct drag_fit {
  */
 struct fit_covariance {
     int n; /* 0 if unknown */
-    double at[CURVE_PARAMETERS][CURVE_PARAMETERS];
+    double entry[CURVE_PARAMETERS][CURVE_PARAMETERS];
 };
 
 enum { SINE_AMPLITUDE, SINE_PHASE, SINE_OMEGA, SINE_GAMMA, SINE_PARAMETERS };
@@ -305,7 +305,7 @@ enum fit_by { FIT_OWN, FIT_SCENE, FIT_MODES };
 
 struct fit_model {
     struct row row; /* damped, sine, … */
-    enum fit_by by;
+    enum fit_by kind;
     bool (*fit)(const struct series *series, struct arena *arena, const struct cancel *cancel,
                 struct fit *fit, struct error *error);
 };
@@ -376,7 +376,7 @@ struct repeat {
     double birge;  /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
     double chance; /* that stated uncertainties which are right scatter so much */
     /* standard deviation to be added to each, so that they explain the scatter; may be 0 */
-    double between;
+    double excess_scatter;
     struct measured quote; /* weighted with both: what should be quoted */
     double interval;       /* half of its 95 % interval (Student) */
 };

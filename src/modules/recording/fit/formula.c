@@ -48,7 +48,7 @@ static bool find_constant(struct formula_names *n, struct text name, int *slot)
 }
 
 /* Names with a hyphen are only what is known so: b1-b2 is a difference. */
-static bool find(const void *context, struct text name, int *slot)
+static bool formula_name_find(const void *context, struct text name, int *slot)
 {
     struct formula_names *n = ((const struct scope_context *)context)->names;
     struct formula *f = n->formula;
@@ -63,7 +63,7 @@ static bool find(const void *context, struct text name, int *slot)
     int j = find_parameter(f, name);
     if (j < 0 && find_constant(n, name, slot))
         return true;
-    if (j < 0 && (memchr(name.at, '-', name.len) || name.len > LIMIT_NAME ||
+    if (j < 0 && (memchr(name.data, '-', name.len) || name.len > LIMIT_NAME ||
                   catalog_find(&function_catalog, name)))
         return false;
     if (j < 0 && f->parameters == CURVE_PARAMETERS) {
@@ -106,7 +106,7 @@ bool formula_compile(struct text text, const struct expr_scope *known,
         .formula = formula, .known = known, .arena = arena, .constant = formula->constant};
     struct scope_context context = {&names};
     struct expr_scope scope = {
-        .context = &context, .find = find, .offer = known ? known->offer : NULL};
+        .context = &context, .find = formula_name_find, .offer = known ? known->offer : NULL};
     formula->expr = expr_compile(text, &scope, arena, used, error);
     if (names.state == NAMES_MEMORY)
         return error_memory(error);
@@ -115,7 +115,7 @@ bool formula_compile(struct text text, const struct expr_scope *known,
     if (!formula->expr)
         return false;
     if (formula->parameters == 0) {
-        error_at(error, (struct text){text.at, *used}, "the formula has no parameter to fit");
+        error_at(error, (struct text){text.data, *used}, "the formula has no parameter to fit");
         return error_hint(error,
                           "names that are not known yet are its parameters: a*exp(-b*t) + c");
     }
@@ -130,7 +130,7 @@ static int require_parameter(const struct formula *f, struct text name, struct e
         return j;
     struct suggestion suggestion = {.wanted = name};
     error_at(error, name, "the formula has no parameter '%.*s'",
-             name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME, name.at);
+             name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME, name.data);
     for (int i = 0; i < f->parameters; i++)
         suggestion_offer(&suggestion, f->name[i]);
     suggestion_hint(&suggestion, error);

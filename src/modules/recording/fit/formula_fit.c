@@ -41,12 +41,13 @@ static bool thin_out(struct formula_search *s, const struct series *series, stru
     if (!t || !y || !values || !column)
         return false;
     for (size_t i = 0; i < n; i++) {
-        size_t from = series->n * i / n, to = series->n * (i + 1) / n;
-        size_t at = from + (size_t)(uniform(s) * (double)(to - from));
-        t[i] = series->t[at];
-        y[i] = series->y[at];
+        size_t begin = series->n * i / n, end = series->n * (i + 1) / n;
+        size_t index = begin + (size_t)(uniform(s) * (double)(end - begin));
+        t[i] = series->t[index];
+        y[i] = series->y[index];
         for (size_t k = 0; k < columns; k++)
-            values[k * n + i] = s->formula.column[k].value ? s->formula.column[k].value[at] : t[i];
+            values[k * n + i] =
+                s->formula.column[k].value ? s->formula.column[k].value[index] : t[i];
     }
     for (size_t k = 0; k < columns; k++)
         column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
@@ -97,7 +98,7 @@ static void find_scales(struct formula_search *s, const struct series *series, s
 }
 
 /* A value to try: a scale of the series or any size, of either sign. */
-static double pick(struct formula_search *s)
+static double start_value_pick(struct formula_search *s)
 {
     const double size =
         uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
@@ -113,19 +114,20 @@ static int try_scales(struct formula_search *s, const struct cancel *cancel, con
         struct formula_trial trial;
         memcpy(trial.x, started, sizeof trial.x);
         for (int i = 0; i < s->unknowns; i++)
-            trial.x[s->unknown[i]] = pick(s);
+            trial.x[s->unknown[i]] = start_value_pick(s);
         trial.rss = curve_solve_linears(&s->problem, trial.x);
         if (!isfinite(trial.rss))
             continue;
-        int at = candidates;
-        while (at > 0 && best[at - 1].rss > trial.rss)
-            at--;
-        bool twin = at > 0 && best[at - 1].rss >= trial.rss * (1 - 1e-9);
-        if (at == REFINED || twin)
+        int position = candidates;
+        while (position > 0 && best[position - 1].rss > trial.rss)
+            position--;
+        bool twin = position > 0 && best[position - 1].rss >= trial.rss * (1 - 1e-9);
+        if (position == REFINED || twin)
             continue;
         candidates = candidates < REFINED ? candidates + 1 : candidates;
-        memmove(best + at + 1, best + at, (size_t)(candidates - at - 1) * sizeof *best);
-        best[at] = trial;
+        memmove(best + position + 1, best + position,
+                (size_t)(candidates - position - 1) * sizeof *best);
+        best[position] = trial;
     }
     return candidates;
 }

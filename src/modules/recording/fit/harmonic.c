@@ -38,7 +38,7 @@ struct phase_table {
 
 /* Eight accumulators, so that additions overlap; the order of the sums is fixed, whatever the
  * compiler makes of it. */
-static inline double dot(const union block *x, const union block *y)
+static inline double block_dot(const union block *x, const union block *y)
 {
     four a = {0, 0, 0, 0}, b = a;
     for (int k = 0; k < CHUNK / 4; k += 2) {
@@ -59,14 +59,15 @@ static void turn_init(struct phase_table *turn, const struct harmonic *h, double
     }
 }
 
-/* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
+/* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `first` on; `count` of them
+ * exist.
  */
-static inline void fill_basis(const struct samples *x, size_t at, int count,
+static inline void fill_basis(const struct samples *x, size_t first, int count,
                               const struct harmonic *h, const struct phase_table *turn,
                               union block *u, union block *v, union block *s)
 {
     if (x->uniform) {
-        double start = x->t0 + (double)at * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
+        double start = x->t0 + (double)first * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
         double re = e * cos(h->omega * start), im = e * sin(h->omega * start);
         for (int k = 0; k < CHUNK; k++) {
             u->d[k] = re * turn->re[k] - im * turn->im[k];
@@ -76,7 +77,7 @@ static inline void fill_basis(const struct samples *x, size_t at, int count,
         return;
     }
     for (int k = 0; k < CHUNK; k++) {
-        double time = k < count ? x->t[at + (size_t)k] - h->origin : 0,
+        double time = k < count ? x->t[first + (size_t)k] - h->origin : 0,
                e = exp(-0.5 * h->gamma * time);
         u->d[k] = e * cos(h->omega * time);
         v->d[k] = e * sin(h->omega * time);
@@ -97,18 +98,18 @@ CLONES static size_t products(const struct samples *x, int unknowns, const struc
     if (x->uniform)
         turn_init(&turn, h, x->dt);
     memset(gram, 0, sizeof(double[COLUMNS][COLUMNS]));
-    for (size_t at = 0; at < x->n; at += CHUNK) {
-        if (at % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+    for (size_t first = 0; first < x->n; first += CHUNK) {
+        if (first % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
             return 0;
-        int count = x->n - at < CHUNK ? (int)(x->n - at) : CHUNK;
-        fill_basis(x, at, count, h, &turn, &u, &v, &s);
+        int count = x->n - first < CHUNK ? (int)(x->n - first) : CHUNK;
+        fill_basis(x, first, count, h, &turn, &u, &v, &s);
         for (int k = 0; k < count; k++) {
-            r.d[k] = x->y[at + (size_t)k] - h->c - h->d * s.d[k] - h->a * u.d[k] - h->b * v.d[k];
-            mask.d[k] = x->use[at + (size_t)k];
-            used += x->use[at + (size_t)k];
+            r.d[k] = x->y[first + (size_t)k] - h->c - h->d * s.d[k] - h->a * u.d[k] - h->b * v.d[k];
+            mask.d[k] = x->use[first + (size_t)k];
+            used += x->use[first + (size_t)k];
         }
         if (residual)
-            memcpy(residual + at, r.d, (size_t)count * sizeof(double));
+            memcpy(residual + first, r.d, (size_t)count * sizeof(double));
         for (int k = count; k < CHUNK; k++)
             r.d[k] = mask.d[k] = 0;
         for (int k = 0; k < CHUNK / 4; k++) {
@@ -125,7 +126,7 @@ CLONES static size_t products(const struct samples *x, int unknowns, const struc
         for (int i = 0; i <= unknowns; i++)
             for (int j = i; j <= unknowns; j++)
                 if (h->drifts || (column[i] != &drift && column[j] != &drift))
-                    gram[i][j] += dot(column[i], column[j]);
+                    gram[i][j] += block_dot(column[i], column[j]);
     }
     if (unknowns > LINEAR_D && !h->drifts)
         gram[LINEAR_D][LINEAR_D] = 1; /* a column that touches no other */
@@ -184,18 +185,19 @@ static bool fit_linear(struct harmonic_problem *p, struct descent *d)
     return d->converged;
 }
 
-bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *out,
+bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *result,
                   double *residual)
 {
     /* A step of less than a thousandth of a standard deviation, or one that only stirs rounding
      * noise, is none. */
     static const double trust = 1e-6, rounding = 1e-26;
     const int unknowns = (int)wanted;
-    const bool linear = wanted == FREE_LINEAR, cold = out->a == 0 && out->b == 0;
+    const bool linear = wanted == FREE_LINEAR, cold = result->a == 0 && result->b == 0;
     if (x->n == 0 || cancelled(x->cancel))
         return false;
-    struct harmonic_problem p = {x, out, x->t[x->n - 1] - x->t[0]};
-    struct descent d = {.x = {out->a, out->b, out->c, out->d, out->omega, out->gamma}};
+    struct harmonic_problem p = {x, result, x->t[x->n - 1] - x->t[0]};
+    struct descent d = {
+        .x = {result->a, result->b, result->c, result->d, result->omega, result->gamma}};
     if (cold)
         d.x[LINEAR_C] = x->y[0];
     /* no start: work around a first answer, so that rounding is that of the residuals */
@@ -211,7 +213,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
                                             .cancel = x->cancel};
     if (!linear && !least_squares_descend(&model, &options, &d))
         return false;
-    struct harmonic h = harmonic_at(out, d.x);
+    struct harmonic h = harmonic_at(result, d.x);
     h.rss = d.rss;
     h.used = d.triangle.rows;
     h.iterations = d.iterations;
@@ -223,7 +225,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         h.inverse[LINEAR_D][LINEAR_D] = 0;
     if (residual && !harmonic_residuals(x, &h, residual))
         return false;
-    *out = h;
+    *result = h;
     return true;
 }
 

@@ -120,14 +120,14 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
         if (!(held && held[j])) {
             const double length = scale ? scale[j] : column_length(t, j);
             p->scale[p->free] = length > 0 ? length : 1;
-            p->at[p->free++] = j;
+            p->index[p->free++] = j;
         }
     const int m = p->free;
     if (m == 0)
         return;
     for (int i = 0; i < rows; i++)
         for (int k = 0; k < m; k++)
-            a[i * m + k] = p->at[k] < first + i ? 0 : t->r[first + i][p->at[k]] / p->scale[k];
+            a[i * m + k] = p->index[k] < first + i ? 0 : t->r[first + i][p->index[k]] / p->scale[k];
     gsl_matrix_view u = gsl_matrix_view_array(a, (size_t)rows, (size_t)m),
                     v = gsl_matrix_view_array(p->v, (size_t)m, (size_t)m);
     gsl_vector_view s = gsl_vector_view_array(p->s, (size_t)m);
@@ -148,7 +148,7 @@ double linear_problem_step(const struct linear_problem *p, double damping, doubl
         const double square = p->s[k] * p->s[k] + damping, kept = damping / square,
                      part = p->turned[k] * p->s[k] / square;
         for (int i = 0; i < p->free; i++)
-            step[p->at[i]] += p->v[i * p->free + k] * part / p->scale[i];
+            step[p->index[i]] += p->v[i * p->free + k] * part / p->scale[i];
         gain += p->turned[k] * p->turned[k] * (1 - kept * kept);
     }
     return gain;
@@ -158,8 +158,9 @@ double linear_problem_step(const struct linear_problem *p, double damping, doubl
 
 bool on_bound(const struct least_squares *m, int j, double x, double *inward)
 {
-    const double near = 1e-7 * (m->unit ? m->unit[j] : 1);
-    const bool low = m->low && x - m->low[j] <= near, high = m->high && m->high[j] - x <= near;
+    const double tolerance = 1e-7 * (m->unit ? m->unit[j] : 1);
+    const bool low = m->low && x - m->low[j] <= tolerance,
+               high = m->high && m->high[j] - x <= tolerance;
     *inward = low ? 1 : -1;
     return low || high;
 }
@@ -210,12 +211,12 @@ static void evaluate_model(struct walk *w, const struct descent *d)
 }
 
 /* Returns the length of the step relative to what it changes, or to its uncertainty. */
-static double move(const struct least_squares *m, const struct linear_problem *p,
-                   const double *step, double variance, double *x)
+static double least_squares_move(const struct least_squares *m, const struct linear_problem *p,
+                                 const double *step, double variance, double *x)
 {
     double length = 0;
     for (int k = 0; k < p->free; k++) {
-        const int j = p->at[k];
+        const int j = p->index[k];
         double inverse = 0;
         for (int i = 0; i < p->free; i++)
             if (p->s[i] > p->min)
@@ -233,7 +234,7 @@ static double scaled_length(const struct walk *w, const double *step)
 {
     double length = 0;
     for (int k = 0; k < w->problem.free; k++)
-        length = hypot(length, w->problem.scale[k] * step[w->problem.at[k]]);
+        length = hypot(length, w->problem.scale[k] * step[w->problem.index[k]]);
     return length;
 }
 
@@ -253,7 +254,7 @@ static bool accelerate(const struct walk *w, const double *x, double damping, do
     if (!(2 * scaled_length(w, more) <= ratio_max * scaled_length(w, step)))
         return false;
     for (int k = 0; k < bent.free; k++)
-        step[bent.at[k]] += 0.5 * more[bent.at[k]];
+        step[bent.index[k]] += 0.5 * more[bent.index[k]];
     return true;
 }
 
@@ -261,15 +262,15 @@ static bool accelerate(const struct walk *w, const double *x, double damping, do
  * (Nielsen 1999, IMM-REP-1999-05). */
 static double relaxation(double ratio)
 {
-    const double off = 2 * ratio - 1;
-    return fmax(1.0 / 3, 1 - off * off * off);
+    const double excess = 2 * ratio - 1;
+    return fmax(1.0 / 3, 1 - excess * excess * excess);
 }
 
 bool least_squares_descend(const struct least_squares *m, const struct descent_options *o,
                            struct descent *d)
 {
     enum { SMALL_MAX = 4 };
-    static const double near = 1e-8, damping_max = 1e16, damping_kink = 1e8, stalls = 1e2;
+    static const double tolerance = 1e-8, damping_max = 1e16, damping_kink = 1e8, stalls = 1e2;
     struct walk w = {.model = m, .forgets = o->rescaled};
     double damping = o->damping, raise = 2, shortest = INFINITY;
     bool refused = false, /* the full step that should have been one of the last */
@@ -288,12 +289,12 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
                      left = linear_problem_step(&w.problem, 0, full);
         const bool exact = o->exact > 0,
                    last = !exact && left <= fmax(o->trust * unit, o->rounding),
-                   ends = exact && !refused && left <= fmax(near * unit, o->rounding);
+                   ends = exact && !refused && left <= fmax(tolerance * unit, o->rounding);
         if (cancelled(o->cancel))
             return false;
         const double promised = linear_problem_step(&w.problem, ends ? 0 : damping, step);
         const bool bends = o->accelerated && !ends && !accelerate(&w, d->x, damping, step);
-        const double length = move(m, &w.problem, last ? full : step, unit, trial.x);
+        const double length = least_squares_move(m, &w.problem, last ? full : step, unit, trial.x);
         if (last) {
             memcpy(d->x, trial.x, sizeof d->x);
             d->rss = fmax(d->rss - left, 0);

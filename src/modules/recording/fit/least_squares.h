@@ -44,7 +44,7 @@ double quadratic_form(int n, int width, const double *a, const double *matrix, c
 
 /* The linear problem of a triangle in its free parameters, from `first` on: singular values. */
 struct linear_problem {
-    int first, free, at[CURVE_PARAMETERS];
+    int first, free, index[CURVE_PARAMETERS];
     double scale[CURVE_PARAMETERS];                       /* by which columns are divided */
     double s[CURVE_PARAMETERS], turned[CURVE_PARAMETERS]; /* U^T r */
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS];        /* [free][free] */

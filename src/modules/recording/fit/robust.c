@@ -14,14 +14,14 @@
  * c and rejects nothing. */
 static void fit_segment(struct motion *m, struct swing_segment *s)
 {
-    struct samples part = samples_part(&m->samples, s->from, s->to);
+    struct samples part = samples_part(&m->samples, s->begin, s->end);
     struct harmonic h = {
         .a = s->a, .b = s->b, .c = s->c, .omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     s->settled = true;
-    if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->from)) {
+    if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->begin)) {
         /* too few good samples to judge the others */
-        memset(m->residual + s->from, 0, part.n * sizeof(double));
+        memset(m->residual + s->begin, 0, part.n * sizeof(double));
         return;
     }
     s->a = h.a;
@@ -32,7 +32,7 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
            growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
     double weight = exp(0.5 * h.gamma * (part.t[0] - h.origin));
     for (size_t i = 0; i < part.n; i++, weight *= growth) {
-        double r = m->residual[s->from + i], model = part.y[i] - r - h.c;
+        double r = m->residual[s->begin + i], model = part.y[i] - r - h.c;
         square += model * model;
         m->scratch[i] = fabs(r) * weight;
     }
@@ -48,10 +48,10 @@ static size_t update_mask(struct motion *m, double typical)
     m->rejected = 0;
     for (size_t k = 0; k < m->segments; k++) {
         struct swing_segment *s = &m->segment[k];
-        double duration = m->samples.t[s->to - 1] - m->samples.t[s->from];
-        double fall = exp(-0.5 * m->harmonic.gamma * duration / (double)(s->to - s->from));
+        double duration = m->samples.t[s->end - 1] - m->samples.t[s->begin];
+        double fall = exp(-0.5 * m->harmonic.gamma * duration / (double)(s->end - s->begin));
         double local = s->scale * exp(0.25 * m->harmonic.gamma * duration);
-        for (size_t i = s->from; i < s->to; i++, local *= fall) {
+        for (size_t i = s->begin; i < s->end; i++, local *= fall) {
             bool use = fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact;
             if (use != (m->samples.use[i] != 0)) {
                 m->samples.use[i] = use;
@@ -75,8 +75,8 @@ bool reject_outliers(struct motion *m, struct arena *arena)
         return false;
     }
     for (size_t k = 0; k < m->segments; k++) {
-        m->segment[k].from = m->samples.n * k / m->segments;
-        m->segment[k].to = m->samples.n * (k + 1) / m->segments;
+        m->segment[k].begin = m->samples.n * k / m->segments;
+        m->segment[k].end = m->samples.n * (k + 1) / m->segments;
     }
     double typical = 0, rounding = m->quantum / sqrt(12.0);
     for (int round = 0; round < ROUNDS; round++) {

@@ -14,16 +14,16 @@ enum { PERIODS = 2, WINDOWS_MIN = 8 };
 /* One of the two directions: the residuals' part along it, window by window, scaled to the variance
  * of one sample. */
 struct window_sums {
-    double square, product, norm, before;
+    double square, product, norm, previous;
 };
 
 static void add_window(struct window_sums *d, double sum, double norm)
 {
     double z = sum / sqrt(norm);
     d->square += norm * z * z;
-    d->product += d->before == 0 ? 0 : norm * z * d->before;
+    d->product += d->previous == 0 ? 0 : norm * z * d->previous;
     d->norm += norm;
-    d->before = z;
+    d->previous = z;
 }
 
 /* The windows' variance against that of the samples, and their correlation, where they are more
@@ -39,7 +39,7 @@ static double factor_of(const struct window_sums *d, double windows, double vari
 struct widening residual_widening(const struct samples *x, const double *residual,
                                   const struct oscillation *o, int fitted)
 {
-    struct window_sums in_phase = {0}, across = {0};
+    struct window_sums in_phase = {0}, quadrature = {0};
     double lag = autocorrelation_factor(residual_autocorrelation(x, residual)), square = 0,
            used = 0, windows = 0;
     double period = TWO_PI / o->omega, end = x->n > 0 ? x->t[0] + PERIODS * period : 0;
@@ -49,7 +49,7 @@ struct widening residual_widening(const struct samples *x, const double *residua
             bool whole = i < x->n || end - x->t[x->n - 1] < 0.25 * PERIODS * period;
             if (whole && norm[0] > 0 && norm[1] > 0) {
                 add_window(&in_phase, sum[0], norm[0]);
-                add_window(&across, sum[1], norm[1]);
+                add_window(&quadrature, sum[1], norm[1]);
                 windows++;
             }
             end += PERIODS * period;
@@ -71,5 +71,5 @@ struct widening residual_widening(const struct samples *x, const double *residua
         return (struct widening){lag, lag, lag};
     double variance = square / used;
     return (struct widening){factor_of(&in_phase, windows, variance, fitted),
-                             factor_of(&across, windows, variance, fitted), lag};
+                             factor_of(&quadrature, windows, variance, fitted), lag};
 }

@@ -22,7 +22,7 @@ struct closed_run {
     const struct trace *trace;
     const struct cancel *cancel;
     const struct system *system;
-    size_t from, end;             /* rows of the window */
+    size_t begin, end;            /* rows of the window */
     double size[LIMIT_VARIABLES]; /* half ranges of the variables in it */
 };
 
@@ -63,26 +63,26 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
     system_derivative(system, trace_time(c->trace, base), start, f);
     for (int i = 0; i < system->n; i++)
         speed += c->size[i] > 0 ? pow(f[i] / c->size[i], 2) : 0;
-    double before = 0, here = distance(c, trace_state(c->trace, base + 1), start);
+    double previous_distance = 0, here = distance(c, trace_state(c->trace, base + 1), start);
     for (size_t row = base + 1; row + 1 < c->end && !cancelled(c->cancel); row++) {
-        const double after = distance(c, trace_state(c->trace, row + 1), start);
-        const bool is_nearest = here < before && here <= after;
-        before = here;
-        here = after;
+        const double next_distance = distance(c, trace_state(c->trace, row + 1), start);
+        const bool is_nearest = here < previous_distance && here <= next_distance;
+        previous_distance = here;
+        here = next_distance;
         if (!is_nearest)
             continue;
         double y[LIMIT_VARIABLES], t = trace_time(c->trace, row);
         memcpy(y, trace_state(c->trace, row), (size_t)system->n * sizeof *y);
         for (int k = 0; k < NEWTON_STEPS; k++) {
-            double rate[LIMIT_VARIABLES] = {0}, off = 0, slope = 0;
+            double rate[LIMIT_VARIABLES] = {0}, deviation = 0, slope = 0;
             system_derivative(system, t, y, rate);
             for (int i = 0; i < system->n; i++) {
-                const double along = c->size[i] > 0 ? f[i] / (c->size[i] * c->size[i]) : 0;
-                off += (y[i] - start[i]) * along;
-                slope += rate[i] * along;
+                const double tangent = c->size[i] > 0 ? f[i] / (c->size[i] * c->size[i]) : 0;
+                deviation += (y[i] - start[i]) * tangent;
+                slope += rate[i] * tangent;
             }
-            follow_closed_motion(system, t, -off / slope, y);
-            t -= off / slope;
+            follow_closed_motion(system, t, -deviation / slope, y);
+            t -= deviation / slope;
         }
         const double left = distance(c, y, start);
         *error = left / sqrt(speed);
@@ -97,10 +97,10 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
 static bool first_repeats(const struct closed_run *c, double span)
 {
     const double direction =
-        trace_time(c->trace, c->end - 1) > trace_time(c->trace, c->from) ? 1 : -1;
+        trace_time(c->trace, c->end - 1) > trace_time(c->trace, c->begin) ? 1 : -1;
     bool repeats = true;
     for (size_t b = 0; b < BASES && repeats; b++) {
-        const size_t base = c->from + b * (c->end - c->from) / BASES;
+        const size_t base = c->begin + b * (c->end - c->begin) / BASES;
         const double t = trace_time(c->trace, base) + direction * span;
         if ((t - trace_time(c->trace, c->end - 1)) * direction > 0)
             break;
@@ -118,12 +118,12 @@ static bool first_repeats(const struct closed_run *c, double span)
  * not agree. */
 static bool closed_period(const struct closed_run *c, struct period *period)
 {
-    const double t_begin = trace_time(c->trace, c->from), t_end = trace_time(c->trace, c->end - 1);
-    double T = 0, off = 0, shortest = HUGE_VAL, longest = 0;
+    const double t_begin = trace_time(c->trace, c->begin), t_end = trace_time(c->trace, c->end - 1);
+    double T = 0, error_max = 0, shortest = HUGE_VAL, longest = 0;
     int found = 0;
     bool same = true;
     for (size_t b = 0; b < BASES && same; b++) {
-        const size_t base = c->from + b * (c->end - c->from) / BASES;
+        const size_t base = c->begin + b * (c->end - c->begin) / BASES;
         double error = 0;
         const double span = time_of_return(c, base, &error);
         if (isnan(span)) { /* there may be no time left for it */
@@ -131,7 +131,7 @@ static bool closed_period(const struct closed_run *c, struct period *period)
             continue;
         }
         T += (span - T) / ++found;
-        off = fmax(off, error);
+        error_max = fmax(error_max, error);
         shortest = fmin(shortest, span);
         longest = fmax(longest, span);
         same = longest - shortest <= same_period_max * T;
@@ -145,7 +145,7 @@ static bool closed_period(const struct closed_run *c, struct period *period)
             T /= parts;
             break;
         }
-    *period = (struct period){.period = {T, (longest - shortest) / 2 + off},
+    *period = (struct period){.period = {T, (longest - shortest) / 2 + error_max},
                               .periods = floor(fabs(t_end - t_begin) / T),
                               .first = fmin(t_begin, t_end),
                               .last = fmax(t_begin, t_end),
@@ -170,15 +170,16 @@ bool run_series_period(const struct run *run, const struct series *s, struct are
     if (!run || s->n < BASES || (found && is_exact(period) && period->periods >= HARMONICS_MAX))
         return found;
     struct closed_run c = {.trace = run->trace, .cancel = s->cancel, .system = &run->system};
-    while (c.from < trace_count(c.trace) &&
-           (trace_time(c.trace, c.from) < s->t[0] || trace_time(c.trace, c.from) > s->t[s->n - 1]))
-        c.from++;
-    c.end = c.from + s->n;
-    if (c.end > trace_count(c.trace) || run_system_to(run, c.from) != run_system_to(run, c.end - 1))
+    while (c.begin < trace_count(c.trace) && (trace_time(c.trace, c.begin) < s->t[0] ||
+                                              trace_time(c.trace, c.begin) > s->t[s->n - 1]))
+        c.begin++;
+    c.end = c.begin + s->n;
+    if (c.end > trace_count(c.trace) ||
+        run_system_to(run, c.begin) != run_system_to(run, c.end - 1))
         return found;
     for (int i = 0; i < run->system.n; i++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
-        for (size_t row = c.from; row < c.end; row++) {
+        for (size_t row = c.begin; row < c.end; row++) {
             low = fmin(low, trace_state(c.trace, row)[i]);
             high = fmax(high, trace_state(c.trace, row)[i]);
         }

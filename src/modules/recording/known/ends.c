@@ -28,14 +28,14 @@ struct stretch {
 
 static struct stretch fit_stretch(const struct series *s, double begin, double width, double omega)
 {
-    const size_t from = first_from(s->t, s->n, begin), to = first_from(s->t, s->n, begin + width),
-                 each = (to - from) / STRETCH_ROWS + 1;
+    const size_t first = first_from(s->t, s->n, begin), end = first_from(s->t, s->n, begin + width),
+                 each = (end - first) / STRETCH_ROWS + 1;
     double row[STRETCH_ROWS + 1][WIDTH], a[WIDTH * WIDTH] = {0}, *x = a + WIDTH * TERMS, square = 0;
-    struct stretch out = {.is_fitted = false};
+    struct stretch result = {.is_fitted = false};
     size_t n = 0;
-    for (size_t i = from; i < to; i += each) {
+    for (size_t i = first; i < end; i += each) {
         const double angle = omega * (s->t[i] - begin),
-                     r[WIDTH] = {1, cos(angle), sin(angle), s->y[i] - s->y[from]};
+                     r[WIDTH] = {1, cos(angle), sin(angle), s->y[i] - s->y[first]};
         for (int j = 0; j < WIDTH; j++) {
             row[n][j] = r[j];
             for (int k = 0; k <= j; k++)
@@ -44,18 +44,18 @@ static struct stretch fit_stretch(const struct series *s, double begin, double w
         n++;
     }
     if (n < ROWS_MIN || !matrix_cholesky(TERMS, WIDTH, a, 1e-6, a))
-        return out;
+        return result;
     cholesky_forward(TERMS, WIDTH, a, x);
     cholesky_backward(TERMS, WIDTH, a, x);
     for (size_t i = 0; i < n; i++) {
         const double r = row[i][TERMS] - x[0] * row[i][0] - x[1] * row[i][1] - x[2] * row[i][2];
         square += r * r;
-        out.largest = fmax(out.largest, fabs(r));
+        result.largest = fmax(result.largest, fabs(r));
     }
-    out.amplitude = hypot(x[1], x[2]);
-    out.scale = sqrt(square / (double)(n - TERMS));
-    out.is_fitted = true;
-    return out;
+    result.amplitude = hypot(x[1], x[2]);
+    result.scale = sqrt(square / (double)(n - TERMS));
+    result.is_fitted = true;
+    return result;
 }
 
 /* Returns the median of the ratios of amplitudes from one stretch to the next, at most 1. */

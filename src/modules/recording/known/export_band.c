@@ -39,27 +39,27 @@ bool export_band(const struct session *session, const struct argument_value *run
         return error_at(error, where, "--band is for one run, that of an adopted fit");
     if (!band_of_run(session, run, where, error))
         return false;
-    struct table_column *out = arena_array(arena, 3 * (size_t)table->columns, sizeof *out);
+    struct table_column *result = arena_array(arena, 3 * (size_t)table->columns, sizeof *result);
     double *half = arena_array(arena, table->rows + 1, sizeof *half);
-    if (!out || !half)
+    if (!result || !half)
         return error_memory(error);
     int columns = 0, banded = 0;
     for (int c = 0; c < table->columns; c++) {
         const struct table_column *column = &table->column[c];
         const int variable = model_variable(run->system.model, text_of(column->name));
-        out[columns++] = *column;
+        result[columns++] = *column;
         if (variable < 0 || variable >= run->system.n)
             continue;
         if (!band_half(session, run, variable, table->column[0].value, table->rows, arena, half,
                        error))
             return false;
-        out[columns++] = side_of(column, "low", half, -1, table->rows, arena);
-        out[columns++] = side_of(column, "high", half, 1, table->rows, arena);
-        if (!out[columns - 1].name || !out[columns - 1].value || !out[columns - 2].value)
+        result[columns++] = side_of(column, "low", half, -1, table->rows, arena);
+        result[columns++] = side_of(column, "high", half, 1, table->rows, arena);
+        if (!result[columns - 1].name || !result[columns - 1].value || !result[columns - 2].value)
             return error_memory(error);
         banded++;
     }
-    export->table.column = out;
+    export->table.column = result;
     export->table.columns = columns;
     return banded > 0 ||
            error_at(error, where, "no column is a variable of the state: only those have a band");

@@ -24,7 +24,7 @@ static bool list_recorded(const struct argument_value *column, bool wanted[RECOR
                 wanted[c] = known = true;
         if (known)
             continue;
-        error_at(error, name, "a recording has no column '%.*s'", (int)name.len, name.at);
+        error_at(error, name, "a recording has no column '%.*s'", (int)name.len, name.data);
         return error_hint(error, "it has t, y, v, energy");
     }
     return true;
@@ -97,8 +97,8 @@ bool export_recorded(const struct session *session, const struct argument_value 
     struct series series;
     struct data_motion motion;
     struct thinning thinning;
-    struct table_column *out = arena_array(export->arena, RECORDED_COUNT, sizeof *out);
-    if (!out)
+    struct table_column *result = arena_array(export->arena, RECORDED_COUNT, sizeof *result);
+    if (!result)
         return error_memory(error);
     if (!list_recorded(column, wanted, error) || !thinning_begin(&thinning, every, error) ||
         !keys_begin(&keys, export, error) ||
@@ -138,11 +138,11 @@ bool export_recorded(const struct session *session, const struct argument_value 
         return error_memory(error);
     for (int c = 0; c < RECORDED_COUNT; c++)
         if (wanted[c]) {
-            out[columns] = all[c];
-            if (!(out[columns++].value = take_rows(all[c].value, row, rows, export->arena)))
+            result[columns] = all[c];
+            if (!(result[columns++].value = take_rows(all[c].value, row, rows, export->arena)))
                 return error_memory(error);
         }
-    export->table = (struct table){.column = out, .columns = columns, .rows = rows};
+    export->table = (struct table){.column = result, .columns = columns, .rows = rows};
     return keys_finish(&keys, export, error);
 }
 
@@ -151,7 +151,7 @@ bool export_recorded(const struct session *session, const struct argument_value 
 static bool add_unused(const struct recording *recording, struct export *export,
                        struct error *error)
 {
-    const struct table_column *of = export->table.column;
+    const struct table_column *exported = export->table.column;
     const size_t n = recording->rows, used = export->table.rows;
     size_t present = 0;
     for (size_t i = 0; i < n; i++)
@@ -170,14 +170,14 @@ static bool add_unused(const struct recording *recording, struct export *export,
             return error_set(error, ERROR_CANCELLED, "stopped");
         if (isnan(recording->y[i]))
             continue;
-        const bool is_used = next < used && !(recording->t[i] < of[0].value[next]);
+        const bool is_used = next < used && !(recording->t[i] < exported[0].value[next]);
         t[rows] = recording->t[i];
         y[rows] = recording->y[i] - recording->zero;
         taken[rows++] = is_used;
         next += is_used;
     }
-    all[0] = (struct table_column){.name = of[0].name, .unit = of[0].unit, .value = t};
-    all[1] = (struct table_column){.name = of[1].name, .unit = of[1].unit, .value = y};
+    all[0] = (struct table_column){.name = exported[0].name, .unit = exported[0].unit, .value = t};
+    all[1] = (struct table_column){.name = exported[1].name, .unit = exported[1].unit, .value = y};
     all[2] = (struct table_column){.name = "used", .unit = "", .value = taken};
     export->table.column = all;
     export->table.columns = 3;

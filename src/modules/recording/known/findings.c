@@ -27,14 +27,14 @@ static double local_scatter(const struct series *series)
 {
     double scatter[SCATTER_BLOCKS];
     for (size_t b = 0; b < SCATTER_BLOCKS; b++) {
-        const size_t from = b * series->n / SCATTER_BLOCKS,
-                     to = (b + 1) * series->n / SCATTER_BLOCKS;
+        const size_t begin = b * series->n / SCATTER_BLOCKS,
+                     end = (b + 1) * series->n / SCATTER_BLOCKS;
         double mean = 0, sum = 0;
-        for (size_t i = from; i < to; i++)
-            mean += series->y[i] / (double)(to - from);
-        for (size_t i = from; i < to; i++)
+        for (size_t i = begin; i < end; i++)
+            mean += series->y[i] / (double)(end - begin);
+        for (size_t i = begin; i < end; i++)
             sum += (series->y[i] - mean) * (series->y[i] - mean);
-        scatter[b] = sqrt(sum / (double)(to - from));
+        scatter[b] = sqrt(sum / (double)(end - begin));
     }
     return values_quantile(scatter, SCATTER_BLOCKS, 0.5);
 }
@@ -48,8 +48,8 @@ static size_t count_swings(const struct series *series)
     size_t swings = 0;
     for (size_t i = 0; i < series->n; i++) {
         const double y = series->y[i];
-        const bool down = swings % 2;
-        if (down ? y <= extreme : y >= extreme) {
+        const bool is_falling = swings % 2;
+        if (is_falling ? y <= extreme : y >= extreme) {
             extreme = y;
         } else if (fabs(y - extreme) > min) {
             extreme = y;
@@ -61,7 +61,7 @@ static size_t count_swings(const struct series *series)
 
 /* Leaves each k-th sample of a long series, so many for each swing at least. Returns false if out
  * of memory. */
-static bool thin(struct series *series, size_t for_swing, struct arena *arena)
+static bool findings_series_thin(struct series *series, size_t for_swing, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)
         return true;
@@ -91,7 +91,7 @@ static double find_period(const struct series *series, struct arena *arena,
     struct series few = *series;
     struct period period;
     struct error ignored;
-    const bool is_thin = thin(&few, ENOUGH_FOR_PERIOD, arena) && few.n < series->n;
+    const bool is_thin = findings_series_thin(&few, ENOUGH_FOR_PERIOD, arena) && few.n < series->n;
     if ((is_thin && series_period(&few, arena, &period, &ignored)) ||
         series_period(series, arena, &period, &ignored))
         return period.period.value;
@@ -157,7 +157,7 @@ static const struct findings *thinned_findings(const struct subject *subject, do
         if (!recording_series(&whole, arena, 8, &series, &ignored))
             return NULL;
     }
-    return thin(&series, SAMPLES_PER_SWING, arena) && series.n <= JUDGED_MAX
+    return findings_series_thin(&series, SAMPLES_PER_SWING, arena) && series.n <= JUDGED_MAX
                ? run_findings(&series, period, as, column, arena)
                : NULL;
 }
@@ -165,19 +165,19 @@ static const struct findings *thinned_findings(const struct subject *subject, do
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
-    const double from = start ? f->window[0] : series->t[0],
-                 to = end ? f->window[1] : series->t[series->n - 1];
+    const double t_begin = start ? f->window[0] : series->t[0],
+                 t_end = end ? f->window[1] : series->t[series->n - 1];
     if (end && !start && isfinite(f->rests))
         snprintf(advice->text, sizeof advice->text,
                  "it rests from %.6g s on, which is no free oscillation: try window=%.6g:%.6g",
-                 f->rests, from, to);
+                 f->rests, t_begin, t_end);
     else
         snprintf(advice->text, sizeof advice->text,
                  "the %s no free oscillation (rest, hand or release): try window=%.6g:%.6g",
                  start && end ? "start and the end of the window are"
                  : start      ? "start of the window is"
                               : "end of the window is",
-                 from, to);
+                 t_begin, t_end);
 }
 
 void advise_window(const struct subject *subject, enum window_law law, double period,
@@ -241,7 +241,7 @@ static void cell_positions(struct text_table *table, const struct finding *findi
 
 static void put_size(struct buffer *text, const struct recording *recording, size_t kind)
 {
-    const struct finding *finding = &recording->findings->of[kind];
+    const struct finding *finding = &recording->findings->finding[kind];
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (!isfinite(finding->size))
         return;
@@ -266,7 +266,7 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
     for (size_t k = 0; k < FINDINGS; k++) {
-        const struct finding *finding = &recording->findings->of[k];
+        const struct finding *finding = &recording->findings->finding[k];
         struct buffer size = {0};
         if (finding->count == 0)
             continue;
@@ -303,7 +303,7 @@ static void reply_record(const struct recording *recording, struct reply *reply)
     reply_real(reply, "period", f->period);
     reply_array(reply, "findings");
     for (size_t k = 0; k < FINDINGS; k++) {
-        const struct finding *finding = &f->of[k];
+        const struct finding *finding = &f->finding[k];
         if (finding->count == 0)
             continue;
         reply_object(reply, NULL);

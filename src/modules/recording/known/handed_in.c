@@ -43,20 +43,20 @@ static double number_in_file(double si, double scale, const struct unit *unit, i
 static void undo_export(struct recording *recording, struct text zero, struct text factor)
 {
     size_t used = 0;
-    double off = 0;
+    double zero_offset = 0;
     struct unit unit = {.quantity = recording->column[recording->value].quantity, .factor = 1};
-    if (real_scan(zero, '.', &off, &used) != REAL_OK)
+    if (real_scan(zero, '.', &zero_offset, &used) != REAL_OK)
         return;
     const struct unit *of_zero =
-        unit_find(text_trim((struct text){zero.at + used, zero.len - used}));
-    off *= of_zero ? of_zero->factor : 1;
+        unit_find(text_trim((struct text){zero.data + used, zero.len - used}));
+    zero_offset *= of_zero ? of_zero->factor : 1;
     if (real_parse(factor, &unit.factor) != REAL_OK || !(fabs(unit.factor) > 0))
         unit.factor = 1;
     int digits = 0;
     for (size_t i = 0; i < recording->rows; i++) {
-        const double si = recording->y[i] + off;
+        const double si = recording->y[i] + zero_offset;
         recording->y[i] =
-            number_in_file(si, fmax(fabs(recording->y[i]), fabs(off)), &unit, &digits);
+            number_in_file(si, fmax(fabs(recording->y[i]), fabs(zero_offset)), &unit, &digits);
     }
 }
 
@@ -79,8 +79,8 @@ static struct recording *load_export(const char *file, const struct table *table
 
 /* Loads recording `index` of the folder from the copy of its own file, or from its export. Returns
  * NULL if it is not there, or of another recording. */
-static struct recording *take(const char *folder, int index, const char *path,
-                              const struct load_options *options, struct arena *arena)
+static struct recording *handed_in_load(const char *folder, int index, const char *path,
+                                        const struct load_options *options, struct arena *arena)
 {
     struct buffer text = {0}, file = {0}, copy = {0};
     struct table table = {0};
@@ -88,7 +88,7 @@ static struct recording *take(const char *folder, int index, const char *path,
     struct recording *recording = NULL;
     const struct text last = text_last_component(text_of(path));
     buffer_format(&file, "%s/recording-%d.csv", folder, index);
-    buffer_format(&copy, "%s/recording-%d-%.*s", folder, index, (int)last.len, last.at);
+    buffer_format(&copy, "%s/recording-%d-%.*s", folder, index, (int)last.len, last.data);
     if (file_read(buffer_view(&file), MOST_BYTES, &text, &error) &&
         table_parse(buffer_text(&text), options->cancel, arena, &table, &error)) {
         struct load_options own = *options;
@@ -118,7 +118,7 @@ static struct recording *find_handed(const char *folder, const char *path,
     struct recording *recording = NULL;
     struct arena arena = {0};
     for (int i = 1; i <= LIMIT_RECORDINGS && !recording; i++) {
-        recording = take(folder, i, path, options, &arena);
+        recording = handed_in_load(folder, i, path, options, &arena);
         arena_reset(&arena);
     }
     return recording;

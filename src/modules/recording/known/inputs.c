@@ -39,7 +39,7 @@ void inputs_use_params(struct inputs *inputs, const struct scene *scene, const c
 }
 
 /* Derivatives of all variables at two states, and the start. */
-static bool sample_motion(const struct scene *scene, double out[3 * LIMIT_VARIABLES], int *n)
+static bool sample_motion(const struct scene *scene, double motion[3 * LIMIT_VARIABLES], int *n)
 {
     struct system system;
     struct error ignored;
@@ -47,31 +47,31 @@ static bool sample_motion(const struct scene *scene, double out[3 * LIMIT_VARIAB
     if (!scene_bind_motion(scene, &system, &ignored))
         return false;
     *n = system.n;
-    memcpy(out, system.start, (size_t)system.n * sizeof *out);
+    memcpy(motion, system.start, (size_t)system.n * sizeof *motion);
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < system.n; i++)
             y[i] = (k ? -0.3 : 0.7) * (i + 1) * system.scale[i];
-        system_derivative(&system, system.t0 + 0.1 * k, y, out + (k + 1) * system.n);
+        system_derivative(&system, system.t0 + 0.1 * k, y, motion + (k + 1) * system.n);
     }
     return true;
 }
 
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free)
 {
-    double before[3 * LIMIT_VARIABLES], after[3 * LIMIT_VARIABLES];
+    double original[3 * LIMIT_VARIABLES], changed[3 * LIMIT_VARIABLES];
     int n, same;
-    if (!sample_motion(scene, before, &n))
+    if (!sample_motion(scene, original, &n))
         return;
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         struct scene other = *scene;
         struct error ignored;
         const struct measured moved = {scene->value[i] * (1 + PARAM_NUDGE_RELATIVE), 0};
         if (is_free[i] || scene->value[i] == 0 || !scene_set(&other, i, moved, &ignored) ||
-            !sample_motion(&other, after, &same) || same != n)
+            !sample_motion(&other, changed, &same) || same != n)
             continue;
         bool differs = false;
         for (int k = 0; k < 3 * n; k++)
-            differs = differs || fabs(after[k] - before[k]) > 1e-9 * fabs(before[k]);
+            differs = differs || fabs(changed[k] - original[k]) > 1e-9 * fabs(original[k]);
         if (differs)
             use_param(inputs, scene, i);
     }

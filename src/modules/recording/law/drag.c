@@ -61,7 +61,7 @@ static void begin_law(struct drag_fitting *f, int i)
 }
 
 /* A few sizes of a single rate: the best is where it begins. */
-static void scan(const struct drag_fitting *f, struct law_fit *fit)
+static void drag_fit_scan(const struct drag_fitting *f, struct law_fit *fit)
 {
     static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
     double *rate = &fit->motion.value[fit->index[FIRST_RATE]], guess = *rate, best = guess,
@@ -87,7 +87,7 @@ static void fit_law(struct drag_fitting *f, int i, bool again, double trust)
         fit->parameters > FIRST_RATE + 1)
         return;
     begin_law(f, i);
-    scan(f, fit);
+    drag_fit_scan(f, fit);
     law_descend(&f->samples, trust, f->rounding, fit);
 }
 
@@ -128,27 +128,29 @@ static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
         .blocks = (size_t)fmax(count, 1), .edge = edge, .terms = BASELINE_TERMS};
     edge[0] = 0;
     for (size_t k = 1; k < baseline.blocks; k++) {
-        const size_t at = samples_index(x, x->t[0] + span * (double)k / (double)baseline.blocks);
-        edge[k] = at > edge[k - 1] ? at : edge[k - 1] + 1;
+        const size_t index = samples_index(x, x->t[0] + span * (double)k / (double)baseline.blocks);
+        edge[k] = index > edge[k - 1] ? index : edge[k - 1] + 1;
     }
     edge[baseline.blocks] = x->n;
     return baseline;
 }
 
 /* Returns true if the residuals of the nearest law require a baseline in every block. */
-static bool wanders(struct drag_fitting *f, int at, size_t *edge)
+static bool wanders(struct drag_fitting *f, int index, size_t *edge)
 {
     struct law_samples local = f->samples;
     local.baseline = many_blocks(f, edge);
-    struct law_fit trial = f->fit[at];
-    const double before = law_squares(&f->samples, &trial), after = law_squares(&local, &trial);
+    struct law_fit trial = f->fit[index];
+    const double joint_squares = law_squares(&f->samples, &trial),
+                 local_squares = law_squares(&local, &trial);
     const double more =
         (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
     const double left = (double)trial.used - (double)(BASELINE_TERMS * local.baseline.blocks);
     if (!(more > 0) || !(left > 0) ||
-        after < (double)trial.used * INTEGRATION_ROUNDING_SQUARED * f->size * f->size)
+        local_squares < (double)trial.used * INTEGRATION_ROUNDING_SQUARED * f->size * f->size)
         return false;
-    return (before - after) / more > (WANDERING_VARIANCE_RATIO + 3 * sqrt(2 / more)) * after / left;
+    return (joint_squares - local_squares) / more >
+           (WANDERING_VARIANCE_RATIO + 3 * sqrt(2 / more)) * local_squares / left;
 }
 
 /* Samples far off the nearest law do not take part; residual of all of them. Returns how many
@@ -157,24 +159,24 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
 {
     struct motion *m = f->motion;
     const struct samples *x = &m->samples;
-    size_t changed = 0, off = 0;
+    size_t changed = 0, deviating = 0;
     for (size_t k = 0; k < m->segments; k++) {
         struct swing_segment *s = &m->segment[k];
-        for (size_t i = s->from; i < s->to; i++)
-            m->scratch[i - s->from] = fabs(residual[i]);
-        s->scale = MAD_TO_SIGMA * values_quantile(m->scratch, s->to - s->from, 0.5);
+        for (size_t i = s->begin; i < s->end; i++)
+            m->scratch[i - s->begin] = fabs(residual[i]);
+        s->scale = MAD_TO_SIGMA * values_quantile(m->scratch, s->end - s->begin, 0.5);
     }
     for (size_t k = 0; k < m->segments; k++)
         m->scratch[k] = m->segment[k].scale;
     const double typical =
         fmax(values_quantile(m->scratch, m->segments, 0.5), m->quantum / sqrt(12.0));
     for (int twice = 0; twice < 2; twice++) {
-        const bool clips = (double)off > CLIPPED_OFF_MIN_FRACTION * (double)m->clipped;
+        const bool clips = (double)deviating > CLIPPED_OFF_MIN_FRACTION * (double)m->clipped;
         for (size_t k = 0; k < m->segments; k++) {
             const double max = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
-            for (size_t i = m->segment[k].from; i < m->segment[k].to; i++) {
+            for (size_t i = m->segment[k].begin; i < m->segment[k].end; i++) {
                 const bool far = fabs(residual[i]) > max;
-                off += twice == 0 && far && !x->use[i];
+                deviating += twice == 0 && far && !x->use[i];
                 if (twice == 0 || (m->clipped > 0 && clips && !x->use[i]))
                     continue;
                 changed += f->use[i] != !far;
@@ -210,18 +212,18 @@ static bool settle_samples(struct drag_fitting *f, size_t *edge)
     bool local = false, changes = fit_motion_first(f);
     fit_laws(f, changes, SEARCH_PROMISE_VARIANCES);
     for (int round = 0; round < ROUNDS; round++) {
-        const int at = nearest(f);
-        if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))
+        const int index = nearest(f);
+        if (index < 0 || !law_residuals(&f->samples, &f->fit[index], m->residual, NULL, NULL))
             return false;
         const size_t changed = judge_samples(f, m->residual);
-        const bool now = !local && wanders(f, at, edge);
+        const bool now = !local && wanders(f, index, edge);
         if (now)
             f->samples.baseline = many_blocks(f, edge);
         local = local || now;
         changes = changes || now || changed > 0;
         if (!now && (double)changed < 1e-3 * (double)m->samples.n)
             break;
-        fit_law(f, at, true, SEARCH_PROMISE_VARIANCES);
+        fit_law(f, index, true, SEARCH_PROMISE_VARIANCES);
     }
     if (changes || m->samples.n < LONG_RECORDING_SAMPLES)
         fit_laws(f, true,
@@ -305,7 +307,7 @@ static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct 
 }
 
 bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
-               const struct envelope_rates rates[3], struct arena *arena, struct fit *out,
+               const struct envelope_rates rates[3], struct arena *arena, struct fit *result,
                struct error *error)
 {
     struct drag_fitting f;
@@ -313,7 +315,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     if (!edge || !prepare_drag_fitting(m, quantity, arena, &f))
         return error_memory(error);
     guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
-    struct drag_fit *drag = &out->drag;
+    struct drag_fit *drag = &result->drag;
     *drag = (struct drag_fit){.candidates = DRAG_LAWS};
     if (forces && !choose_force(&f, quantity, drag))
         return error_set(error, ERROR_NUMERICAL,
@@ -338,13 +340,13 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
                                  (f.fit[i].rss - f.fit[widest].rss) / evidence.variance;
     }
     drag_losses(&f, &f.fit[widest], evidence.loss);
-    const int best = law_choose(&evidence, out);
-    if (!drag_report_offset(&f, &f.fit[best], &factors, arena, out))
+    const int best = law_choose(&evidence, result);
+    if (!drag_report_offset(&f, &f.fit[best], &factors, arena, result))
         return error_memory(error);
-    drag_report(&f, best, &factors, out);
+    drag_report(&f, best, &factors, result);
     /* what is said of samples is said of this fit */
-    m->clipped = m->clipped < out->rejected ? m->clipped : 0;
-    m->rejected = out->rejected;
+    m->clipped = m->clipped < result->rejected ? m->clipped : 0;
+    m->rejected = result->rejected;
     memcpy(m->samples.use, f.use, m->samples.n);
     m->harmonic.drifts = m->harmonic.drifts && f.samples.baseline.blocks == 1;
     return true;

@@ -46,13 +46,15 @@ int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PA
 /* ---- drag_report.c ---- */
 
 bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
-                  struct drag_factors *out);
+                  struct drag_factors *factors);
 void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
-void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out);
+void drag_describe(const struct law_fit *fit, int i, double deviation,
+                   struct drag_candidate *candidate);
 bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
-                        const struct drag_factors *factors, struct arena *arena, struct fit *out);
+                        const struct drag_factors *factors, struct arena *arena,
+                        struct fit *result);
 void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
-                 struct fit *out);
+                 struct fit *result);
 
 /* ---- restoring.c ---- */
 

@@ -17,16 +17,16 @@ static double damped(double omega, double gamma)
 
 /* Sums of slow changes in one direction of the oscillation, window by window. */
 struct windows {
-    double square, product, expected, before, count;
+    double square, product, expected, previous, count;
 };
 
 static void add_window(struct windows *w, double sum, double norm, double variance)
 {
     const double z = sum / sqrt(norm);
     w->square += z * z;
-    w->product += z * w->before;
+    w->product += z * w->previous;
     w->expected += variance;
-    w->before = z;
+    w->previous = z;
     w->count++;
 }
 
@@ -45,22 +45,23 @@ static double factor_of(const struct windows *w, double lag)
  * motion and with its velocity, window by window of two periods, against their own size, with its
  * correlation from window to window.
  */
-bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struct drag_factors *out)
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
+                  struct drag_factors *factors)
 {
     const struct samples *x = &f->motion->samples;
     const double *residual = f->motion->residual;
     struct equation turned = fit->motion;
     turned.order = fit->motion.order == 0 ? 1 : fit->motion.order - 1;
-    struct equation_walk along, across;
+    struct equation_walk in_phase, quadrature;
     struct windows w[2] = {{0}};
     const double span = x->t[x->n - 1] - x->t[0], n = (double)fit->used - fit->parameters;
     const size_t count =
         (size_t)fmin(WINDOWS_MAX, 0.5 * fit->motion.value[EQUATION_OMEGA] * span / TWO_PI);
-    double product = 0, square = 0, before = 0, energy = 0, largest = 0;
-    *out = (struct drag_factors){
+    double product = 0, square = 0, previous = 0, energy = 0, largest = 0;
+    *factors = (struct drag_factors){
         .sigma = sqrt(fit->rss / fmax(n - (double)f->samples.baseline.blocks, 1))};
-    if (!equation_begin(&fit->motion, EQUATION_VALUES, &along) ||
-        !equation_begin(&turned, EQUATION_VALUES, &across))
+    if (!equation_begin(&fit->motion, EQUATION_VALUES, &in_phase) ||
+        !equation_begin(&turned, EQUATION_VALUES, &quadrature))
         return false;
     size_t i = 0;
     for (size_t k = 0; k < (count > 0 ? count : 1); k++) {
@@ -73,28 +74,28 @@ bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struc
             const double t = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
             if (!f->use[i])
                 continue;
-            if (!equation_values(&along, &t, 1, &u[0], NULL) ||
-                !equation_values(&across, &t, 1, &u[1], NULL))
+            if (!equation_values(&in_phase, &t, 1, &u[0], NULL) ||
+                !equation_values(&quadrature, &t, 1, &u[1], NULL))
                 return false;
             for (int d = 0; d < 2; d++) {
                 sum[d] += u[d] * residual[i];
                 norm[d] += u[d] * u[d];
             }
-            product += residual[i] * before;
+            product += residual[i] * previous;
             square += residual[i] * residual[i];
-            before = residual[i];
+            previous = residual[i];
             energy += u[0] * u[0];
         }
         largest = fmax(largest, norm[0]);
         for (int d = 0; d < 2; d++)
             if (norm[d] > 0 && norm[0] > 1e-3 * largest)
-                add_window(&w[d], sum[d], norm[d], out->sigma * out->sigma);
+                add_window(&w[d], sum[d], norm[d], factors->sigma * factors->sigma);
     }
-    out->lag = square > 0 ? product / square : 0;
-    out->amplitude = factor_of(&w[0], out->lag);
-    out->phase = factor_of(&w[1], out->lag);
-    out->windows = w[0].count;
-    out->signal = sqrt(energy / (double)fit->used);
+    factors->lag = square > 0 ? product / square : 0;
+    factors->amplitude = factor_of(&w[0], factors->lag);
+    factors->phase = factor_of(&w[1], factors->lag);
+    factors->windows = w[0].count;
+    factors->signal = sqrt(energy / (double)fit->used);
     return true;
 }
 
@@ -124,21 +125,23 @@ void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double
 
 /* ---- the report ---- */
 
-void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out)
+void drag_describe(const struct law_fit *fit, int i, double deviation,
+                   struct drag_candidate *candidate)
 {
-    *out = (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = fit->converged};
-    out->rms = sqrt(fit->rss / (double)fit->used);
+    *candidate =
+        (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = fit->converged};
+    candidate->rms = sqrt(fit->rss / (double)fit->used);
     for (int j = FIRST_RATE; j < fit->parameters; j++) {
         const struct measured value = {fit->motion.value[fit->index[j]],
                                        deviation * law_formal(fit, j)};
         if (fit->index[j] < EQUATION_CUBIC)
-            out->rate[fit->index[j] - EQUATION_RATE] = value;
+            candidate->rate[fit->index[j] - EQUATION_RATE] = value;
     }
 }
 
 /* The offset at t0 and its slope, from the baseline. */
 bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
-                        const struct drag_factors *factors, struct arena *arena, struct fit *out)
+                        const struct drag_factors *factors, struct arena *arena, struct fit *result)
 {
     const struct samples *x = &f->motion->samples;
     const size_t blocks = f->samples.baseline.blocks;
@@ -156,31 +159,31 @@ bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
     const double still =
         factors->sigma * sqrt(autocorrelation_factor(factors->lag) / (double)fit->used);
     const bool line = blocks == 1 && f->samples.baseline.terms > 1;
-    out->drift = (struct measured){line ? slope[0] : 0, 0};
-    out->offset =
-        (struct measured){mean - out->drift.value * (middle - f->t0), hypot(still, wander)};
-    out->drag.wander = wander;
+    result->drift = (struct measured){line ? slope[0] : 0, 0};
+    result->offset =
+        (struct measured){mean - result->drift.value * (middle - f->t0), hypot(still, wander)};
+    result->drag.wander = wander;
     return true;
 }
 
 /* Between all that is fitted, as wide as what is reported of each. */
-static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *out)
+static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *result)
 {
-    *out = (struct fit_covariance){.n = EQUATION_OFFSET};
+    *result = (struct fit_covariance){.n = EQUATION_OFFSET};
     for (int i = 0; i < fit->parameters; i++)
         for (int j = 0; j < fit->parameters; j++)
-            out->at[fit->index[i]][fit->index[j]] =
+            result->entry[fit->index[i]][fit->index[j]] =
                 deviation[i] * deviation[j] * fit->inverse[i][j];
 }
 
 /* The values of a fit that has one law, with the names of the damped sine. */
 void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
-                 struct fit *out)
+                 struct fit *result)
 {
     const struct law_fit *fit = &f->fit[i];
-    struct drag_fit *drag = &out->drag;
+    struct drag_fit *drag = &result->drag;
     const double widen = factors->sigma * sqrt(factors->amplitude),
-                 across = factors->sigma * sqrt(factors->phase);
+                 phase_widening = factors->sigma * sqrt(factors->phase);
     const double y = fit->motion.value[EQUATION_START], v = fit->motion.value[EQUATION_SPEED];
     const double gamma = fit->motion.value[EQUATION_RATE],
                  omega = damped(fit->motion.value[EQUATION_OMEGA], gamma);
@@ -189,26 +192,26 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
     const double grow = pow(hypot(0.5 * gamma, omega), order),
                  turn = order * atan2(omega, -0.5 * gamma);
-    const double worse = fmax(widen, across);
+    const double worse = fmax(widen, phase_widening);
     drag->start = (struct measured){y, law_formal(fit, START) * worse};
     drag->speed = (struct measured){v, law_formal(fit, SPEED) * worse};
     const double radial =
         hypot(y * drag->start.uncertainty, sine * drag->speed.uncertainty / omega) / a;
     const double turned =
         hypot(sine * drag->start.uncertainty, y * drag->speed.uncertainty / omega) / a;
-    out->amplitude = (struct measured){a * grow, radial * grow};
-    out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
-    out->omega = (struct measured){omega, law_formal(fit, OMEGA) * across};
+    result->amplitude = (struct measured){a * grow, radial * grow};
+    result->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
+    result->omega = (struct measured){omega, law_formal(fit, OMEGA) * phase_widening};
     /* a period that drifts is only as good as half the difference */
-    const struct measured *half = out->half_periods;
+    const struct measured *half = result->half_periods;
     const double drifts = fabs(half[0].value - half[1].value);
     if (fit->motion.force == RESTORING_LINEAR &&
         drifts > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty))
-        out->omega.uncertainty =
-            fmax(out->omega.uncertainty, 0.5 * drifts * omega * omega / TWO_PI);
-    out->period.value = TWO_PI / omega;
-    out->period.uncertainty = out->period.value * out->omega.uncertainty / omega;
-    out->gamma = drag->candidate[i].rate[0];
+        result->omega.uncertainty =
+            fmax(result->omega.uncertainty, 0.5 * drifts * omega * omega / TWO_PI);
+    result->period.value = TWO_PI / omega;
+    result->period.uncertainty = result->period.value * result->omega.uncertainty / omega;
+    result->gamma = drag->candidate[i].rate[0];
     drag->force = fit->motion.force;
     if (fit->motion.force == RESTORING_CUBIC)
         drag->cubic = (struct measured){fit->motion.value[EQUATION_CUBIC],
@@ -216,17 +219,17 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     double deviation[LAW_PARAMETERS];
     for (int j = 0; j < fit->parameters; j++)
         deviation[j] = j < OMEGA                        ? worse
-                       : j == OMEGA                     ? across
+                       : j == OMEGA                     ? phase_widening
                        : fit->index[j] < EQUATION_CUBIC ? widen
                                                         : worse;
-    cover(fit, deviation, &out->covariance);
-    fit_covariance_widen(&out->covariance, EQUATION_OMEGA, out->omega.uncertainty);
-    out->rms = drag->candidate[i].rms;
-    out->used = fit->used;
-    out->rejected = f->motion->samples.n - fit->used;
-    out->autocorrelation = factors->lag;
-    out->converged = fit->converged;
+    cover(fit, deviation, &result->covariance);
+    fit_covariance_widen(&result->covariance, EQUATION_OMEGA, result->omega.uncertainty);
+    result->rms = drag->candidate[i].rms;
+    result->used = fit->used;
+    result->rejected = f->motion->samples.n - fit->used;
+    result->autocorrelation = factors->lag;
+    result->converged = fit->converged;
     drag->motion = fit->motion;
-    drag->motion.value[EQUATION_OFFSET] = out->offset.value;
+    drag->motion.value[EQUATION_OFFSET] = result->offset.value;
     drag->signal = factors->signal;
 }

@@ -135,13 +135,13 @@ static void expand(struct equation_walk *s)
 /* Of the first column or of all: the derivative by time of the given order, at x after the start of
  * the step. */
 static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
-                            double *out)
+                            double *result)
 {
     if (columns == 1) {
         double sum = 0;
         for (int k = ORDER; k >= order; k--)
             sum = sum * x + (order == 0 ? 1 : order == 1 ? k : k * (k - 1)) * s->c[k][0];
-        out[0] = sum;
+        result[0] = sum;
         return;
     }
     row sum = {0};
@@ -149,7 +149,7 @@ static void evaluate_series(const struct equation_walk *s, double x, int order, 
         const double factor = order == 0 ? 1 : order == 1 ? k : k * (k - 1);
         sum = sum * x + factor * *(const row *)s->c[k];
     }
-    *(row *)out = sum;
+    *(row *)result = sum;
 }
 
 static double speed(void *walk, double x)
@@ -179,11 +179,12 @@ static double direction(const struct equation_walk *s)
     return fabs(pull) <= s->f ? 0 : -copysign(1, pull);
 }
 
-static void turn(struct equation_walk *s)
+static void equation_walk_turn(struct equation_walk *s)
 {
-    const double pull = restoring_at(s, s->c[0][0]), before = -pull - s->side * s->f,
+    const double pull = restoring_at(s, s->c[0][0]), old_acceleration = -pull - s->side * s->f,
                  side = direction(s);
-    const double ratio = side == 0 || before == 0 ? 0 : (-pull - side * s->f) / before;
+    const double ratio =
+        side == 0 || old_acceleration == 0 ? 0 : (-pull - side * s->f) / old_acceleration;
     for (int i = 0; i < COLUMNS; i++)
         s->c[1][i] *= ratio;
     s->c[1][0] = 0;
@@ -231,28 +232,35 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
 
 /* Values at the samples [from, ..) that lie within the step; returns the first beyond it, n + 1: no
  * number. */
-static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t from,
+static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t first,
                           size_t n, double *value, double *derivative)
 {
-    const double over = 1 / s->omega, grow = s->order == 0   ? 1
-                                             : s->order == 1 ? s->omega
-                                                             : s->omega * s->omega;
-    const double unit[COLUMNS] = {1, 1, over, over, over, 1, over * over, over * over};
+    const double inverse_omega = 1 / s->omega, grow = s->order == 0   ? 1
+                                                      : s->order == 1 ? s->omega
+                                                                      : s->omega * s->omega;
+    const double unit[COLUMNS] = {1,
+                                  1,
+                                  inverse_omega,
+                                  inverse_omega,
+                                  inverse_omega,
+                                  1,
+                                  inverse_omega * inverse_omega,
+                                  inverse_omega * inverse_omega};
     const int columns = derivative ? COLUMNS : 1;
     double here[COLUMNS];
-    size_t i = from;
-    for (; i < n && (t[i] - s->t0) * s->omega <= s->at + h; i++) {
-        evaluate_series(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns,
-                        here);
+    size_t i = first;
+    for (; i < n && (t[i] - s->t0) * s->omega <= s->phase + h; i++) {
+        evaluate_series(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->phase, s->order,
+                        columns, here);
         value[i] = s->offset + grow * here[0];
         if (!isfinite(value[i]))
             return n + 1;
         if (!derivative)
             continue;
-        double *out = derivative + i * EQUATION_PARAMETERS;
+        double *gradient = derivative + i * EQUATION_PARAMETERS;
         for (int k = OF_START; k < COLUMNS; k++)
-            out[k - OF_START] = grow * unit[k] * here[k];
-        out[EQUATION_OFFSET] = 1;
+            gradient[k - OF_START] = grow * unit[k] * here[k];
+        gradient[EQUATION_OFFSET] = 1;
     }
     return i;
 }
@@ -260,8 +268,8 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
 bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
                      double *derivative)
 {
-    double left = 1000 + 20 * (n > 0 ? (t[n - 1] - s->t0) * s->omega - s->at : 0);
-    if (n > 0 && !((t[0] - s->t0) * s->omega >= s->at))
+    double left = 1000 + 20 * (n > 0 ? (t[n - 1] - s->t0) * s->omega - s->phase : 0);
+    if (n > 0 && !((t[0] - s->t0) * s->omega >= s->phase))
         return false;
     for (size_t i = 0; i < n; left--) {
         double h = s->side == 0 ? HUGE_VAL : step_length(s), end[COLUMNS], next[COLUMNS];
@@ -280,8 +288,8 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
         memcpy(s->c[0], end, (size_t)columns * sizeof *end);
         memcpy(s->c[1], next, (size_t)columns * sizeof *next);
         if (turns)
-            turn(s);
-        s->at += h;
+            equation_walk_turn(s);
+        s->phase += h;
         expand(s);
     }
     return true;

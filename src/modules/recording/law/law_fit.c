@@ -31,9 +31,9 @@ struct gram_block {
 static struct gram_block block_of(const struct law_samples *x, size_t k)
 {
     const double *t = x->samples->t;
-    const double from = t[x->baseline.edge[k]], to = t[x->baseline.edge[k + 1] - 1];
-    return (struct gram_block){.middle = 0.5 * (from + to),
-                               .half = fmax(0.5 * (to - from), 1e-300)};
+    const double t_begin = t[x->baseline.edge[k]], t_end = t[x->baseline.edge[k + 1] - 1];
+    return (struct gram_block){.middle = 0.5 * (t_begin + t_end),
+                               .half = fmax(0.5 * (t_end - t_begin), 1e-300)};
 }
 
 static double time_of(const struct samples *x, size_t i)
@@ -42,12 +42,12 @@ static double time_of(const struct samples *x, size_t i)
 }
 
 /* The basis at a time. */
-static void basis(const struct gram_block *block, int terms, double t, double out[BASELINE_TERMS])
+static void basis(const struct gram_block *block, int terms, double t, double value[BASELINE_TERMS])
 {
     const double s = (t - block->middle) / block->half;
-    out[0] = 1;
+    value[0] = 1;
     for (int m = 1; m < terms; m++)
-        out[m] = out[m - 1] * s;
+        value[m] = value[m - 1] * s;
 }
 
 /* A row of columns into the sums. */
@@ -88,14 +88,14 @@ static void project(int count, int terms, const struct gram_block *block, struct
     }
 }
 
-/* The next samples that take part, from *at up to `end`. */
-static int gather(const struct law_samples *x, size_t *at, size_t end, double *t, double *y)
+/* The next samples that take part, from *point up to `end`. */
+static int gather(const struct law_samples *x, size_t *point, size_t end, double *t, double *y)
 {
     int count = 0;
-    for (; *at < end && count < CHUNK; ++*at) {
-        if (x->use[*at]) {
-            t[count] = time_of(x->samples, *at);
-            y[count++] = x->samples->y[*at] - x->middle;
+    for (; *point < end && count < CHUNK; ++*point) {
+        if (x->use[*point]) {
+            t[count] = time_of(x->samples, *point);
+            y[count++] = x->samples->y[*point] - x->middle;
         }
     }
     return count;
@@ -106,15 +106,15 @@ struct law_problem {
     struct law_fit *fit;
 };
 
-static void move(struct law_fit *fit, const double *x)
+static void law_fit_move(struct law_fit *fit, const double *x)
 {
     for (int j = 0; j < fit->parameters; j++)
         fit->motion.value[fit->index[j]] = x[j];
 }
 
 /* Adds all samples, with as many derivatives. Returns false if there is no value. */
-static bool pass(const struct law_samples *x, const struct law_fit *fit, int rows,
-                 struct normal *sums, size_t *used)
+static bool normal_equations_sum(const struct law_samples *x, const struct law_fit *fit, int rows,
+                                 struct normal *sums, size_t *used)
 {
     double t[CHUNK], y[CHUNK], value[CHUNK], derivative[CHUNK * EQUATION_PARAMETERS],
         column[COLUMNS], base[3];
@@ -128,13 +128,13 @@ static bool pass(const struct law_samples *x, const struct law_fit *fit, int row
     if (!(fabs(motion.value[EQUATION_OMEGA] - fit->omega) < 0.5 * fit->omega) ||
         !equation_begin(&motion, slopes, &walk))
         return false;
-    size_t at = 0;
+    size_t index = 0;
     for (size_t k = 0; k < x->baseline.blocks; k++) {
         struct gram_block block = block_of(x, k);
-        while (at < x->baseline.edge[k + 1]) {
+        while (index < x->baseline.edge[k + 1]) {
             if (cancelled(x->cancel))
                 return false;
-            const int count = gather(x, &at, x->baseline.edge[k + 1], t, y);
+            const int count = gather(x, &index, x->baseline.edge[k + 1], t, y);
             if (!equation_values(&walk, t, (size_t)count, value, rows > 0 ? derivative : NULL))
                 return false;
             for (int i = 0; i < count; i++) {
@@ -159,8 +159,9 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     struct normal sums = {{{0}}};
     t->rows = 0;
     if (x)
-        move(fit, x);
-    if (!pass(p->samples, fit, columns, &sums, &t->rows) || t->rows <= (size_t)fit->parameters)
+        law_fit_move(fit, x);
+    if (!normal_equations_sum(p->samples, fit, columns, &sums, &t->rows) ||
+        t->rows <= (size_t)fit->parameters)
         return false;
     triangle_of_products(t, columns, COLUMNS, &sums.product[0][0], independent);
     fit->used = t->rows;
@@ -196,16 +197,16 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
                                             .iterations = ITERATIONS,
                                             .cancel = x->cancel};
     const bool done = least_squares_descend(&model, &options, &d);
-    move(fit, d.x);
+    law_fit_move(fit, d.x);
     fit->rss = done ? d.rss : NAN;
     fit->converged =
         done && d.converged && triangle_inverse(&d.triangle, LAW_PARAMETERS, &fit->inverse[0][0]);
     return fit->converged;
 }
 
-double law_formal(const struct law_fit *fit, int at)
+double law_formal(const struct law_fit *fit, int parameter)
 {
-    return sqrt(fmax(fit->inverse[at][at], 0));
+    return sqrt(fmax(fit->inverse[parameter][parameter], 0));
 }
 
 /* ---- what is left ---- */
@@ -219,22 +220,22 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
     if (!equation_begin(&fit->motion, EQUATION_VALUES, &walk))
         return false;
     for (size_t k = 0; k < x->baseline.blocks; k++) {
-        const size_t from = x->baseline.edge[k], to = x->baseline.edge[k + 1];
+        const size_t begin = x->baseline.edge[k], end = x->baseline.edge[k + 1];
         struct gram_block block = block_of(x, k);
         struct normal unused = {{{0}}};
-        for (size_t at = from; at < to; at += CHUNK) {
+        for (size_t start = begin; start < end; start += CHUNK) {
             if (cancelled(x->cancel))
                 return false;
-            const size_t count = to - at < CHUNK ? to - at : CHUNK;
+            const size_t count = end - start < CHUNK ? end - start : CHUNK;
             for (size_t i = 0; i < count; i++)
-                t[i] = time_of(samples, at + i);
-            if (!equation_values(&walk, t, count, residual + at, NULL))
+                t[i] = time_of(samples, start + i);
+            if (!equation_values(&walk, t, count, residual + start, NULL))
                 return false;
             for (size_t i = 0; i < count; i++) {
-                residual[at + i] = samples->y[at + i] - x->middle - residual[at + i];
+                residual[start + i] = samples->y[start + i] - x->middle - residual[start + i];
                 basis(&block, x->baseline.terms, t[i], base);
-                if (x->use[at + i])
-                    add_row(1, x->baseline.terms, &residual[at + i], base, &block, &unused);
+                if (x->use[start + i])
+                    add_row(1, x->baseline.terms, &residual[start + i], base, &block, &unused);
             }
         }
         const int terms = factor_block(&block, x->baseline.terms, l);
@@ -243,7 +244,7 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
             coefficient[m] = block.cross[m][0];
         cholesky_forward(terms, BASELINE_TERMS, l, coefficient);
         cholesky_backward(terms, BASELINE_TERMS, l, coefficient);
-        for (size_t i = from; i < to; i++) {
+        for (size_t i = begin; i < end; i++) {
             basis(&block, terms, time_of(samples, i), base);
             for (int m = 0; m < terms; m++)
                 residual[i] -= coefficient[m] * base[m];

@@ -55,8 +55,8 @@ double law_squares(const struct law_samples *x, struct law_fit *fit);
  */
 bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
                    double *level, double *slope);
-/* Returns the standard deviation for residuals of variance 1; `at` is the index among the fit's
- * parameters. */
-double law_formal(const struct law_fit *fit, int at);
+/* Returns the standard deviation for residuals of variance 1; `parameter` is the index among the
+ * fit's parameters. */
+double law_formal(const struct law_fit *fit, int parameter);
 
 #endif

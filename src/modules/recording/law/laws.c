@@ -87,32 +87,32 @@ static double fraction_beyond(const struct law_evidence *e, const struct drag_ca
                               enum drag_law part, bool *there)
 {
     const struct law_fit *fit = &e->fit[c->law - 1];
-    double all = 0, beyond = 0, variance = 0, weight[LAW_PARAMETERS] = {0},
-           along[LAW_PARAMETERS] = {0};
+    double all = 0, excess = 0, variance = 0, weight[LAW_PARAMETERS] = {0},
+           covariance[LAW_PARAMETERS] = {0};
     for (int k = 0, j = FIRST_RATE; k < DRAG_RATES; k++) {
         if (!(c->law >> k & 1))
             continue;
         weight[j] = part >> k & 1 ? 0 : e->loss[k];
         all += c->rate[k].value * e->loss[k];
-        beyond += c->rate[k].value * weight[j++];
+        excess += c->rate[k].value * weight[j++];
     }
     for (int i = FIRST_RATE; i < fit->parameters; i++) {
         for (int j = FIRST_RATE; j < fit->parameters; j++)
-            along[i] += fit->inverse[i][j] * weight[j] * e->variance;
-        variance += weight[i] * along[i];
+            covariance[i] += fit->inverse[i][j] * weight[j] * e->variance;
+        variance += weight[i] * covariance[i];
     }
     const double deviation = sqrt(fmax(variance, 0));
     for (int i = FIRST_RATE; i < fit->parameters && there; i++)
         if (fit->index[i] < EQUATION_CUBIC)
             *there = (i == FIRST_RATE || *there) &&
-                     fit->motion.value[fit->index[i]] + 2 * along[i] / deviation > 0;
-    return all > 0 ? fmax(beyond + 2 * deviation, 0) / all : 1;
+                     fit->motion.value[fit->index[i]] + 2 * covariance[i] / deviation > 0;
+    return all > 0 ? fmax(excess + 2 * deviation, 0) / all : 1;
 }
 
 /* Returns the excess of BIC by which a law is refuted by another that it does not contain. */
-static double needed(enum drag_law law, enum drag_law by)
+static double needed(enum drag_law law, enum drag_law rival)
 {
-    return contains(by, law) || terms(law) <= terms(by) ? DELTA_MIN : DELTA_MORE;
+    return contains(rival, law) || terms(law) <= terms(rival) ? DELTA_MIN : DELTA_MORE;
 }
 
 /* A law is refuted by one that it does not contain: by BIC, and by the F-test where that has but
@@ -121,10 +121,10 @@ static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, i
 {
     const struct drag_candidate *c = &drag->candidate[i];
     for (int j = 0; j < DRAG_LAWS; j++) {
-        const struct drag_candidate *by = &drag->candidate[j];
-        if (i != j && physical(by) && !contains(c->law, by->law) &&
-            c->bic - by->bic >= needed(c->law, by->law) &&
-            (!contains(by->law, c->law) || chance(e, i, j) < CHANCE_MAX))
+        const struct drag_candidate *rival = &drag->candidate[j];
+        if (i != j && physical(rival) && !contains(c->law, rival->law) &&
+            c->bic - rival->bic >= needed(c->law, rival->law) &&
+            (!contains(rival->law, c->law) || chance(e, i, j) < CHANCE_MAX))
             return true;
     }
     return false;
@@ -214,10 +214,10 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
             rival = i;
     }
     if (rival >= 0) {
-        const double over = drag->candidate[rival].bic - drag->candidate[simple].bic;
+        const double bic_difference = drag->candidate[rival].bic - drag->candidate[simple].bic;
         buffer_format(text, " (BIC of %s is %s by only %.3g, %g needed",
-                      drag_law_name(law_at(rival)), over < 0 ? "lower" : "higher", fabs(over),
-                      needed(law_at(rival), law));
+                      drag_law_name(law_at(rival)), bic_difference < 0 ? "lower" : "higher",
+                      fabs(bic_difference), needed(law_at(rival), law));
     }
     if (fraction > 0)
         buffer_format(text, "%sa further term could take %.0f %% of the loss",
@@ -254,9 +254,9 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
                       fmax(100 * fraction, 0.1));
 }
 
-int law_choose(const struct law_evidence *e, struct fit *out)
+int law_choose(const struct law_evidence *e, struct fit *result)
 {
-    struct drag_fit *drag = &out->drag;
+    struct drag_fit *drag = &result->drag;
     const int simple = simplest(e, drag), best = simple < 0 ? LAW_LINEAR - 1 : simple;
     const struct drag_candidate *c = &drag->candidate[best];
     struct buffer text = {0};
@@ -268,7 +268,7 @@ int law_choose(const struct law_evidence *e, struct fit *out)
                     : next >= 0 && contains(law_at(next), c->law) ? chance(e, best, next)
                                                                   : NAN;
     const bool decided = drag->remaining == 1u << best;
-    out->preferred = decided ? c->law : LAW_UNDECIDED;
+    result->preferred = decided ? c->law : LAW_UNDECIDED;
     if (simple < 0)
         buffer_format(&text, "%s: every law would have a negative coefficient",
                       drag_law_name(c->law));

@@ -31,13 +31,14 @@ struct first_samples {
     size_t edge[2];
 };
 
-static void take(const struct law_samples *whole, size_t to, struct first_samples *part)
+static void first_samples_take(const struct law_samples *whole, size_t target,
+                               struct first_samples *part)
 {
-    part->samples = samples_part(whole->samples, 0, to);
+    part->samples = samples_part(whole->samples, 0, target);
     part->law = *whole;
     part->law.samples = &part->samples;
     part->edge[0] = 0;
-    part->edge[1] = to;
+    part->edge[1] = target;
     part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
 }
 
@@ -63,14 +64,15 @@ static void begin_law_fit(const struct law_samples *x, const struct equation *st
 }
 
 /* The smaller of the whole and twice as much, that many samples. */
-static size_t next_length(size_t to, size_t n)
+static size_t next_length(size_t length, size_t n)
 {
-    return to > n / 2 ? n : 2 * to;
+    return length > n / 2 ? n : 2 * length;
 }
 
 /* Fits the force from a first window on. Returns false if it is not found. */
-static bool grow(const struct law_samples *x, size_t from, const struct law_fit *first,
-                 enum restoring_force force, double rounding, struct law_fit *fit)
+static bool restoring_fit_grow(const struct law_samples *x, size_t first_length,
+                               const struct law_fit *first, enum restoring_force force,
+                               double rounding, struct law_fit *fit)
 {
     const size_t n = x->samples->n;
     *fit = *first;
@@ -81,19 +83,19 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
                                fit->motion.value[EQUATION_SPEED] / fit->omega);
         fit->motion.value[EQUATION_OMEGA] *= 1 + fmin(a * a, 4) / 16;
     }
-    for (size_t to = from;; to = next_length(to, n)) {
+    for (size_t length = first_length;; length = next_length(length, n)) {
         struct first_samples part;
-        take(x, to, &part);
+        first_samples_take(x, length, &part);
         fit->omega = fit->motion.value[EQUATION_OMEGA];
-        const struct law_fit before = *fit;
-        const bool found =
-            law_descend(to < n ? &part.law : x,
-                        to < n ? SEARCH_PROMISE_VARIANCES : FINAL_PROMISE_VARIANCES, rounding, fit);
-        if (to == n)
+        const struct law_fit previous = *fit;
+        const bool found = law_descend(
+            length < n ? &part.law : x,
+            length < n ? SEARCH_PROMISE_VARIANCES : FINAL_PROMISE_VARIANCES, rounding, fit);
+        if (length == n)
             return found;
         if (!found) /* too few periods may not hold every parameter: more of them from where it was
                      */
-            *fit = before;
+            *fit = previous;
     }
 }
 
@@ -204,13 +206,16 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
 {
     const struct law_samples *x = &f->samples;
     const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];
-    const size_t n = x->samples->n, to = samples_index(x->samples, x->samples->t[0] + first_span);
-    const size_t from = to < LEAST ? (n < LEAST ? n : LEAST) : to < n ? to : n;
+    const size_t n = x->samples->n,
+                 span_length = samples_index(x->samples, x->samples->t[0] + first_span);
+    const size_t first_length = span_length < LEAST ? (n < LEAST ? n : LEAST)
+                                : span_length < n   ? span_length
+                                                    : n;
     struct law_fit first;
     struct force_fits all = {.variance = 1, .freedom = 1};
     struct first_samples part;
     unsigned every = 0;
-    take(x, from, &part);
+    first_samples_take(x, first_length, &part);
     begin_law_fit(&part.law, &f->start, &first);
     law_descend(&part.law, SEARCH_PROMISE_VARIANCES, f->rounding, &first);
     for (int i = 0; i < RESTORING_FORCES; i++) {
@@ -218,7 +223,8 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
         every |= (unsigned)tried << i;
         drag->restoring[i] = (struct restoring_candidate){.bic = NAN};
         drag->restoring[i].converged =
-            tried && grow(x, from, &first, (enum restoring_force)i, f->rounding, &all.fit[i]);
+            tried && restoring_fit_grow(x, first_length, &first, (enum restoring_force)i,
+                                        f->rounding, &all.fit[i]);
     }
     for (int i = 0; i < RESTORING_FORCES; i++)
         for (int j = 0; j < RESTORING_FORCES && every >> i & 1 && !drag->restoring[i].converged;

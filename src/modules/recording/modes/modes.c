@@ -106,18 +106,20 @@ static int compare_frequency(const double *x, int i, int j)
 static void ascending(const double *x, int modes, int *order)
 {
     for (int i = 0; i < modes; i++) {
-        int at = i;
-        for (; at > 0 && compare_frequency(x, i, order[at - 1]) < 0; at--)
-            order[at] = order[at - 1];
-        order[at] = i;
+        int position = i;
+        for (; position > 0 && compare_frequency(x, i, order[position - 1]) < 0; position--)
+            order[position] = order[position - 1];
+        order[position] = i;
     }
 }
 
 /* Returns the uncertainty of the linear combination by[] of a mode's parameters. */
-static double deviation(const struct modes_fitting *f, int first, const double by[MODE_PARAMETERS])
+static double deviation(const struct modes_fitting *f, int first,
+                        const double gradient[MODE_PARAMETERS])
 {
     const double *covariance = &f->covariance[first][first];
-    return sqrt(fmax(quadratic_form(MODE_PARAMETERS, CURVE_PARAMETERS, by, covariance, by), 0));
+    return sqrt(
+        fmax(quadratic_form(MODE_PARAMETERS, CURVE_PARAMETERS, gradient, covariance, gradient), 0));
 }
 
 /* Covariances, each parameter widened by its own factor. */
@@ -162,11 +164,11 @@ static struct normal_mode mode_of(const struct modes_fitting *f, int k)
 }
 
 /* Of what depends on the frequency and the damping of two modes, by its slopes. */
-static double of_both(const struct modes_fitting *f, const int mode[2], double by[2][2])
+static double of_both(const struct modes_fitting *f, const int mode[2], double derivative[2][2])
 {
     double all[CURVE_PARAMETERS] = {0};
     for (int p = 0; p < 4; p++)
-        all[MODES_FIRST + mode[p / 2] * MODE_PARAMETERS + p % 2] = by[p / 2][p % 2];
+        all[MODES_FIRST + mode[p / 2] * MODE_PARAMETERS + p % 2] = derivative[p / 2][p % 2];
     const double square =
         quadratic_form(f->fit.parameters, CURVE_PARAMETERS, all, &f->covariance[0][0], all);
     return sqrt(fmax(square, 0));

@@ -149,12 +149,12 @@ static void try_rates(struct modes_search *s, const struct rates *rates, int fre
         trial.rss = curve_solve_linears(&s->problem, x);
         if (!isfinite(trial.rss))
             continue;
-        int at = s->count < TRIED ? s->count++ : TRIED;
-        for (; at > 0 && trial.rss < s->best[at - 1].rss; at--)
-            if (at < TRIED)
-                s->best[at] = s->best[at - 1];
-        if (at < TRIED)
-            s->best[at] = trial;
+        int rank = s->count < TRIED ? s->count++ : TRIED;
+        for (; rank > 0 && trial.rss < s->best[rank - 1].rss; rank--)
+            if (rank < TRIED)
+                s->best[rank] = s->best[rank - 1];
+        if (rank < TRIED)
+            s->best[rank] = trial;
     }
 }
 

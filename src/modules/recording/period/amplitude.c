@@ -4,15 +4,15 @@
 
 #include <math.h>
 
-bool local_amplitude(const struct motion *m, size_t from, size_t to, struct reading *reading)
+bool local_amplitude(const struct motion *m, size_t begin, size_t end, struct reading *reading)
 {
-    struct samples part = samples_part(&m->samples, from, to);
+    struct samples part = samples_part(&m->samples, begin, end);
     if (part.n < 5) {
         return false;
     }
     struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
     h.origin = reading->t = 0.5 * (part.t[0] + part.t[part.n - 1]);
-    double *residual = m->scratch + from;
+    double *residual = m->scratch + begin;
     if (!harmonic_fit(&part, FREE_LINEAR, &h, residual)) {
         return false;
     }
@@ -30,14 +30,14 @@ bool local_amplitude(const struct motion *m, size_t from, size_t to, struct read
 
 /* The logarithm of the amplitude of one window. Returns false if too few samples are in it, or its
  * amplitude is lost in the noise. */
-static bool log_amplitude(const struct motion *m, double from, double width, double *t,
+static bool log_amplitude(const struct motion *m, double t_begin, double width, double *t,
                           struct measured *log_a)
 {
     const struct samples *x = &m->samples;
     struct reading reading;
-    if (from < x->t[0] - 1e-9 * width || from + width > x->t[x->n - 1] + 1e-9 * width ||
-        !local_amplitude(m, samples_index(x, from - 1e-9 * width),
-                         samples_index(x, from + width * (1 + 1e-9)), &reading) ||
+    if (t_begin < x->t[0] - 1e-9 * width || t_begin + width > x->t[x->n - 1] + 1e-9 * width ||
+        !local_amplitude(m, samples_index(x, t_begin - 1e-9 * width),
+                         samples_index(x, t_begin + width * (1 + 1e-9)), &reading) ||
         !(reading.amplitude.value > 2 * reading.amplitude.uncertainty))
         return false;
     *t = reading.t;
@@ -47,24 +47,25 @@ static bool log_amplitude(const struct motion *m, double from, double width, dou
 }
 
 /*
- * Carries the amplitude of the window [from, from + width] to the time `at` beyond its middle. The
- * damping of the whole does so where the next windows inside agree with it; else the line, or the
- * parabola, through the logarithms of two or three windows, as where drag grows with speed.
+ * Carries the amplitude of the window [from, from + width] to the time `t_reading` beyond its
+ * middle. The damping of the whole does so where the next windows inside agree with it; else the
+ * line, or the parabola, through the logarithms of two or three windows, as where drag grows with
+ * speed.
  */
-static void carry_amplitude(const struct motion *m, double from, double width, double at,
+static void carry_amplitude(const struct motion *m, double t_begin, double width, double t_reading,
                             struct measured *amplitude)
 {
     double t[3], relative = amplitude->uncertainty / amplitude->value;
     struct measured log_a[3];
     int windows = 0;
-    const double rate = -0.5 * m->harmonic.gamma, middle = from + 0.5 * width,
-                 inside = at < middle ? width : -width;
+    const double rate = -0.5 * m->harmonic.gamma, middle = t_begin + 0.5 * width,
+                 inside = t_reading < middle ? width : -width;
     while (windows < 3 &&
-           log_amplitude(m, from + windows * inside, width, &t[windows], &log_a[windows]))
+           log_amplitude(m, t_begin + windows * inside, width, &t[windows], &log_a[windows]))
         windows++;
-    double change = rate * (at - middle);
+    double change = rate * (t_reading - middle);
     if (windows >= 2) {
-        const double ahead = (at - t[0]) / (t[1] - t[0]),
+        const double ahead = (t_reading - t[0]) / (t[1] - t[0]),
                      local = ahead * (log_a[1].value - log_a[0].value),
                      doubt = fabs(ahead) * hypot(log_a[0].uncertainty, log_a[1].uncertainty);
         double bend = 0, bend_doubt = 0;
@@ -91,14 +92,14 @@ static void carry_amplitude(const struct motion *m, double from, double width, d
  * Adds by how much the amplitude of half the window differs: where the envelope bends within the
  * window, what is read is its mean, which is off by 4/3 of that.
  */
-static void widen_by_bend(const struct motion *m, double from, double width,
+static void widen_by_bend(const struct motion *m, double t_begin, double width,
                           const struct reading *whole, struct measured *amplitude)
 {
     static const double chance = 2; /* standard deviations */
     const struct samples *x = &m->samples;
     struct reading half;
-    if (!local_amplitude(m, samples_index(x, from + (0.25 - 1e-9) * width),
-                         samples_index(x, from + (0.75 + 1e-9) * width), &half))
+    if (!local_amplitude(m, samples_index(x, t_begin + (0.25 - 1e-9) * width),
+                         samples_index(x, t_begin + (0.75 + 1e-9) * width), &half))
         return;
     const double bend = fabs(half.amplitude.value / whole->amplitude.value - 1),
                  noise = half.amplitude.uncertainty / half.amplitude.value;
@@ -106,8 +107,8 @@ static void widen_by_bend(const struct motion *m, double from, double width,
         amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
 }
 
-bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
-                       int count, double width, struct reading *out, struct error *error)
+bool series_amplitudes(const struct series *series, struct arena *arena, const double *reading_time,
+                       int count, double width, struct reading *reading, struct error *error)
 {
     struct motion m;
     if (!motion_require(&m, series, arena, NULL, error)) {
@@ -117,22 +118,23 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
     double first = x->t[0], last = x->t[x->n - 1], w = width > 0 ? width : 2 * m.overview.period;
     w = fmin(w, last - first);
     for (int i = 0; i < count; i++) {
-        if (!(at[i] >= first - 0.5 * x->dt && at[i] <= last + 0.5 * x->dt)) {
+        if (!(reading_time[i] >= first - 0.5 * x->dt && reading_time[i] <= last + 0.5 * x->dt)) {
             return error_set(error, ERROR_COMMAND, "no amplitude at %g s: the window is %g..%g s",
-                             at[i], first, last);
+                             reading_time[i], first, last);
         }
         /* At the ends the window is moved inside. */
-        double from = fmin(fmax(at[i] - 0.5 * w, first), last - w);
-        size_t low = samples_index(x, from - 1e-9 * w),
-               high = samples_index(x, from + w * (1 + 1e-9));
-        if (!local_amplitude(&m, low, high, &out[i])) {
+        double t_begin = fmin(fmax(reading_time[i] - 0.5 * w, first), last - w);
+        size_t low = samples_index(x, t_begin - 1e-9 * w),
+               high = samples_index(x, t_begin + w * (1 + 1e-9));
+        if (!local_amplitude(&m, low, high, &reading[i])) {
             return error_set(error, ERROR_COMMAND,
-                             "too few samples for an amplitude within %g s around %g s", w, at[i]);
+                             "too few samples for an amplitude within %g s around %g s", w,
+                             reading_time[i]);
         }
-        const struct reading whole = out[i];
-        carry_amplitude(&m, from, w, at[i], &out[i].amplitude);
-        widen_by_bend(&m, from, w, &whole, &out[i].amplitude);
-        out[i].t = at[i];
+        const struct reading whole = reading[i];
+        carry_amplitude(&m, t_begin, w, reading_time[i], &reading[i].amplitude);
+        widen_by_bend(&m, t_begin, w, &whole, &reading[i].amplitude);
+        reading[i].t = reading_time[i];
     }
     return true;
 }

@@ -25,16 +25,16 @@ bool overview_is_exact(const struct overview *o)
     return o->noise <= NOISE_FREE * 0.5 * (o->high - o->low);
 }
 
-/* Value at t of the polynomial through the `count` samples from `from` on (Neville). */
-static double interpolate(const struct series *s, size_t from, size_t count, double t)
+/* Value at t of the polynomial through the `count` samples from `first` on (Neville). */
+static double interpolate(const struct series *s, size_t first, size_t count, double t)
 {
     double p[6] = {0};
     for (size_t i = 0; i < count; i++) {
-        p[i] = s->y[from + i];
+        p[i] = s->y[first + i];
     }
     for (size_t k = 1; k < count; k++) {
         for (size_t i = 0; i + k < count; i++) {
-            double a = s->t[from + i], b = s->t[from + i + k];
+            double a = s->t[first + i], b = s->t[first + i + k];
             p[i] = ((t - b) * p[i] + (a - t) * p[i + 1]) / (a - b);
         }
     }
@@ -42,26 +42,27 @@ static double interpolate(const struct series *s, size_t from, size_t count, dou
 }
 
 struct polynomial {
-    const struct context *of;
-    size_t from, count;
+    const struct context *context;
+    size_t first, count;
 };
 
 static double above_level(void *context, double t)
 {
     const struct polynomial *p = context;
-    return interpolate(p->of->series, p->from, p->count, t) - p->of->level;
+    return interpolate(p->context->series, p->first, p->count, t) - p->context->level;
 }
 
 /* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i]. */
-static bool place_exact(const struct context *c, size_t i, struct crossing *out)
+static bool place_exact(const struct context *c, size_t i, struct crossing *crossing)
 {
     const struct series *s = c->series;
-    const size_t count = s->n < 6 ? s->n : 6, from = i < 3 ? 0 : i - 3;
-    struct polynomial p = {c, from + count > s->n ? s->n - count : from, count};
+    const size_t count = s->n < 6 ? s->n : 6, first = i < 3 ? 0 : i - 3;
+    struct polynomial p = {c, first + count > s->n ? s->n - count : first, count};
     const double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level;
-    out->t = root_between(above_level, &p, a, fa, b, fb, 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)));
-    out->uncertainty = fabs(c->noise / ((fb - fa) / (b - a)));
-    return isfinite(out->t);
+    crossing->t =
+        root_between(above_level, &p, a, fa, b, fb, 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)));
+    crossing->uncertainty = fabs(c->noise / ((fb - fa) / (b - a)));
+    return isfinite(crossing->t);
 }
 
 /*
@@ -70,16 +71,16 @@ static bool place_exact(const struct context *c, size_t i, struct crossing *out)
  * is unknown), so the window may be wide. Samples five sigma off (missed echoes) are left out in
  * the end.
  */
-static bool place_fit(const struct context *c, double centre, struct crossing *out)
+static bool place_fit(const struct context *c, double centre, struct crossing *crossing)
 {
     const struct series *s = c->series;
     double p = 0, q = 0, target = c->level - c->mean;
     bool fitted = false;
     for (int pass = 0; pass < 4; pass++) {
         struct samples all = {.t = s->t, .n = s->n};
-        size_t from = samples_index(&all, centre - c->half), used = 0;
+        size_t first = samples_index(&all, centre - c->half), used = 0;
         double cc = 0, cs = 0, ss = 0, cy = 0, sy = 0;
-        for (size_t i = from; i < s->n && s->t[i] <= centre + c->half; i++) {
+        for (size_t i = first; i < s->n && s->t[i] <= centre + c->half; i++) {
             double x = s->t[i] - centre, u = cos(c->omega * x),
                    v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
             double y = s->y[i] - c->mean;
@@ -110,7 +111,7 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
             return false;
         }
         centre += x;
-        out->uncertainty = c->noise * sqrt(ss / det) / fabs(q);
+        crossing->uncertainty = c->noise * sqrt(ss / det) / fabs(q);
         /* p, q move with the centre: as seen from the new one the value is the target and the slope
          * q' */
         double slope = q * cos(c->omega * x) - p * c->omega * sin(c->omega * x);
@@ -118,12 +119,12 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
         q = slope;
         fitted = true;
     }
-    out->t = centre;
+    crossing->t = centre;
     return true;
 }
 
 size_t series_crossings(const struct series *s, const struct overview *o, double level,
-                        struct crossing *out, size_t capacity)
+                        struct crossing *result, size_t capacity)
 {
     double amplitude = 0.5 * (o->high - o->low), hysteresis = fmax(4 * o->noise, 0.05 * amplitude);
     struct context c = {.series = s, .level = level, .mean = level, .noise = o->noise};
@@ -138,11 +139,11 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
         c.mean = o->mean;
         c.half = fmax(HALF_WIDTH * o->period, 2 * dt);
     }
-    size_t count = 0, since = 0; /* `since` is the last sample clearly on the old side */
+    size_t count = 0, last_clear = 0; /* `last_clear` is the last sample clearly on the old side */
     int side = 0;
     for (size_t i = 0; i < s->n; i++) {
-        double above = s->y[i] - level;
-        int now = above > hysteresis ? 1 : above < -hysteresis ? -1 : 0;
+        double deviation = s->y[i] - level;
+        int now = deviation > hysteresis ? 1 : deviation < -hysteresis ? -1 : 0;
         if (now == 0) {
             continue;
         }
@@ -150,23 +151,23 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
             /* Noise may cross the level several times in between: start from the middle of first
              * and last. */
             size_t first = 0, last = 0;
-            for (size_t k = since + 1; k <= i; k++) {
+            for (size_t k = last_clear + 1; k <= i; k++) {
                 if ((s->y[k] >= level) != (s->y[k - 1] >= level)) {
                     first = first ? first : k;
                     last = k;
                 }
             }
-            struct crossing crossing = {.up = now > 0};
+            struct crossing crossing = {.rising = now > 0};
             double centre = 0.25 * (s->t[first - 1] + s->t[first] + s->t[last - 1] + s->t[last]);
             if (c.exact ? place_exact(&c, last, &crossing) : place_fit(&c, centre, &crossing)) {
                 if (count < capacity) {
-                    out[count] = crossing;
+                    result[count] = crossing;
                 }
                 count++;
             }
         }
         side = now;
-        since = i;
+        last_clear = i;
     }
     return count;
 }

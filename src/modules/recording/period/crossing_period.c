@@ -18,7 +18,7 @@ static void widen_by_falling_edges(const struct crossing *all, size_t count, str
 {
     double first = NAN, last = NAN; /* [s] how long the level is passed for */
     for (size_t i = 1; i < count; i++) {
-        if (all[i].up || !all[i - 1].up)
+        if (all[i].rising || !all[i - 1].rising)
             continue;
         last = all[i].t - all[i - 1].t;
         first = isnan(first) ? last : first;
@@ -31,11 +31,11 @@ static void widen_by_falling_edges(const struct crossing *all, size_t count, str
 /* Copies the rising crossings, perhaps into the same array. Returns how many. */
 static size_t keep_rising(const struct crossing *all, size_t count, struct crossing *rising)
 {
-    size_t up = 0;
+    size_t rising_count = 0;
     for (size_t i = 0; i < count; i++)
-        if (all[i].up)
-            rising[up++] = all[i];
-    return up;
+        if (all[i].rising)
+            rising[rising_count++] = all[i];
+    return rising_count;
 }
 
 /* Finds the up-crossings of a level, the first `capacity` of them. Returns how many. */
@@ -56,11 +56,11 @@ static double edge_uncertainty(const struct series *s, const struct overview *o,
 {
     static const double edge_share = 0.3;
     const struct samples all = {.t = s->t, .n = s->n};
-    const size_t after = samples_index(&all, t);
-    if (after == 0 || after >= s->n)
+    const size_t next = samples_index(&all, t);
+    if (next == 0 || next >= s->n)
         return 0;
-    const double jump = fabs(s->y[after] - s->y[after - 1]),
-                 width = (s->t[after] - s->t[after - 1]) / sqrt(12);
+    const double jump = fabs(s->y[next] - s->y[next - 1]),
+                 width = (s->t[next] - s->t[next - 1]) / sqrt(12);
     if (jump > edge_share * (o->high - o->low))
         return width;
     return quantum > 0 ? width * fmin(quantum / jump, 1) : 0; /* jump may be 0 */
@@ -93,8 +93,9 @@ static double interpolation_error(const struct series *series, const struct over
     const struct series half = {.t = t, .y = y, .n = t && y ? n : 0};
     struct period coarse;
     size_t used;
-    const size_t up = up_crossings(&half, o, o->mean, crossing, COUNT_OF(crossing));
-    return up >= 2 && crossings_period(crossing, up, period, true, arena, &coarse, &used)
+    const size_t rising_count = up_crossings(&half, o, o->mean, crossing, COUNT_OF(crossing));
+    return rising_count >= 2 &&
+                   crossings_period(crossing, rising_count, period, true, arena, &coarse, &used)
                ? fabs(coarse.period.value - period) / 63
                : NAN;
 }
@@ -108,14 +109,15 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
     if (!crossing || !edge)
         return error_memory(error);
     const size_t all = series_crossings(series, o, o->mean, edge, capacity),
-                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
+                 edges = all < capacity ? all : capacity,
+                 rising_count = keep_rising(edge, edges, crossing);
     *period = (struct period){.level = o->mean, .how = "up-crossings"};
-    if (up >= 2 &&
-        crossings_period(crossing, up, o->period, overview_is_exact(o), arena, period, &used)) {
+    if (rising_count >= 2 && crossings_period(crossing, rising_count, o->period,
+                                              overview_is_exact(o), arena, period, &used)) {
         widen_by_edges(series, o, period);
         if (overview_is_exact(o))
             widen_by_falling_edges(edge, edges, period);
-        if (up < 4 && overview_is_exact(o))
+        if (rising_count < 4 && overview_is_exact(o))
             period->period.uncertainty =
                 hypot(period->period.uncertainty,
                       interpolation_error(series, o, arena, period->period.value));
@@ -128,13 +130,14 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
 
 /* Returns true if the times between crossings repeat after `pattern` of them, to a part of the time
  * between two: a longer pattern may not hide what one of its crossings is off. */
-static bool repeats_after(const struct crossing *up, size_t count, size_t pattern, double regular)
+static bool repeats_after(const struct crossing *rising, size_t count, size_t pattern,
+                          double regular)
 {
     if (count < 2 * pattern + 1)
         return false;
     for (size_t i = 1; i + pattern < count; i++) {
-        const double cycle = up[i + pattern].t - up[i].t,
-                     change = cycle - (up[i - 1 + pattern].t - up[i - 1].t);
+        const double cycle = rising[i + pattern].t - rising[i].t,
+                     change = cycle - (rising[i - 1 + pattern].t - rising[i - 1].t);
         if (!(fabs(change) <= regular * cycle / (double)pattern))
             return false;
     }
@@ -155,10 +158,11 @@ static const struct regularity regularities[] = {
     [WAVE_FEW] = {.difference = 1e-4, .longest = 1}};
 
 /* Returns after how many crossings their times repeat, 0 if after none. */
-static size_t crossing_pattern(const struct crossing *up, size_t count, const struct regularity *r)
+static size_t crossing_pattern(const struct crossing *rising, size_t count,
+                               const struct regularity *r)
 {
     for (size_t pattern = 1; pattern <= r->longest && count >= r->crossings_min; pattern++)
-        if (repeats_after(up, count, pattern, r->difference))
+        if (repeats_after(rising, count, pattern, r->difference))
             return pattern;
     return 0;
 }
@@ -183,17 +187,18 @@ static bool regular_period(const struct series *series, double level, const stru
     }
     o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
     const size_t all = series_crossings(series, &o, o.mean, edge, capacity),
-                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
-    size_t pattern = crossing_pattern(crossing, up, r);
-    while (r->may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
+                 edges = all < capacity ? all : capacity,
+                 rising_count = keep_rising(edge, edges, crossing);
+    size_t pattern = crossing_pattern(crossing, rising_count, r);
+    while (r->may_settle && pattern == 0 && rising_count > first + SETTLED_MIN + 1) {
         first++;
-        pattern = crossing_pattern(crossing + first, up - first, r);
-        pattern = up - first > 2 * pattern + SETTLED_MIN ? pattern : 0;
+        pattern = crossing_pattern(crossing + first, rising_count - first, r);
+        pattern = rising_count - first > 2 * pattern + SETTLED_MIN ? pattern : 0;
     }
     if (pattern == 0)
         return false;
     size_t cycles = 0;
-    for (size_t i = first; i < up; i += pattern)
+    for (size_t i = first; i < rising_count; i += pattern)
         crossing[cycles++] = crossing[i];
     for (size_t i = 1; i < cycles; i++)
         scratch[i - 1] = crossing[i].t - crossing[i - 1].t;

@@ -14,33 +14,34 @@ enum {
 };
 
 /* Returns the index of the first sample at or after t, looking from a sample nearby. */
-static size_t index_near(const struct samples *x, double t, size_t near)
+static size_t index_near(const struct samples *x, double t, size_t index)
 {
-    while (near > 0 && x->t[near - 1] >= t)
-        near--;
-    while (near < x->n && x->t[near] < t)
-        near++;
-    return near;
+    while (index > 0 && x->t[index - 1] >= t)
+        index--;
+    while (index < x->n && x->t[index] < t)
+        index++;
+    return index;
 }
 
-/* Least squares of one cycle against the mean cycle, begun at t, near the sample *from, which
+/* Least squares of one cycle against the mean cycle, begun at t, near the sample *row, which
  * becomes its first one. Returns the correlation. */
-static double fit_cycle(const struct cycles *c, double t, size_t *from, struct cycle *out)
+static double fit_cycle(const struct cycles *c, double t, size_t *row, struct cycle *result)
 {
     const struct samples *x = c->samples;
     const double end = t + c->period, bins = (double)c->bins / c->period;
     double n = 0, f = 0, y = 0, ff = 0, fy = 0, yy = 0, slope = 0;
-    *from = index_near(x, t, *from);
-    const double y0 = x->y[*from < x->n ? *from : 0];
-    for (size_t i = *from; i < x->n && x->t[i] < end; i++) {
+    *row = index_near(x, t, *row);
+    const double y0 = x->y[*row < x->n ? *row : 0];
+    for (size_t i = *row; i < x->n && x->t[i] < end; i++) {
         if (!x->use[i])
             continue;
         const double place = (x->t[i] - t) * bins;
         const size_t bin = (size_t)place < c->bins ? (size_t)place : c->bins - 1;
         const double *shape = c->shape + bin, part = place - (double)bin;
         const double rise = shape[1] - shape[0], value = shape[0] + part * rise,
-                     before = shape[0] - shape[-1], after = shape[2] - shape[1],
-                     d = before + rise + part * (after - before), v = x->y[i] - y0;
+                     previous_rise = shape[0] - shape[-1], next_rise = shape[2] - shape[1],
+                     d = previous_rise + rise + part * (next_rise - previous_rise),
+                     v = x->y[i] - y0;
         n++;
         f += value;
         y += v;
@@ -53,28 +54,28 @@ static double fit_cycle(const struct cycles *c, double t, size_t *from, struct c
     if (n < BINS_MIN / 2 || !(sff > 0) || !(syy > 0))
         return -1;
     slope *= 0.25 * bins * bins;
-    *out = (struct cycle){
+    *result = (struct cycle){
         .t = t, .height = sfy / sff, .square = syy, .rows = n, .power = sff, .slope = slope};
-    out->mean = y0 + (y - out->height * f) / n;
-    out->left = fmax(syy - sfy * sfy / sff, 0);
-    out->left /= n - 3;
-    out->square /= n - 1;
-    out->sigma = sqrt(out->left / slope) / fabs(out->height);
+    result->mean = y0 + (y - result->height * f) / n;
+    result->left = fmax(syy - sfy * sfy / sff, 0);
+    result->left /= n - 3;
+    result->square /= n - 1;
+    result->sigma = sqrt(result->left / slope) / fabs(result->height);
     return sfy / sqrt(sff * syy);
 }
 
 /* Places one cycle within `reach` periods of the time where it is expected. Returns false if none
  * is like the mean cycle. */
-static bool place_cycle(const struct cycles *c, double expected, double reach, struct cycle *out)
+static bool place_cycle(const struct cycles *c, double expected, double reach, struct cycle *result)
 {
     enum { PLACES = 2 * (BINS_MAX / 8) + 3 };
     const double step = c->period / (double)c->bins;
     const int most = (int)ceil(reach * (double)c->bins);
     double r[PLACES] = {0}, *top = NULL, t = expected;
     struct cycle trial;
-    size_t from = samples_index(c->samples, expected);
+    size_t row = samples_index(c->samples, expected);
     for (int k = 0; k <= 2 * most + 2; k++)
-        r[k] = fit_cycle(c, expected + (k - most - 1) * step, &from, &trial);
+        r[k] = fit_cycle(c, expected + (k - most - 1) * step, &row, &trial);
     for (int k = 1; k <= 2 * most + 1; k++)
         top = r[k] > (top ? *top : 0) ? r + k : top;
     if (!top)
@@ -83,25 +84,25 @@ static bool place_cycle(const struct cycles *c, double expected, double reach, s
     t += (double)(top - r - most - 1) * step;
     if (bend < 0)
         t += step * fmin(fmax(0.5 * (top[-1] - top[1]) / bend, -0.5), 0.5);
-    return fit_cycle(c, t, &from, out) > 0 && out->height > 0;
+    return fit_cycle(c, t, &row, result) > 0 && result->height > 0;
 }
 
 /* Sets the shape to the mean over cycles [from, to), each less its mean and over its height. */
-static bool mean_shape(struct cycles *c, size_t from, size_t to)
+static bool mean_shape(struct cycles *c, size_t begin, size_t end)
 {
     const struct samples *x = c->samples;
     double sum = 0, used = 0;
     memset(c->shape, 0, c->bins * sizeof *c->shape);
     memset(c->weight, 0, c->bins * sizeof *c->weight);
-    for (size_t k = from; k < to; k++) {
+    for (size_t k = begin; k < end; k++) {
         const struct cycle *cycle = &c->cycle[k];
         for (size_t i = samples_index(x, cycle->t); i < x->n && cycle->height > 0; i++) {
             const double phase = (x->t[i] - cycle->t) / c->period;
             if (phase >= 1)
                 break;
-            const double at = phase * (double)c->bins, part = at - floor(at),
+            const double position = phase * (double)c->bins, part = position - floor(position),
                          value = x->use[i] ? (x->y[i] - cycle->mean) / cycle->height : 0;
-            const size_t bin = (size_t)at % c->bins, next = (bin + 1) % c->bins;
+            const size_t bin = (size_t)position % c->bins, next = (bin + 1) % c->bins;
             const double w = x->use[i] * cycle->height * cycle->height;
             c->shape[bin] += w * (1 - part) * value;
             c->shape[next] += w * part * value;
@@ -152,7 +153,7 @@ static bool place_cycles(struct cycles *c, double reach)
 static double quiet_begin(const struct samples *x, double period, double spare, double *much)
 {
     enum { PLACES = 16 };
-    double change[PLACES] = {0}, least = HUGE_VAL, within = HUGE_VAL, begin = 0.5 * spare;
+    double change[PLACES] = {0}, least = HUGE_VAL, least_allowed = HUGE_VAL, begin = 0.5 * spare;
     for (size_t i = 1; i < x->n; i++) {
         const double phase = (x->t[i] - x->t[0]) / period;
         change[(size_t)(PLACES * (phase - floor(phase))) % PLACES] +=
@@ -162,12 +163,12 @@ static double quiet_begin(const struct samples *x, double period, double spare, 
         const double place = (double)k / PLACES,
                      here = change[k] + change[(k + PLACES - 1) % PLACES];
         least = fmin(least, here);
-        if (place <= spare && here < within) {
-            within = here;
+        if (place <= spare && here < least_allowed) {
+            least_allowed = here;
             begin = place;
         }
     }
-    *much = within / least;
+    *much = least_allowed / least;
     return begin;
 }
 
@@ -230,7 +231,7 @@ bool cycles_find(struct cycles *c, const struct samples *x, double guess, double
 {
     static const double hopeless = 0.75; /* of share_min: better places do not make up for it */
     static const double gain_min = 1e-3;
-    double before = 0;
+    double previous_share = 0;
     if (!cycles_init(c, x, guess, arena))
         return false;
     const size_t middle = c->count / 2, few = c->count < 8 ? c->count : 8;
@@ -242,9 +243,9 @@ bool cycles_find(struct cycles *c, const struct samples *x, double guess, double
         const double share = cycles_explained_share(c);
         if (!mean_shape(c, 0, c->count))
             return false;
-        if (share < hopeless * share_min || fabs(share - before) < gain_min)
+        if (share < hopeless * share_min || fabs(share - previous_share) < gain_min)
             break;
-        before = share;
+        previous_share = share;
     }
     return true;
 }

@@ -13,7 +13,7 @@
 /* Times that rise with their numbers: whole numbers of cycles, or phases over 2 pi. */
 struct cycle_times {
     double *t, *sigma, *number; /* [n] [s], [s] */
-    double *off;                /* [n] [s] off the line */
+    double *deviation;          /* [n] [s] off the line */
     unsigned char *use;         /* [n] those on the line */
     unsigned char *after_gap;   /* [n] those before which nothing was recorded for a while */
     size_t n;

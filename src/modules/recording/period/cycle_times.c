@@ -26,7 +26,7 @@ bool cycle_times_init(struct cycle_times *x, size_t capacity, struct arena *aren
     x->after_gap = x->use + capacity;
     x->sigma = all + capacity;
     x->number = x->sigma + capacity;
-    x->off = x->number + capacity;
+    x->deviation = x->number + capacity;
     return true;
 }
 
@@ -69,13 +69,13 @@ static void set_terms(const struct times_line *line, const struct cycle_times *x
 /* The variance in units of the times' own, wider where neighbours hang together. */
 static double scatter(const struct cycle_times *x, int terms)
 {
-    double square = 0, product = 0, before = 0, n = 0;
+    double square = 0, product = 0, previous = 0, n = 0;
     for (size_t i = 0; i < x->n; i++)
         if (x->use[i]) {
-            const double z = x->off[i] / x->sigma[i];
+            const double z = x->deviation[i] / x->sigma[i];
             square += z * z;
-            product += z * before;
-            before = z;
+            product += z * previous;
+            previous = z;
             n++;
         }
     const double rho = square > 0 ? product / square : 0, chance = 1 / sqrt(n);
@@ -115,9 +115,9 @@ static bool weigh(struct cycle_times *x, struct times_line *line)
     fitted = fitted && !gsl_multifit_wlinear(a, weight, y, value, inverse, &chi2, work);
     for (size_t i = 0; i < x->n && fitted; i++) {
         set_terms(line, x, i, term);
-        x->off[i] = x->t[i] - start - slope * (x->number[i] - x->number[0]);
+        x->deviation[i] = x->t[i] - start - slope * (x->number[i] - x->number[0]);
         for (size_t k = 0; k < terms; k++)
-            x->off[i] -= gsl_vector_get(value, k) * term[k];
+            x->deviation[i] -= gsl_vector_get(value, k) * term[k];
     }
     if (fitted) {
         line->variance = n > terms ? scatter(x, (int)terms) : 1;
@@ -146,10 +146,10 @@ static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct
         if (!weigh(x, line))
             return false;
         for (size_t i = 0; i < x->n; i++)
-            scratch[i] = fabs(x->off[i] / x->sigma[i]);
+            scratch[i] = fabs(x->deviation[i] / x->sigma[i]);
         const double limit = far_off * MAD_TO_SIGMA * values_quantile(scratch, x->n, 0.5);
         for (size_t i = 0; i < x->n; i++)
-            x->use[i] = fabs(x->off[i] / x->sigma[i]) <= fmax(limit, DBL_EPSILON);
+            x->use[i] = fabs(x->deviation[i] / x->sigma[i]) <= fmax(limit, DBL_EPSILON);
     }
     return true;
 }
@@ -164,13 +164,13 @@ static double heed_gaps(struct cycle_times *x, struct times_line *line)
     static const double gap_distances = 2.5, jump_sigmas = 5, jump_min = 0.04, known = 0.2;
     const double mean = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
     struct times_line steps = *line;
-    double before = NAN, longest = 0;
+    double t_gap = NAN, longest = 0;
     for (size_t i = 1; i < x->n && steps.gaps < GAPS_MAX; i++)
         if (x->after_gap[i] || x->t[i] - x->t[i - 1] > gap_distances * mean)
             steps.gap[steps.gaps++] = i;
     steps.powers = x->n > 2 * (size_t)(steps.gaps + POWERS_MAX) ? 3 : 2;
     if (steps.gaps == 0 || x->n < (size_t)(steps.gaps + 4) || !weigh(x, &steps))
-        return before;
+        return t_gap;
     const double T = steps.value[1] / steps.half;
     for (int k = 0; k < steps.gaps; k++) {
         const size_t first = steps.gap[k];
@@ -184,12 +184,12 @@ static double heed_gaps(struct cycle_times *x, struct times_line *line)
             line->gap[line->gaps++] = first;
             if (x->t[first] - x->t[first - 1] > longest) {
                 longest = x->t[first] - x->t[first - 1];
-                before = x->t[first - 1];
+                t_gap = x->t[first - 1];
             }
         }
     }
     set_scale(x, line);
-    return before;
+    return t_gap;
 }
 
 /*
@@ -216,13 +216,15 @@ static double slope_sigma(const struct times_line *line, bool exact)
 static void heed_bend(const struct times_line *bent, struct period *period)
 {
     static const double change_min = 1e-4; /* relative, over the recording, that is worth a word */
-    const double from = (bent->value[1] - 2 * bent->value[2]) / bent->half,
-                 to = (bent->value[1] + 2 * bent->value[2]) / bent->half;
-    if (fabs(to / from - 1) <= change_min)
+    const double first_period = (bent->value[1] - 2 * bent->value[2]) / bent->half,
+                 last_period = (bent->value[1] + 2 * bent->value[2]) / bent->half;
+    if (fabs(last_period / first_period - 1) <= change_min)
         return;
     snprintf(period->warning, sizeof period->warning,
-             "the period changes along the recording, from about %.5g to %.5g s", from, to);
-    period->period.uncertainty = fmax(period->period.uncertainty, 0.25 * fabs(to - from));
+             "the period changes along the recording, from about %.5g to %.5g s", first_period,
+             last_period);
+    period->period.uncertainty =
+        fmax(period->period.uncertainty, 0.25 * fabs(last_period - first_period));
 }
 
 bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct period *period)
@@ -278,35 +280,35 @@ double times_curvature(struct cycle_times *x, double sigmas)
  * that comes first does not shift the rest. Only a few are asked: over many periods a small error
  * of the guess would turn them against each other.
  */
-static double counting_origin(const struct crossing *up, size_t count, double guess)
+static double counting_origin(const struct crossing *rising, size_t count, double guess)
 {
     enum { ASKED = 15 };
     double c = 0, s = 0;
     for (size_t i = 0; i < count && i < ASKED; i++) {
-        const double angle = TWO_PI * (up[i].t - up[0].t) / guess;
+        const double angle = TWO_PI * (rising[i].t - rising[0].t) / guess;
         c += cos(angle);
         s += sin(angle);
     }
-    return up[0].t + guess * atan2(s, c) / TWO_PI;
+    return rising[0].t + guess * atan2(s, c) / TWO_PI;
 }
 
-bool crossings_period(const struct crossing *up, size_t count, double guess, bool exact,
+bool crossings_period(const struct crossing *rising, size_t count, double guess, bool exact,
                       struct arena *arena, struct period *period, size_t *used)
 {
     static const double off_max = 0.1; /* of a period, off the phase of most */
-    const double origin = count > 0 ? counting_origin(up, count, guess) : 0;
+    const double origin = count > 0 ? counting_origin(rising, count, guess) : 0;
     double *phase = arena_array(arena, count + 1, sizeof *phase);
     struct cycle_times x;
     if (!phase || !cycle_times_init(&x, count, arena))
         return false;
     for (size_t i = 0; i < count; i++)
-        phase[i] = up[i].t - guess * nearbyint((up[i].t - origin) / guess);
+        phase[i] = rising[i].t - guess * nearbyint((rising[i].t - origin) / guess);
     const double middle = count > 0 ? values_quantile(phase, count, 0.5) : 0;
     for (size_t i = 0; i < count; i++) {
-        const double number = nearbyint((up[i].t - origin) / guess),
-                     sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess));
-        if (fabs(up[i].t - middle - guess * number) <= off_max * guess)
-            cycle_times_add(&x, up[i].t, sigma, number, false);
+        const double number = nearbyint((rising[i].t - origin) / guess),
+                     sigma = fmax(rising[i].uncertainty, 1e-15 * (fabs(rising[i].t) + guess));
+        if (fabs(rising[i].t - middle - guess * number) <= off_max * guess)
+            cycle_times_add(&x, rising[i].t, sigma, number, false);
     }
     const bool found = times_period(&x, exact, arena, period);
     *used = 0;

@@ -34,12 +34,12 @@ static bool fit_logarithms(const struct reading *reading, int count, double t0,
  * cancels, an exponential keeps its rate. What the noise adds is taken off; its own scatter goes on
  * over some samples, because velocities share them.
  */
-static void local_mean(const struct samples *x, size_t from, size_t to,
+static void local_mean(const struct samples *x, size_t first, size_t end,
                        const struct energy_noise *noise, struct reading *reading)
 {
-    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[from],
-           width = x->t[to - 1] - begin;
-    for (size_t i = from; i < to; i++) {
+    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[first],
+           width = x->t[end - 1] - begin;
+    for (size_t i = first; i < end; i++) {
         double s = sin(PI * (x->t[i] - begin) / width);
         sum += s * s * x->y[i];
         moment += s * s * x->t[i];
@@ -60,11 +60,12 @@ static double mean_gain(double x)
 }
 
 static int read_energy(const struct samples *x, int count, const struct energy_noise *noise,
-                       struct reading *out)
+                       struct reading *reading)
 {
     for (int k = 0; k < count; k++) {
-        size_t from = x->n * (size_t)k / (size_t)count, to = x->n * (size_t)(k + 1) / (size_t)count;
-        local_mean(x, from, to, noise, &out[k]);
+        size_t begin = x->n * (size_t)k / (size_t)count,
+               end = x->n * (size_t)(k + 1) / (size_t)count;
+        local_mean(x, begin, end, noise, &reading[k]);
     }
     return count;
 }
@@ -79,17 +80,17 @@ static double floor_fraction(const struct decay *decay, const struct energy_nois
     return sum / decay->readings;
 }
 
-static int read_amplitudes(const struct motion *m, int count, struct reading *out)
+static int read_amplitudes(const struct motion *m, int count, struct reading *reading)
 {
     const struct samples *x = &m->samples;
     double width = fmin(2 * m->overview.period, (x->t[x->n - 1] - x->t[0]) / count);
     double first = x->t[0], last = x->t[x->n - 1] - width;
     int read = 0;
     for (int k = 0; k < count; k++) {
-        double from = first + (last - first) * k / (count - 1);
-        size_t low = samples_index(x, from - 1e-9 * width),
-               high = samples_index(x, from + width * (1 + 1e-9));
-        read += local_amplitude(m, low, high, &out[read]);
+        double t_begin = first + (last - first) * k / (count - 1);
+        size_t low = samples_index(x, t_begin - 1e-9 * width),
+               high = samples_index(x, t_begin + width * (1 + 1e-9));
+        read += local_amplitude(m, low, high, &reading[read]);
     }
     return read;
 }
@@ -159,8 +160,8 @@ bool series_decay(const struct series *series, struct arena *arena,
         (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};
     int middle = decay->readings / 2;
     for (int i = 0; i < 2; i++) {
-        const struct reading *from = decay->reading + (i ? middle : 0);
-        if (fit_logarithms(from, i ? decay->readings - middle : middle, t0, &half)) {
+        const struct reading *reading = decay->reading + (i ? middle : 0);
+        if (fit_logarithms(reading, i ? decay->readings - middle : middle, t0, &half)) {
             decay->halves[i] = rate * half.slope.value;
         }
     }

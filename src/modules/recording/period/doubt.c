@@ -51,7 +51,7 @@ enum { CYCLE_HEIGHT, CYCLE_MEAN, CYCLE_TIME, CYCLE_VALUES };
 
 /* Sets [count] values of one kind, whose uncertainties come of a variance of the rows and of how
  * far [y] the mean cycle may be off all along a cycle. */
-static void cycle_values(const struct cycles *c, int kind, double variance, double off,
+static void cycle_values(const struct cycles *c, int kind, double variance, double shape_error,
                          struct measured *value)
 {
     double height = 0;
@@ -59,7 +59,8 @@ static void cycle_values(const struct cycles *c, int kind, double variance, doub
         height += c->cycle[k].height / (double)c->count;
     for (size_t k = 0; k < c->count; k++) {
         const struct cycle *y = &c->cycle[k];
-        const double row = variance + off * off * y->rows, relative = sqrt(row / y->power) / height;
+        const double row = variance + shape_error * shape_error * y->rows,
+                     relative = sqrt(row / y->power) / height;
         if (kind == CYCLE_HEIGHT)
             value[k] = (struct measured){log(y->height), relative * height / y->height};
         else if (kind == CYCLE_MEAN)
@@ -136,12 +137,12 @@ static double cycles_left(const struct cycles *c)
 static double cycles_chance(const struct cycles *c, size_t turns, double noise,
                             struct measured *value)
 {
-    const double left = cycles_left(c), off = template_error(c, turns, left, noise);
+    const double left = cycles_left(c), shape_error = template_error(c, turns, left, noise);
     double least = 1;
     if (left < 0)
         return NAN;
     for (int kind = 0; kind < CYCLE_VALUES; kind++) {
-        cycle_values(c, kind, left, off, value);
+        cycle_values(c, kind, left, shape_error, value);
         least = fmin(least, turns_chance(value, c->count, turns));
     }
     return least;
@@ -163,10 +164,10 @@ static void follow_times(const struct measured *time, size_t n, double spread,
     m->likelihood = 0;
     for (size_t k = 0; k < n; k++) {
         const double f = xx + m->scatter + time[k].uncertainty * time[k].uncertainty,
-                     off = time[k].value - x, gain_x = xx / f, gain_d = xd / f;
-        m->likelihood -= 0.5 * (log(f) + off * off / f);
-        x += gain_x * off;
-        d += gain_d * off;
+                     innovation = time[k].value - x, gain_x = xx / f, gain_d = xd / f;
+        m->likelihood -= 0.5 * (log(f) + innovation * innovation / f);
+        x += gain_x * innovation;
+        d += gain_d * innovation;
         dd -= gain_d * xd;
         xd -= gain_d * xx;
         xx -= gain_x * xx;
@@ -180,11 +181,11 @@ static void follow_times(const struct measured *time, size_t n, double spread,
 /*
  * Reads from the times of cycles by how much the period is off the one that they are less multiples
  * of [s]. Each may come some random time off its place, or off the cycle before: the mean over
- * both, by how likely they make the times. *beyond: by how much that makes the variance
+ * both, by how likely they make the times. *excess: by how much that makes the variance
  * larger than noise alone does, which is that share of the variances of the times.
  */
 static struct measured period_of_times(const struct measured *time, size_t n, double noise_share,
-                                       bool *surprising, double *beyond)
+                                       bool *surprising, double *excess)
 {
     enum { STEPS = 6 };
     static const double step = 4, first_scatter = 1.0 / 64, first_walk = 1.0 / 16;
@@ -195,13 +196,13 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     struct times_model model[STEPS + 1][STEPS + 1], *none = &model[0][0];
     for (size_t k = 0; k < n; k++)
         place[k] = (double)k;
-    *beyond = 0;
+    *excess = 0;
     *surprising = false;
     if (!line_fit(place, time, (int)n, &line))
         return (struct measured){0, HUGE_VAL};
     for (size_t k = 0; k < n; k++) {
-        const double off = time[k].value - line.intercept.value - line.slope.value * place[k];
-        spread += (off * off + time[k].uncertainty * time[k].uncertainty) / (double)n;
+        const double residual = time[k].value - line.intercept.value - line.slope.value * place[k];
+        spread += (residual * residual + time[k].uncertainty * time[k].uncertainty) / (double)n;
     }
     for (int i = 0; i <= STEPS; i++)
         for (int j = 0; j <= STEPS; j++) {
@@ -221,7 +222,7 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     variance = variance / weight + fmax(square / weight - value * value, 0);
     const double noise = none->period.uncertainty * none->period.uncertainty;
     *surprising = weight > evidence_sure;
-    *beyond = (weight > evidence_min ? variance : noise) - noise_share * noise;
+    *excess = (weight > evidence_min ? variance : noise) - noise_share * noise;
     return (struct measured){value, sqrt(variance)};
 }
 
@@ -241,10 +242,11 @@ static bool doubt_rows(const struct series *series, const struct period *p, stru
     const double cycles = (part.t[part.n - 1] - part.t[0]) / p->period.value,
                  each = (double)part.n / cycles,
                  wanted = fmin(ROWS_A_CYCLE, rows_max / fmin(cycles, CYCLES_USED)),
-                 by = floor(fmax(each / wanted, 1)),
-                 used = fmin(each / by * (CYCLES_USED - 1), (double)part.n);
+                 stride = floor(fmax(each / wanted, 1)),
+                 used = fmin(each / stride * (CYCLES_USED - 1), (double)part.n);
     return cycles >= CYCLES_MIN &&
-           series_lively_part(&part, (size_t)by, (size_t)used, arena, rows) && rows->n >= ROWS_MIN;
+           series_lively_part(&part, (size_t)stride, (size_t)used, arena, rows) &&
+           rows->n >= ROWS_MIN;
 }
 
 /* Widens a period by what the times of its cycles leave open, and warns where that is most of it.
@@ -253,20 +255,21 @@ static void widen_by_times(const struct cycles *c, double noise, struct measured
                            struct period *period)
 {
     static const double contradicts = 3, share_min = 0.8, most = 2;
-    double beyond;
+    double excess;
     bool surprising;
     const double left = cycles_left(c), error = template_error(c, 0, left, noise),
                  left_share = left / (left + error * error * c->cycle[0].rows);
     const bool same = strcmp(period->how, "cycles") == 0; /* the same times */
     cycle_values(c, CYCLE_TIME, left, error, value);
-    const struct measured off =
-        period_of_times(value, c->count, same ? left_share : 1, &surprising, &beyond);
+    const struct measured difference =
+        period_of_times(value, c->count, same ? left_share : 1, &surprising, &excess);
     const double share = fmin((double)c->count / fmax(period->periods, 1), 1),
-                 more = sqrt(fmax(share * beyond, 0)), stated = period->period.uncertainty;
+                 more = sqrt(fmax(share * excess, 0)), stated = period->period.uncertainty;
     period->period.uncertainty = fmax(stated, more);
     if (share > share_min &&
-        fabs(off.value) > contradicts * hypot(off.uncertainty, period->period.uncertainty))
-        period->period.uncertainty = hypot(period->period.uncertainty, off.value);
+        fabs(difference.value) >
+            contradicts * hypot(difference.uncertainty, period->period.uncertainty))
+        period->period.uncertainty = hypot(period->period.uncertainty, difference.value);
     if (surprising && period->period.uncertainty > most * stated && !period->warning[0])
         snprintf(period->warning, sizeof period->warning,
                  "the cycles come off their places, or off those before, by more than the noise: T "

@@ -27,7 +27,7 @@ struct envelope {
 
 /* Returns the amplitude at s >= 0 since the start, relative to that at the start, and sets its
  * derivatives by gamma and q. */
-static double envelope_value(const struct envelope_rates *rates, double s, double by[2])
+static double envelope_value(const struct envelope_rates *rates, double s, double gradient[2])
 {
     /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
     double h = 0.5 * rates->gamma, hs = h * s, phi, slope;
@@ -38,9 +38,9 @@ static double envelope_value(const struct envelope_rates *rates, double s, doubl
         phi = -expm1(-hs) / h;
         slope = (s * exp(-hs) - phi) / h;
     }
-    double under = 1 + rates->q * phi, value = exp(-hs) / under;
-    by[0] = 0.5 * value * (-s - rates->q * slope / under);
-    by[1] = -value * phi / under;
+    double denominator = 1 + rates->q * phi, value = exp(-hs) / denominator;
+    gradient[0] = 0.5 * value * (-s - rates->q * slope / denominator);
+    gradient[1] = -value * phi / denominator;
     return value;
 }
 
@@ -50,10 +50,11 @@ static double law_value(const struct envelope *e, const gsl_vector *x, double s,
 {
     struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
                                    .q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0};
-    double by[2], a0 = exp(gsl_vector_get(x, 0)), value = a0 * envelope_value(&rates, s, by);
+    double gradient[2], a0 = exp(gsl_vector_get(x, 0)),
+                        value = a0 * envelope_value(&rates, s, gradient);
     d[0] = value;
-    d[1] = a0 * by[0];
-    d[2] = a0 * by[1];
+    d[1] = a0 * gradient[0];
+    d[2] = a0 * gradient[1];
     return value;
 }
 
@@ -114,14 +115,14 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
         /* GSL_ENOPROG means the minimum to the last digit */
         result->found = status == GSL_SUCCESS || status == GSL_ENOPROG;
         const gsl_vector *f = gsl_multifit_nlinear_residual(work),
-                         *at = gsl_multifit_nlinear_position(work);
+                         *solution = gsl_multifit_nlinear_position(work);
         double square = 0;
         for (size_t i = 0; i < e->count; i++) {
             square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
         }
         result->mean_square = fmax(square / (double)e->count, MEAN_SQUARE_MIN);
-        result->gamma = gamma ? gsl_vector_get(at, 1) : 0;
-        result->q = quadratic ? gsl_vector_get(at, p - 1) : 0;
+        result->gamma = gamma ? gsl_vector_get(solution, 1) : 0;
+        result->q = quadratic ? gsl_vector_get(solution, p - 1) : 0;
         result->found = result->found && isfinite(square);
     }
     gsl_multifit_nlinear_free(work);
@@ -141,9 +142,9 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     size_t windows = (size_t)(span / width * (1 + 1e-9));
     for (size_t k = 0; k < windows && e->count < WINDOWS_MAX; k++) {
         struct reading reading;
-        size_t from = samples_index(x, x->t[0] + width * (double)k);
-        size_t to = samples_index(x, x->t[0] + width * (double)(k + 1));
-        if (!local_amplitude(m, from, to, &reading) ||
+        size_t begin = samples_index(x, x->t[0] + width * (double)k);
+        size_t end = samples_index(x, x->t[0] + width * (double)(k + 1));
+        if (!local_amplitude(m, begin, end, &reading) ||
             !(reading.amplitude.uncertainty < 0.3 * reading.amplitude.value)) {
             continue;
         }

@@ -54,7 +54,7 @@ static bool is_narrow(const double *correlation, size_t n)
 }
 
 /* Sets out [n] to means of seven neighbours each, of which the middle one counts most. */
-static void smooth(const double *y, size_t n, double *out)
+static void smooth(const double *y, size_t n, double *result)
 {
     enum { REACH = 3 };
     for (size_t i = 0; i < n; i++) {
@@ -64,7 +64,7 @@ static void smooth(const double *y, size_t n, double *out)
             sum += w * y[k];
             weight += w;
         }
-        out[i] = sum / weight;
+        result[i] = sum / weight;
     }
 }
 
@@ -151,8 +151,8 @@ static struct lag_peak read_peak(const struct lags *l, size_t k)
 {
     const double *r = l->correlation + k, bend = r[-1] - 2 * r[0] + r[1],
                  slope = 0.5 * (r[1] - r[-1]);
-    const double off = bend < 0 ? -slope / bend : 0;
-    struct lag_peak peak = {((double)k + off) * l->dt, r[0] + 0.5 * slope * off, r[0]};
+    const double offset = bend < 0 ? -slope / bend : 0;
+    struct lag_peak peak = {((double)k + offset) * l->dt, r[0] + 0.5 * slope * offset, r[0]};
     /* the top lies on the side of the higher neighbour */
     const int side = r[1] > r[-1] ? 1 : -1;
     if (k >= 2 && k + 2 < l->n) {
@@ -270,16 +270,16 @@ static double between_samples(const struct lags *l, double shift)
 static bool fairly_better(const struct lags *l, double period, int n)
 {
     const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;
-    double other = -1, off = 1;
+    double other = -1, distance = 1;
     struct lag_peak peak;
     for (int k = 1; k <= MULTIPLES_MAX && k * period < 0.6 * span; k++)
         if (k % n != 0 && peak_near(l, k * period, reach, &peak) &&
-            between_samples(l, peak.shift) < off) {
-            off = between_samples(l, peak.shift);
+            between_samples(l, peak.shift) < distance) {
+            distance = between_samples(l, peak.shift);
             other = peak.parabola;
         }
     for (int k = n; k <= MULTIPLES_MAX && k * period < 0.6 * span && other > 0; k += n)
-        if (peak_near(l, k * period, reach, &peak) && between_samples(l, peak.shift) >= off &&
+        if (peak_near(l, k * period, reach, &peak) && between_samples(l, peak.shift) >= distance &&
             peak.parabola > other + correlation_band(l, peak.parabola))
             return true;
     return false;

@@ -100,8 +100,8 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
         for (size_t i = 0; i < x->n; i++) {
             if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
                 return false;
-            const double after = x->t[i] - origin, phase = omega * after;
-            work[i] = residual[i] + exp(-0.5 * gamma * after) * (a * cos(phase) + b * sin(phase));
+            const double elapsed = x->t[i] - origin, phase = omega * elapsed;
+            work[i] = residual[i] + exp(-0.5 * gamma * elapsed) * (a * cos(phase) + b * sin(phase));
         }
         if (!fit_line(&one, omega, unknowns, h, residual))
             return false;

@@ -67,17 +67,19 @@ static double sure_amplitude(const struct track_window *w)
  */
 static double deepest_wane(const struct track *track, struct arena *arena)
 {
-    double *after = arena_array(arena, track->windows + 1, sizeof *after), before = 0, deepest = 1;
-    for (size_t k = track->windows; after && k-- > 0;) {
-        after[k] =
-            k + 1 < track->windows ? fmax(after[k + 1], sure_amplitude(&track->window[k + 1])) : 0;
+    double *later_max = arena_array(arena, track->windows + 1, sizeof *later_max), earlier_max = 0,
+           deepest = 1;
+    for (size_t k = track->windows; later_max && k-- > 0;) {
+        later_max[k] = k + 1 < track->windows
+                           ? fmax(later_max[k + 1], sure_amplitude(&track->window[k + 1]))
+                           : 0;
     }
-    for (size_t k = 0; after && k < track->windows; k++) {
+    for (size_t k = 0; later_max && k < track->windows; k++) {
         const struct track_window *w = &track->window[k];
-        const double around = fmin(before, after[k]),
+        const double surrounding = fmin(earlier_max, later_max[k]),
                      here = w->amplitude * (1 + AMPLITUDE_CLEAR_SIGMAS * fmin(w->sigma, 1));
-        deepest = around > 0 && w->used > 0 ? fmin(deepest, here / around) : deepest;
-        before = fmax(before, sure_amplitude(w));
+        deepest = surrounding > 0 && w->used > 0 ? fmin(deepest, here / surrounding) : deepest;
+        earlier_max = fmax(earlier_max, sure_amplitude(w));
     }
     return deepest;
 }

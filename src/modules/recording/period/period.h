@@ -24,7 +24,7 @@ bool series_beats(const struct series *series, struct arena *arena);
  * returns how many there are.
  */
 size_t series_crossings(const struct series *series, const struct overview *overview, double level,
-                        struct crossing *out, size_t capacity);
+                        struct crossing *result, size_t capacity);
 
 /* A time or a rate, with what all times have in common [relative] added to its uncertainty. */
 struct measured measured_at_pace(struct measured time, double pace);
@@ -47,7 +47,7 @@ bool series_clean_period(const struct series *series, double centre, struct aren
                          struct period *period);
 
 struct period_reading {
-    double from, to, t;        /* [s] the window, and its middle */
+    double t_begin, t_end, t;  /* [s] the window, and its middle */
     struct measured amplitude; /* half the swing; of a simulation with its overtones */
     struct measured period;    /* [s] */
     double periods;
@@ -66,8 +66,8 @@ struct reading {
 };
 
 /* Amplitude at the given times (each from a window of `width` [s], 0: two periods). */
-bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
-                       int count, double width, struct reading *out, struct error *error);
+bool series_amplitudes(const struct series *series, struct arena *arena, const double *reading_time,
+                       int count, double width, struct reading *reading, struct error *error);
 
 struct decay {
     struct measured gamma; /* [1/s] from the weighted line through ln(amplitude) */

@@ -10,17 +10,17 @@
  * parabola, or NAN of fewer than two. */
 static double mean_swing(const struct series *s)
 {
-    double before = NAN, sum = 0, count = 0;
+    double previous = NAN, sum = 0, count = 0;
     for (size_t i = 1; i + 1 < s->n; i++) {
         const double l = s->y[i - 1], m = s->y[i], r = s->y[i + 1];
         if ((m > l) != (m >= r) || m == l)
             continue;
         const double curvature = l - 2 * m + r, top = m - (l - r) * (l - r) / (8 * curvature);
-        if (isfinite(before)) {
-            sum += 0.5 * fabs(top - before);
+        if (isfinite(previous)) {
+            sum += 0.5 * fabs(top - previous);
             count++;
         }
-        before = top;
+        previous = top;
     }
     return count > 0 ? sum / count : NAN;
 }
@@ -46,18 +46,19 @@ static bool read_window(const struct series *part, double middle, double width, 
 }
 
 bool series_period_readings(const struct series *series, int windows, struct arena *arena,
-                            struct period_reading *out, struct error *error)
+                            struct period_reading *reading, struct error *error)
 {
-    const double from = series->t[0], width = (series->t[series->n - 1] - from) / windows;
+    const double t_begin = series->t[0], width = (series->t[series->n - 1] - t_begin) / windows;
     for (int i = 0; i < windows; i++) {
-        const struct series part = series_window(*series, from + i * width, from + (i + 1) * width);
+        const struct series part =
+            series_window(*series, t_begin + i * width, t_begin + (i + 1) * width);
         if (part.n < 3)
             return error_set(error, ERROR_COMMAND, "fewer than 3 samples in one of %d windows",
                              windows);
-        if (!read_window(&part, from + (i + 0.5) * width, width, arena, &out[i], error))
+        if (!read_window(&part, t_begin + (i + 0.5) * width, width, arena, &reading[i], error))
             return false;
-        out[i].from = from + i * width;
-        out[i].to = from + (i + 1) * width;
+        reading[i].t_begin = t_begin + i * width;
+        reading[i].t_end = t_begin + (i + 1) * width;
     }
     return true;
 }

@@ -11,20 +11,22 @@
 
 #define VALUE_ROUNDING_RELATIVE 1e-9 /* of a value: one without noise states nothing */
 
-/* Weighted mean with `between` added to each stated uncertainty; returns the sum of squares in
- * units of these. */
-static double weigh(const struct measured *x, int n, double between, struct measured *mean)
+/* Weighted mean with `sigma_between` added to each stated uncertainty; returns the sum of squares
+ * in units of these. */
+static double weigh(const struct measured *x, int n, double sigma_between, struct measured *mean)
 {
     double w = 0, wx = 0, square = 0;
     for (int i = 0; i < n; i++) {
-        const double weight = 1 / (x[i].uncertainty * x[i].uncertainty + between * between);
+        const double weight =
+            1 / (x[i].uncertainty * x[i].uncertainty + sigma_between * sigma_between);
         w += weight;
         wx += weight * x[i].value;
     }
     *mean = (struct measured){wx / w, 1 / sqrt(w)};
     for (int i = 0; i < n; i++) {
-        const double off = x[i].value - mean->value;
-        square += off * off / (x[i].uncertainty * x[i].uncertainty + between * between);
+        const double deviation = x[i].value - mean->value;
+        square += deviation * deviation /
+                  (x[i].uncertainty * x[i].uncertainty + sigma_between * sigma_between);
     }
     return square;
 }
@@ -49,7 +51,7 @@ bool repeat_values(const struct measured *x, int n, struct repeat *r)
     double sum = 0, square = 0;
     bool stated = true;
     *r = (struct repeat){
-        .n = n, .birge = NAN, .chance = NAN, .between = NAN, .weighted = {NAN, NAN}};
+        .n = n, .birge = NAN, .chance = NAN, .excess_scatter = NAN, .weighted = {NAN, NAN}};
     for (int i = 0; i < n; i++) {
         sum += x[i].value;
         stated &= x[i].uncertainty > VALUE_ROUNDING_RELATIVE * fabs(x[i].value);
@@ -66,8 +68,8 @@ bool repeat_values(const struct measured *x, int n, struct repeat *r)
         const double chi2 = weigh(x, n, 0, &r->weighted);
         r->birge = sqrt(chi2 / (n - 1));
         r->chance = gsl_cdf_chisq_Q(chi2, n - 1);
-        r->between = scatter_between(x, n, r->scatter);
-        weigh(x, n, r->between, &r->quote);
+        r->excess_scatter = scatter_between(x, n, r->scatter);
+        weigh(x, n, r->excess_scatter, &r->quote);
     }
     r->interval = gsl_cdf_tdist_Pinv(0.975, n - 1) * r->quote.uncertainty;
     return true;

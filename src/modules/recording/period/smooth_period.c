@@ -52,12 +52,12 @@ struct smooth_wave {
 static bool is_even(const struct series *s, double dt)
 {
     const double tolerance = even_tolerance * dt + 4e-16 * fabs(s->t[s->n - 1]);
-    double off = 0;
+    double deviation_max = 0;
     for (size_t i = 0; i < s->n; i++) {
         const double here = fabs(s->t[i] - (s->t[0] + (double)i * dt));
-        off = here > off ? here : off;
+        deviation_max = here > deviation_max ? here : deviation_max;
     }
-    return off <= tolerance;
+    return deviation_max <= tolerance;
 }
 
 /* Sets the extremes. Returns false if a value is not finite. */
@@ -109,18 +109,19 @@ static double quintic_root(double d[INTERPOLATED], double x, double *slope)
 /* Places a crossing by the six rows about it, each `step` rows from the next. */
 static bool place_crossing(const struct smooth_wave *w, size_t step, struct smooth_crossing *c)
 {
-    const size_t half = INTERPOLATED / 2 * step, before = c->row - 1,
-                 from = before + step < half ? 0 : before + step - half,
-                 last = w->n - 1 - (INTERPOLATED - 1) * step, first = from < last ? from : last;
+    const size_t half = INTERPOLATED / 2 * step, previous = c->row - 1,
+                 window_begin = previous + step < half ? 0 : previous + step - half,
+                 last = w->n - 1 - (INTERPOLATED - 1) * step,
+                 first = window_begin < last ? window_begin : last;
     double d[INTERPOLATED];
     for (size_t i = 0; i < INTERPOLATED; i++)
         d[i] = w->y[first + i * step] - w->level;
-    const double above = w->y[c->row] - w->level, below = w->y[before] - w->level,
-                 part = below / (below - above);
-    const double begin = (double)before - (double)first,
+    const double y_next = w->y[c->row] - w->level, y_previous = w->y[previous] - w->level,
+                 part = y_previous / (y_previous - y_next);
+    const double begin = (double)previous - (double)first,
                  x = quintic_root(d, (begin + part) / (double)step, &c->slope) * (double)step;
     c->place = (double)first + x;
-    return x >= begin - 0.5 && x <= begin + 1.5 && c->slope * (above - below) > 0;
+    return x >= begin - 0.5 && x <= begin + 1.5 && c->slope * (y_next - y_previous) > 0;
 }
 
 /* Finds the crossings between lobes that are high enough. Returns false if there are too few, or
@@ -132,10 +133,10 @@ static bool find_crossings(struct smooth_wave *w, double share_min)
     int side = 0;
     w->count = 0;
     for (size_t i = 0; i < w->n; i++) {
-        const double above = w->y[i] - w->level;
-        if (i > 0 && (above > 0) != (w->y[i - 1] - w->level > 0))
+        const double deviation = w->y[i] - w->level;
+        if (i > 0 && (deviation > 0) != (w->y[i - 1] - w->level > 0))
             crossed = i;
-        const int now = above > height_min ? 1 : above < -height_min ? -1 : 0;
+        const int now = deviation > height_min ? 1 : deviation < -height_min ? -1 : 0;
         if (now == 0 || now == side)
             continue;
         if (side != 0) {
@@ -169,8 +170,8 @@ static bool heights_are_even(const struct smooth_wave *w)
 static bool follow_level(const struct smooth_wave *w, struct smooth_crossing *c)
 {
     for (size_t i = 0; i < lobe_rows_min; i++) {
-        const bool here = w->y[c->row] > w->level, before = w->y[c->row - 1] > w->level;
-        if (here != before)
+        const bool here = w->y[c->row] > w->level, was_above = w->y[c->row - 1] > w->level;
+        if (here != was_above)
             return true;
         const bool rises = w->y[c->row] > w->y[c->row - 1];
         if (here == rises && c->row > 1)
@@ -205,7 +206,7 @@ struct crossing_line {
     double half, shift;       /* [rows], as y */
     double half_sigma;        /* [rows] from the scatter about the line */
     double half_sigma_of_one; /* [rows] where each value is off by 1 */
-    double off;               /* [rows] the largest distance from it */
+    double distance_max;      /* [rows] the largest distance from it */
 };
 
 static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *line)
@@ -218,11 +219,11 @@ static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *lin
     for (size_t k = 0; k < w->count; k++) {
         const struct smooth_crossing *c = &w->crossing[k];
         const double s = c->slope / scale, x[3] = {s, s * ((double)k - middle) / middle, 1},
-                     off = s * (c->place - origin - guess * (double)k);
+                     deviation = s * (c->place - origin - guess * (double)k);
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j <= i; j++)
                 a[3 * i + j] += x[i] * x[j];
-            b[i] += x[i] * off;
+            b[i] += x[i] * deviation;
         }
     }
     double l[3 * 3] = {0}, unit[3] = {0, 1, 0};
@@ -232,13 +233,14 @@ static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *lin
     cholesky_backward(3, 3, l, b);
     cholesky_forward(3, 3, l, unit);
     const double inverse = unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2];
-    line->off = 0;
+    line->distance_max = 0;
     for (size_t k = 0; k < w->count; k++) {
         const struct smooth_crossing *c = &w->crossing[k];
-        const double s = c->slope / scale, off = c->place - origin - guess * (double)k - b[0] -
-                                                 b[1] * ((double)k - middle) / middle - b[2] / s;
-        square += s * s * off * off;
-        line->off = fmax(line->off, fabs(off));
+        const double s = c->slope / scale, deviation = c->place - origin - guess * (double)k -
+                                                       b[0] - b[1] * ((double)k - middle) / middle -
+                                                       b[2] / s;
+        square += s * s * deviation * deviation;
+        line->distance_max = fmax(line->distance_max, fabs(deviation));
     }
     line->half = guess + b[1] / middle;
     line->half_sigma_of_one = sqrt(inverse) / middle / scale;
@@ -270,7 +272,7 @@ static bool find_line(struct smooth_wave *w, double level, double share_min,
 {
     w->level = level;
     return find_crossings(w, share_min) && find_centre(w, line) && find_crossings(w, share_min) &&
-           find_centre(w, line) && line->off <= off_line_max * 2 * line->half &&
+           find_centre(w, line) && line->distance_max <= off_line_max * 2 * line->half &&
            heights_are_even(w);
 }
 
@@ -300,8 +302,8 @@ static double interpolation_sigma(struct smooth_wave *w, const struct crossing_l
     for (size_t k = 0; k < w->count; k++) {
         struct smooth_crossing coarse = w->crossing[k];
         if (place_crossing(w, 2, &coarse)) {
-            const double off = coarse.slope * (coarse.place - w->crossing[k].place);
-            square += off * off;
+            const double deviation = coarse.slope * (coarse.place - w->crossing[k].place);
+            square += deviation * deviation;
         }
     }
     return sqrt(square / (double)w->count) / 63 * line->half_sigma_of_one;
@@ -325,15 +327,15 @@ bool smooth_period(const struct series *series, struct arena *arena, struct peri
     if (!find_line(&w, w.low + 0.5 * (w.high - w.low), lobe_min, &line) &&
         !find_damped_line(&w, &line))
         return false;
-    const size_t first = w.crossing[0].slope > 0 ? 0 : 1, up = (w.count - 1 - first) / 2;
+    const size_t first = w.crossing[0].slope > 0 ? 0 : 1, cycles = (w.count - 1 - first) / 2;
     const double t0 = series->t[0], begin = w.crossing[first].place,
-                 end = w.crossing[first + 2 * up].place;
+                 end = w.crossing[first + 2 * cycles].place;
     const double sigma =
         fmax(hypot(line.half_sigma, interpolation_sigma(&w, &line)), DBL_EPSILON * line.half);
     *period = (struct period){.period = {2 * line.half * dt, 2 * sigma * dt},
                               .first = t0 + dt * begin,
                               .last = t0 + dt * end,
-                              .periods = (double)up,
+                              .periods = (double)cycles,
                               .level = w.level,
                               .how = "up-crossings"};
     return true;

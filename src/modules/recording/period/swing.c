@@ -36,8 +36,8 @@ static bool describes(const struct motion *m)
         return false;
     for (size_t i = 0; i < x->n; i++) {
         const double drift = m->harmonic.d * (x->t[i] - m->harmonic.origin),
-                     off = x->y[i] - m->harmonic.c - drift;
-        power += x->use[i] ? off * off : 0;
+                     deviation = x->y[i] - m->harmonic.c - drift;
+        power += x->use[i] ? deviation * deviation : 0;
         square += x->use[i] ? m->residual[i] * m->residual[i] : 0;
     }
     const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
@@ -66,32 +66,32 @@ static size_t extend_end(const struct series *s, const struct motion *m, size_t 
     const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA),
                  noise = fmax(left, m->overview.noise);
     size_t good = end;
-    int off = 0;
-    while (off < NEIGHBOURS && end != limit) {
+    int outliers = 0;
+    while (outliers < NEIGHBOURS && end != limit) {
         double envelope;
         end += (size_t)direction;
         const double value = sine_value(&m->harmonic, s->t[end], &envelope);
         /* gamma is not exact, so a part of the envelope is no contradiction */
         const bool is_off = !(fabs(s->y[end] - value) <= 4 * noise + 0.1 * envelope);
-        off = is_off ? off + 1 : 0;
+        outliers = is_off ? outliers + 1 : 0;
         good = is_off ? good : end;
     }
     return good;
 }
 
-static struct series part_of(const struct series *s, size_t from, size_t to)
+static struct series part_of(const struct series *s, size_t begin, size_t end)
 {
     struct series part = *s;
-    part.t += from;
-    part.y += from;
-    part.n = to - from;
+    part.t += begin;
+    part.y += begin;
+    part.n = end - begin;
     return part;
 }
 
-static bool try_window(const struct series *s, size_t from, size_t to, struct arena *arena,
+static bool try_window(const struct series *s, size_t begin, size_t end, struct arena *arena,
                        struct motion *m)
 {
-    const struct series part = part_of(s, from, to);
+    const struct series part = part_of(s, begin, end);
     return part.n >= SWING_SAMPLES_MIN && motion_one_sine(m, &part, arena) && describes(m);
 }
 
@@ -121,8 +121,8 @@ static void set_swing(const struct series *s, const size_t window[2], const stru
 {
     *swing = (struct swing){.window = {s->t[window[0]], s->t[window[1] - 1]},
                             .period = TWO_PI / m->harmonic.omega,
-                            .from = window[0],
-                            .to = window[1]};
+                            .begin = window[0],
+                            .end = window[1]};
 }
 
 /* Tries all windows of one length and keeps the one that the sine describes best. */
@@ -160,10 +160,10 @@ static size_t leaves_rest(const struct series *s, struct arena *arena)
     for (size_t i = 0; i < rest; i++)
         square += (s->y[i] - level) * (s->y[i] - level);
     const double limit = 6 * fmax(sqrt(square / (double)(rest - 1)), series_noise(s, arena));
-    size_t off = 0, i = rest;
-    for (; i < s->n && off < NEIGHBOURS; i++)
-        off = fabs(s->y[i] - level) > limit ? off + 1 : 0;
-    return off < NEIGHBOURS ? s->n : i - NEIGHBOURS;
+    size_t outliers = 0, i = rest;
+    for (; i < s->n && outliers < NEIGHBOURS; i++)
+        outliers = fabs(s->y[i] - level) > limit ? outliers + 1 : 0;
+    return outliers < NEIGHBOURS ? s->n : i - NEIGHBOURS;
 }
 
 /* Tries what comes after the rest at the beginning, however soon that dies out: all of it, then its
@@ -198,7 +198,7 @@ bool find_swing(const struct series *series, struct swing *swing)
         found = after_rest(&few, 0, swing);
         for (size_t trim = 1; trim <= GRID_TRIM_MAX && !found && !cancelled(series->cancel); trim++)
             found = best_of_length(&few, GRID_PARTS - trim, swing);
-        found = found && swing->to - swing->from < few.n;
+        found = found && swing->end - swing->begin < few.n;
     }
     arena_reset(&arena);
     return found;

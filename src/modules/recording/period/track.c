@@ -44,9 +44,9 @@ static struct track_gram collect(const struct samples *x, const struct track_win
     double gram[COLUMNS + 1][COLUMNS + 1] = {
         {0}}; /* on its own, so that it can stay in registers */
     const double scale = 1 / half;
-    const double first = w->omega * (x->t[w->from] - w->t), y0 = x->y[w->from];
+    const double first = w->omega * (x->t[w->begin] - w->t), y0 = x->y[w->begin];
     double c = cos(first), d = sin(first), re = cos(w->omega * x->dt), im = sin(w->omega * x->dt);
-    for (size_t i = w->from; i < w->to; i++) {
+    for (size_t i = w->begin; i < w->end; i++) {
         const double s = x->t[i] - w->t;
         if (!x->uniform) {
             c = cos(w->omega * s);
@@ -83,11 +83,11 @@ static void fit_window(const struct samples *x, struct track_window *w)
     if (cancelled(x->cancel)) {
         return;
     }
-    const double half = 0.5 * (x->t[w->to - 1] - x->t[w->from]);
+    const double half = 0.5 * (x->t[w->end - 1] - x->t[w->begin]);
     struct track_gram m = {.used = 0};
     w->clear = false;
     w->amplitude = w->explained = w->rss = 0;
-    w->sigma = w->off = NAN;
+    w->sigma = w->phase_error = NAN;
     if (half > 0) {
         m = collect(x, w, half);
     }
@@ -95,7 +95,7 @@ static void fit_window(const struct samples *x, struct track_window *w)
     if (m.used < COLUMNS + 2 || !factorise(&m)) {
         return;
     }
-    w->mean = x->y[w->from] + m.gram[COLUMNS][0] / m.gram[0][0];
+    w->mean = x->y[w->begin] + m.gram[COLUMNS][0] / m.gram[0][0];
     const double *r = m.gram[COLUMNS], pc = r[3], pd = r[4];
     const double q = pd / m.gram[4][4], p = (pc - m.gram[4][3] * q) / m.gram[3][3];
     const double freedom = (double)(m.used - COLUMNS),
@@ -111,13 +111,13 @@ static void fit_window(const struct samples *x, struct track_window *w)
 }
 
 /* Returns the first sample after a gap in [from, to): a step of several usual ones and a good part
- * of a period; `to` if there is none. */
-static size_t after_gap(const struct samples *x, size_t from, size_t to, double width)
+ * of a period; `end` if there is none. */
+static size_t after_gap(const struct samples *x, size_t begin, size_t end, double width)
 {
     static const double gap_steps = 8, gap_widths = 0.02;
     const double gap = fmax(gap_steps * x->dt, gap_widths * width);
-    size_t i = from;
-    while (i < to && (i == 0 || x->t[i] - x->t[i - 1] <= gap))
+    size_t i = begin;
+    while (i < end && (i == 0 || x->t[i] - x->t[i - 1] <= gap))
         i++;
     return i;
 }
@@ -131,24 +131,24 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
     if (!track->window) {
         return false;
     }
-    size_t at = 0;
+    size_t begin = 0;
     bool gap = false;
     for (size_t k = 0; k < count; k++) {
         const double end = x->t[0] + span * (double)(k + 1) / (double)count;
         const size_t next = k + 1 < count ? samples_index(x, end) : x->n,
-                     split = after_gap(x, at, next, width);
-        struct track_window w = {.from = at, .to = next, .after_gap = gap};
+                     split = after_gap(x, begin, next, width);
+        struct track_window w = {.begin = begin, .end = next, .after_gap = gap};
         if (split < next) { /* the larger side */
-            w.after_gap = gap || split - at <= next - split;
-            *(split - at > next - split ? &w.to : &w.from) = split;
+            w.after_gap = gap || split - begin <= next - split;
+            *(split - begin > next - split ? &w.end : &w.begin) = split;
         }
         gap = gap || split < next;
-        at = next;
-        if (w.to < w.from + COLUMNS + 2 ||
-            x->t[w.to - 1] - x->t[w.from] < WINDOW_FILLED_MIN * span / (double)count)
+        begin = next;
+        if (w.end < w.begin + COLUMNS + 2 ||
+            x->t[w.end - 1] - x->t[w.begin] < WINDOW_FILLED_MIN * span / (double)count)
             continue;
-        gap = split < next && w.to == split;
-        w.t = 0.5 * (x->t[w.from] + x->t[w.to - 1]);
+        gap = split < next && w.end == split;
+        w.t = 0.5 * (x->t[w.begin] + x->t[w.end - 1]);
         track->window[track->windows++] = w;
     }
     return true;
@@ -178,19 +178,19 @@ static void follow_frequency(const struct samples *x, struct track *track, size_
 {
     const double min = (1 - FREQUENCY_STRAY_RELATIVE) * omega,
                  max = (1 + FREQUENCY_STRAY_RELATIVE) * omega;
-    struct track_window *before = &track->window[start];
+    struct track_window *previous = &track->window[start];
     for (size_t k = start + (size_t)direction; k < track->windows; k += (size_t)direction) {
         struct track_window *w = &track->window[k];
         w->omega = omega;
         fit_window(x, w);
-        const double step = w->t - before->t, expected = before->phase + omega * step;
-        const double off = remainder(w->phase - expected, TWO_PI);
-        w->phase = expected + off;
+        const double step = w->t - previous->t, expected = previous->phase + omega * step;
+        const double phase_error = remainder(w->phase - expected, TWO_PI);
+        w->phase = expected + phase_error;
         if (!w->clear)
             continue;
-        w->off = off;
-        omega = fmin(fmax(omega + FREQUENCY_GAIN * off / step, min), max);
-        before = w;
+        w->phase_error = phase_error;
+        omega = fmin(fmax(omega + FREQUENCY_GAIN * phase_error / step, min), max);
+        previous = w;
     }
 }
 
@@ -207,9 +207,9 @@ static void conclude_track(struct track *track)
         first = first ? first : w;
         last = w;
         track->clear++;
-        if (isfinite(w->off)) {
+        if (isfinite(w->phase_error)) {
             weight += w->amplitude;
-            cosine += w->amplitude * cos(w->off);
+            cosine += w->amplitude * cos(w->phase_error);
         }
     }
     for (const struct track_window *w = first; w && w <= last; w++) {
@@ -232,9 +232,9 @@ static double window_width(const struct samples *x, double omega, double periods
                 fmax(WINDOW_SAMPLES, BEAT_MIN / fmax(beat, 1e-3)) * x->dt);
 }
 
-/* Makes one pass over all samples with the frequency that they have at the time `at`. Returns false
- * if out of memory. */
-static bool track_from(const struct samples *x, double omega, double periods, double at,
+/* Makes one pass over all samples with the frequency that they have at the time `t_start`. Returns
+ * false if out of memory. */
+static bool track_from(const struct samples *x, double omega, double periods, double t_start,
                        struct arena *arena, struct track *track)
 {
     *track = (struct track){.omega = NAN, .periods = periods};
@@ -242,7 +242,7 @@ static bool track_from(const struct samples *x, double omega, double periods, do
         return false;
     }
     size_t start = 0;
-    while (start + 1 < track->windows && track->window[start + 1].t <= at) {
+    while (start + 1 < track->windows && track->window[start + 1].t <= t_start) {
         start++;
     }
     if (track->windows > 0) {
@@ -310,10 +310,11 @@ bool track_is_oscillation(const struct track *track)
 }
 
 /* Of an oscillation with strong harmonics the fundamental, if it is followed as well. */
-static bool is_fundamental(const struct track *of, const struct track *harmonic)
+static bool is_fundamental(const struct track *track, const struct track *harmonic)
 {
-    const double ratio = harmonic->omega / of->omega;
-    return of->clear >= FEW && of->coherence > 0.9 && of->explained > 0.3 * harmonic->explained &&
+    const double ratio = harmonic->omega / track->omega;
+    return track->clear >= FEW && track->coherence > 0.9 &&
+           track->explained > 0.3 * harmonic->explained &&
            (fabs(ratio - 2) < 0.05 || fabs(ratio - 3) < 0.05);
 }
 
@@ -356,9 +357,9 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
     int count = 0;
     struct track best = {.omega = NAN}, trial;
     for (size_t k = 0; k < COUNT_OF(parts) && memory && !explains_all(&best); k++) {
-        const int from = count;
+        const int first = count;
         count += mean_spectrum_peaks(x, parts[k], omega + count, PEAKS, &memory);
-        for (int i = from; i < count && memory && !explains_all(&best); i++)
+        for (int i = first; i < count && memory && !explains_all(&best); i++)
             if (follow_narrowly(x, omega[i], NULL, arena, &trial, &memory) &&
                 !(trial.explained * trial.coherence <= best.explained * best.coherence))
                 best = trial;
@@ -374,12 +375,13 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
 /* ---- long recordings ---- */
 
 /* Makes samples of the means of so many neighbours each. Returns false if out of memory. */
-static bool average(const struct samples *x, size_t each, struct arena *arena, struct samples *out)
+static bool average(const struct samples *x, size_t each, struct arena *arena,
+                    struct samples *result)
 {
     const struct samples all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
     struct series means;
     return samples_average(&all, each, arena, &means) && !cancelled(x->cancel) &&
-           samples_init(out, &means, arena);
+           samples_init(result, &means, arena);
 }
 
 static double window_power(const struct track *track, const struct samples *x)
@@ -410,20 +412,23 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
     }
     const struct track *best =
         window_power(&fast, &part) > window_power(&slow, &coarse) ? &fast : &slow;
-    const struct track_window *at = NULL;
+    const struct track_window *strongest = NULL;
     for (size_t k = 0; k < best->windows && best->omega > 0; k++) {
         const struct track_window *w = &best->window[k];
-        at = w->clear && (!at || w->explained * at->rss > at->explained * w->rss) ? w : at;
+        strongest = w->clear && (!strongest ||
+                                 w->explained * strongest->rss > strongest->explained * w->rss)
+                        ? w
+                        : strongest;
     }
-    if (!at)
+    if (!strongest)
         return true;
     /* Means of so few neighbours keep all that is seen of the oscillation. */
-    const size_t each = (size_t)fmax(TWO_PI / (at->omega * x->dt * ROWS_A_PERIOD), 1);
+    const size_t each = (size_t)fmax(TWO_PI / (strongest->omega * x->dt * ROWS_A_PERIOD), 1);
     struct series means;
     if (each == 1)
-        return track_from(x, at->omega, best->periods, at->t, arena, track);
+        return track_from(x, strongest->omega, best->periods, strongest->t, arena, track);
     return samples_average(x, each, arena, &means) && samples_init(&coarse, &means, arena) &&
-           track_from(&coarse, at->omega, best->periods, at->t, arena, track);
+           track_from(&coarse, strongest->omega, best->periods, strongest->t, arena, track);
 }
 
 /* ---- the period from phases ---- */

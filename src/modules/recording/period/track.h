@@ -11,14 +11,14 @@
 #include "modules/recording/period/cycle.h"
 
 struct track_window {
-    size_t from, to;  /* samples [from, to) */
-    double t;         /* [s] its middle */
-    double omega;     /* [rad/s] of the sine that was fitted */
-    double amplitude; /* as y */
-    double phase;     /* [rad] at t, counted through */
-    double sigma;     /* [rad] of the phase, from the residuals of the window */
+    size_t begin, end; /* samples [from, to) */
+    double t;          /* [s] its middle */
+    double omega;      /* [rad/s] of the sine that was fitted */
+    double amplitude;  /* as y */
+    double phase;      /* [rad] at t, counted through */
+    double sigma;      /* [rad] of the phase, from the residuals of the window */
     /* [rad] of the phase from where the windows before expected it; NAN: nothing was expected */
-    double off;
+    double phase_error;
     double mean;      /* of the samples */
     double explained; /* sum of squares that the sine takes off what the parabola left */
     double rss;       /* sum of squares that is left */

@@ -33,7 +33,7 @@ struct waves {
 };
 
 /* Sets the middle level and how far a wave goes beyond it. Returns false if noise may do so. */
-static bool find_levels(const struct series *s, double *middle, double *beyond, double *noise)
+static bool find_levels(const struct series *s, double *middle, double *hysteresis, double *noise)
 {
     double value[LEVEL_ROWS], scratch[NOISE_ROWS];
     const size_t rows = s->n < LEVEL_ROWS ? s->n : LEVEL_ROWS,
@@ -46,29 +46,29 @@ static bool find_levels(const struct series *s, double *middle, double *beyond, 
     memset(use, 1, part);
     *noise = samples_noise(&(struct samples){.t = s->t, .y = s->y, .n = part, .use = use}, scratch);
     *middle = low + 0.5 * (high - low);
-    *beyond = beyond_middle * (high - low);
+    *hysteresis = beyond_middle * (high - low);
     return high > low && *noise < noise_max * (high - low);
 }
 
 /* Returns when the line between two rows passes a level. */
-static double passes_level(const struct series *s, size_t after, double level)
+static double passes_level(const struct series *s, size_t next, double level)
 {
-    const double a = s->y[after - 1] - level, b = s->y[after] - level;
-    return s->t[after - 1] + (s->t[after] - s->t[after - 1]) * (a / (a - b));
+    const double a = s->y[next - 1] - level, b = s->y[next] - level;
+    return s->t[next - 1] + (s->t[next] - s->t[next - 1]) * (a / (a - b));
 }
 
 /* Finds the waves and sets their number. Returns the mean time that noise shifts an edge by. */
-static double find_waves(const struct series *s, double middle, double beyond, double noise,
+static double find_waves(const struct series *s, double middle, double hysteresis, double noise,
                          struct waves *w)
 {
     double begin = NAN, shift = 0;
     size_t crossed = 0;
     int side = 0;
     for (size_t i = 1; i < s->n; i++) {
-        const double above = s->y[i] - middle;
-        if ((above > 0) != (s->y[i - 1] - middle > 0))
+        const double deviation = s->y[i] - middle;
+        if ((deviation > 0) != (s->y[i - 1] - middle > 0))
             crossed = i;
-        const int now = above > beyond ? 1 : above < -beyond ? -1 : side;
+        const int now = deviation > hysteresis ? 1 : deviation < -hysteresis ? -1 : side;
         if (now == side)
             continue;
         if (side != 0 && crossed > 0) {
@@ -87,29 +87,29 @@ static double find_waves(const struct series *s, double middle, double beyond, d
 
 /* Returns the standard deviation of the times between waves, leaving aside a few that are far off,
  * as where a wave is missing. off: for n values. */
-static double typical_spread(const struct waves *w, double *off)
+static double typical_spread(const struct waves *w, double *deviation)
 {
     static const double normal = 1.4826; /* standard deviations of a median distance */
     const size_t gaps = w->n - 1;
     for (size_t i = 0; i < gaps; i++)
-        off[i] = w->t[i + 1] - w->t[i];
-    const double middle = values_quantile(off, gaps, 0.5);
+        deviation[i] = w->t[i + 1] - w->t[i];
+    const double middle = values_quantile(deviation, gaps, 0.5);
     for (size_t i = 0; i < gaps; i++)
-        off[i] = fabs(w->t[i + 1] - w->t[i] - middle);
-    return normal * values_quantile(off, gaps, 0.5);
+        deviation[i] = fabs(w->t[i + 1] - w->t[i] - middle);
+    return normal * values_quantile(deviation, gaps, 0.5);
 }
 
 /* Sets what the times between the waves are like. */
 static void describe_gaps(struct waves *w)
 {
-    double square = 0, product = 0, before = 0;
+    double square = 0, product = 0, previous = 0;
     w->gap = (w->t[w->n - 1] - w->t[0]) / (double)(w->n - 1);
     w->shortest = HUGE_VAL;
     for (size_t i = 1; i < w->n; i++) {
-        const double gap = w->t[i] - w->t[i - 1], off = gap - w->gap;
-        square += off * off;
-        product += off * before;
-        before = off;
+        const double gap = w->t[i] - w->t[i - 1], deviation = gap - w->gap;
+        square += deviation * deviation;
+        product += deviation * previous;
+        previous = deviation;
         w->shortest = fmin(w->shortest, gap);
         w->longest = fmax(w->longest, gap);
     }
@@ -121,21 +121,21 @@ static void describe_gaps(struct waves *w)
 static bool waves_init(const struct series *s, struct arena *arena, struct waves *w)
 {
     static const double shortest_min = 0.3, longest_max = 2.2; /* mean gaps */
-    double middle, beyond, noise;
+    double middle, hysteresis, noise;
     *w = (struct waves){.n = 0};
-    if (s->n < 4 * WAVES_MIN || !find_levels(s, &middle, &beyond, &noise))
+    if (s->n < 4 * WAVES_MIN || !find_levels(s, &middle, &hysteresis, &noise))
         return false;
     w->t = arena_array(arena, s->n / 2 + 1, sizeof *w->t);
     if (!w->t)
         return false;
-    w->noise = find_waves(s, middle, beyond, noise, w);
+    w->noise = find_waves(s, middle, hysteresis, noise, w);
     if (w->n < WAVES_MIN)
         return false;
     describe_gaps(w);
-    double *off = arena_array(arena, w->n, sizeof *off);
-    if (!off)
+    double *deviation = arena_array(arena, w->n, sizeof *deviation);
+    if (!deviation)
         return false;
-    w->typical = typical_spread(w, off);
+    w->typical = typical_spread(w, deviation);
     return w->shortest > shortest_min * w->gap && w->longest < longest_max * w->gap;
 }
 
@@ -144,8 +144,8 @@ static double spread_after(const struct waves *w, size_t waves, double period)
 {
     double square = 0;
     for (size_t i = 0; i + waves < w->n; i++) {
-        const double off = w->t[i + waves] - w->t[i] - period;
-        square += off * off;
+        const double deviation = w->t[i + waves] - w->t[i] - period;
+        square += deviation * deviation;
     }
     return sqrt(square / (double)(w->n - waves));
 }

@@ -42,25 +42,25 @@ static void start_of(const struct fit *fit, int n, bool at_rest, struct measured
 }
 
 /* Of a law the equation's parameter i, else that of the damped sine. */
-static void shift(struct fit *fit, int i, double by)
+static void shift(struct fit *fit, int i, double offset)
 {
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
     struct drag_fit *drag = &fit->drag;
     if (drag->candidates == 0) {
         struct measured *const sine[SINE_PARAMETERS] = {&fit->amplitude, &fit->phase, &fit->omega,
                                                         &fit->gamma};
-        sine[i]->value += by;
+        sine[i]->value += offset;
     } else if (i < EQUATION_OMEGA) {
-        (i == EQUATION_START ? &drag->start : &drag->speed)->value += by;
+        (i == EQUATION_START ? &drag->start : &drag->speed)->value += offset;
     } else if (i == EQUATION_OMEGA) { /* the fit's omega is the damped one */
-        const double omega = hypot(fit->omega.value, half) + by;
+        const double omega = hypot(fit->omega.value, half) + offset;
         fit->omega.value = sqrt(omega * omega - half * half);
     } else if (i == EQUATION_CUBIC) {
-        drag->cubic.value += by;
+        drag->cubic.value += offset;
     } else {
-        drag->candidate[drag->best - 1].rate[i - EQUATION_RATE].value += by;
+        drag->candidate[drag->best - 1].rate[i - EQUATION_RATE].value += offset;
         if (i == EQUATION_RATE) { /* omega0 stays */
-            const double omega = hypot(fit->omega.value, half), now = half + 0.5 * by;
+            const double omega = hypot(fit->omega.value, half), now = half + 0.5 * offset;
             fit->gamma.value = 2 * now;
             fit->omega.value = sqrt(omega * omega - now * now);
         }
@@ -80,7 +80,7 @@ static struct measured param_measured(const struct scene *scene, const char *nam
 }
 
 void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
-                    struct measured out[ADOPTED_VALUES])
+                    struct measured value[ADOPTED_VALUES])
 {
     const struct measured mass = param_measured(scene, "m"), g = param_measured(scene, "g"),
                           none = {0};
@@ -91,16 +91,16 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
     const double length = g.value / square.value;
     struct measured start[2];
     start_of(fit, n, at_rest, start);
-    out[ADOPTED_STIFFNESS] = fit_stiffness(fit, mass);
-    out[ADOPTED_CUBIC] = times(fit->drag.cubic, m);
-    out[ADOPTED_LINEAR] = law ? law->rate[0] : fit->gamma;
-    out[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
-    out[ADOPTED_LENGTH] = (struct measured){
+    value[ADOPTED_STIFFNESS] = fit_stiffness(fit, mass);
+    value[ADOPTED_CUBIC] = times(fit->drag.cubic, m);
+    value[ADOPTED_LINEAR] = law ? law->rate[0] : fit->gamma;
+    value[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
+    value[ADOPTED_LENGTH] = (struct measured){
         length, length * hypot(square.uncertainty / square.value, g.uncertainty / g.value)};
-    out[ADOPTED_DRY] = law ? times(law->rate[2], is_pendulum(scene) ? m * length : m) : none;
-    out[ADOPTED_POSITION] = out[ADOPTED_ANGLE] = start[0];
-    out[ADOPTED_POSITION].value += -m * g.value / out[ADOPTED_STIFFNESS].value;
-    out[ADOPTED_VELOCITY] = out[ADOPTED_TURNING] = start[1];
+    value[ADOPTED_DRY] = law ? times(law->rate[2], is_pendulum(scene) ? m * length : m) : none;
+    value[ADOPTED_POSITION] = value[ADOPTED_ANGLE] = start[0];
+    value[ADOPTED_POSITION].value += -m * g.value / value[ADOPTED_STIFFNESS].value;
+    value[ADOPTED_VELOCITY] = value[ADOPTED_TURNING] = start[1];
 }
 
 double adopted_scale_of(const struct scene *scene, const struct fit *fit)
@@ -114,31 +114,31 @@ double adopted_scale_of(const struct scene *scene, const struct fit *fit)
     return hypot(y, (v + half * y) / fit->omega.value) / fit->amplitude.value;
 }
 
-static void scale_measured(struct measured *m, double by)
+static void scale_measured(struct measured *m, double factor)
 {
-    m->value *= by;
-    m->uncertainty *= fabs(by);
+    m->value *= factor;
+    m->uncertainty *= fabs(factor);
 }
 
 void adopted_scale(struct fit *fit, double scale)
 {
     struct drag_fit *drag = &fit->drag;
     const bool law = drag->candidates > 0;
-    double by[CURVE_PARAMETERS];
+    double factor[CURVE_PARAMETERS];
     for (int i = 0; i < CURVE_PARAMETERS; i++)
-        by[i] = 1;
-    by[law ? EQUATION_START : SINE_AMPLITUDE] = scale;
+        factor[i] = 1;
+    factor[law ? EQUATION_START : SINE_AMPLITUDE] = scale;
     if (law) {
-        by[EQUATION_SPEED] = scale;
-        by[EQUATION_RATE + 1] = 1 / scale; /* y'' = -b |y'| y' */
-        by[EQUATION_RATE + 2] = scale;     /* y'' = -f */
-        by[EQUATION_CUBIC] = 1 / (scale * scale);
+        factor[EQUATION_SPEED] = scale;
+        factor[EQUATION_RATE + 1] = 1 / scale; /* y'' = -b |y'| y' */
+        factor[EQUATION_RATE + 2] = scale;     /* y'' = -f */
+        factor[EQUATION_CUBIC] = 1 / (scale * scale);
         scale_measured(&drag->start, scale);
         scale_measured(&drag->speed, scale);
-        scale_measured(&drag->cubic, by[EQUATION_CUBIC]);
+        scale_measured(&drag->cubic, factor[EQUATION_CUBIC]);
         for (int k = 0; k < drag->candidates; k++)
             for (int r = 0; r < DRAG_RATES; r++)
-                scale_measured(&drag->candidate[k].rate[r], by[EQUATION_RATE + r]);
+                scale_measured(&drag->candidate[k].rate[r], factor[EQUATION_RATE + r]);
     }
     scale_measured(&fit->amplitude, scale);
     scale_measured(&fit->offset, scale);
@@ -146,22 +146,22 @@ void adopted_scale(struct fit *fit, double scale)
     fit->rms *= fabs(scale);
     for (int i = 0; i < fit->covariance.n; i++)
         for (int j = 0; j < fit->covariance.n; j++)
-            fit->covariance.at[i][j] *= by[i] * by[j];
+            fit->covariance.entry[i][j] *= factor[i] * factor[j];
 }
 
 /* Derivative of all targets by one parameter of the fit. */
 static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
                      double slope[ADOPTED_VALUES])
 {
-    const double deviation = sqrt(fit->covariance.at[i][i]), by = 1e-2 * deviation;
+    const double deviation = sqrt(fit->covariance.entry[i][i]), increment = 1e-2 * deviation;
     struct measured side[2][ADOPTED_VALUES];
     for (int s = 0; s < 2; s++) {
         struct fit moved = *fit;
-        shift(&moved, i, s ? by : -by);
+        shift(&moved, i, s ? increment : -increment);
         adopted_values(scene, &moved, n, at_rest, side[s]);
     }
     for (int k = 0; k < ADOPTED_VALUES; k++)
-        slope[k] = by > 0 ? (side[1][k].value - side[0][k].value) / (2 * by) : 0;
+        slope[k] = increment > 0 ? (side[1][k].value - side[0][k].value) / (2 * increment) : 0;
 }
 
 void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
@@ -177,7 +177,7 @@ void adopted_motion(const struct scene *scene, const struct fit *fit, int n, boo
         const int index = scene_param(scene, names[k]);
         double size = 0;
         for (int i = 0; i < covariance->n; i++)
-            size += fabs(slope[i][k]) * covariance->at[i][i];
+            size += fabs(slope[i][k]) * covariance->entry[i][i];
         if (index < 0 || !(size > 0))
             continue;
         target[adopted->count] = k;
@@ -188,7 +188,7 @@ void adopted_motion(const struct scene *scene, const struct fit *fit, int n, boo
             for (int i = 0; i < covariance->n; i++)
                 for (int j = 0; j < covariance->n; j++)
                     adopted->covariance[k * adopted->count + l] +=
-                        slope[i][target[k]] * covariance->at[i][j] * slope[j][target[l]];
+                        slope[i][target[k]] * covariance->entry[i][j] * slope[j][target[l]];
 }
 
 void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
@@ -199,5 +199,5 @@ void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
             adopted->index[adopted->count++] = i;
     for (int k = 0; k < adopted->count; k++)
         for (int l = 0; l < adopted->count; l++)
-            adopted->covariance[k * adopted->count + l] = covariance->at[k][l];
+            adopted->covariance[k * adopted->count + l] = covariance->entry[k][l];
 }

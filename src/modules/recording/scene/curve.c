@@ -68,7 +68,7 @@ bool scene_curve_first(const struct scene_curve *c, const struct system *system,
 }
 
 void scene_curve_inside(const struct scene_curve *c, const struct step *step,
-                        const struct sampling *s, double from, size_t *i)
+                        const struct sampling *s, double t_begin, size_t *i)
 {
     const struct wanted_solutions w = wanted_of(c, step->system);
     struct dense_polynomial polynomial[LIMIT_VARIABLES];
@@ -77,7 +77,7 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step,
         for (int k = 0; k < w.count; k++)
             method_polynomial(c->method, step, w.index[k], &polynomial[k]);
         do {
-            const double theta = (s->t[*i] - from) / step->h;
+            const double theta = (s->t[*i] - t_begin) / step->h;
             for (int k = 0; k < w.count; k++)
                 inside[w.index[k]] = dense_polynomial_at(&polynomial[k], theta);
             put_sample(c, step->system, s, *i, inside);
@@ -99,14 +99,14 @@ static bool march_curve(const struct scene_curve *c, const struct system *system
     if (!scene_curve_first(c, system, s, &i))
         return false;
     for (size_t k = 0; i < s->n; k++) {
-        const double from = step.t;
-        if (k == c->points || !(c->mesh[k] > from) || ((k & 63) == 0 && cancelled(c->cancel)))
+        const double t_begin = step.t;
+        if (k == c->points || !(c->mesh[k] > t_begin) || ((k & 63) == 0 && cancelled(c->cancel)))
             return false;
-        step.h = c->mesh[k] - from;
+        step.h = c->mesh[k] - t_begin;
         if (method_step(c->method, &step) != STEP_OK)
             return false;
         step.t = c->mesh[k];
-        scene_curve_inside(c, &step, s, from, &i);
+        scene_curve_inside(c, &step, s, t_begin, &i);
     }
     return true;
 }
@@ -115,7 +115,7 @@ static bool march_curve(const struct scene_curve *c, const struct system *system
 static bool follow_linear(const struct scene_curve *c, const struct system *system,
                           const struct sampling *s)
 {
-    double y[LIMIT_VARIABLES], at = system->t0;
+    double y[LIMIT_VARIABLES], t = system->t0;
     size_t i;
     memcpy(y, system->start, (size_t)system->n * sizeof *y);
     linear_motion_bind(c->linear, c->variation, s->derivative ? c->variation->directions : 0);
@@ -124,7 +124,7 @@ static bool follow_linear(const struct scene_curve *c, const struct system *syst
     for (; i < s->n; i++) {
         if ((i & 4095) == 0 && cancelled(c->cancel))
             return false;
-        at = linear_motion_advance(c->linear, at, s->t[i], y);
+        t = linear_motion_advance(c->linear, t, s->t[i], y);
         put_sample(c, system, s, i, y);
     }
     return true;

@@ -35,10 +35,10 @@ struct sampling {
  * one of them. */
 bool scene_curve_first(const struct scene_curve *curve, const struct system *system,
                        const struct sampling *sampling, size_t *i);
-/* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of
- * the step has the curve's variables first. */
+/* Those within the step that began at `t_begin`, by its polynomials, and those at its end. `system`
+ * of the step has the curve's variables first. */
 void scene_curve_inside(const struct scene_curve *curve, const struct step *step,
-                        const struct sampling *sampling, double from, size_t *i);
+                        const struct sampling *sampling, double t_begin, size_t *i);
 
 /* Integrates along the mesh through the turning points and rests of dry friction (dry.c). `system`
  * is the curve's variation or its base; the base is left frozen. Returns false if a step failed or

@@ -49,12 +49,12 @@ static void go_on_branch(struct dry_walk *w, int branch)
 /* With v = 0: on the lower branch, on the upper one. */
 static void accelerations(const struct dry_walk *w, double t, const double *y, double a[2])
 {
-    const double at[2] = {y[0], 0};
+    const double rest_state[2] = {y[0], 0};
     for (int side = 0; side < 2; side++) {
         struct system frozen;
         double rate[LIMIT_VARIABLES];
         freeze(w, side ? 1 : -1, &frozen);
-        system_derivative(&frozen, t, at, rate);
+        system_derivative(&frozen, t, rest_state, rate);
         a[side] = rate[1];
     }
 }
@@ -65,14 +65,15 @@ static int onward(const double a[2])
     return a[1] > 0 ? 1 : a[0] < 0 ? -1 : 0;
 }
 
-static void turn(struct dry_walk *w)
+static void dry_walk_turn(struct dry_walk *w)
 {
     struct step *step = w->step;
     double a[2];
     accelerations(w, step->t, step->y, a);
-    const double before = a[w->branch > 0];
+    const double old_acceleration = a[w->branch > 0];
     const int next = onward(a);
-    const double after = next == 0 ? 0 : a[next > 0], factor = before != 0 ? after / before : 1;
+    const double new_acceleration = next == 0 ? 0 : a[next > 0],
+                 factor = old_acceleration != 0 ? new_acceleration / old_acceleration : 1;
     step->y[1] = 0;
     for (int k = 3; k < step->system->n; k += 2)
         step->y[k] *= factor;
@@ -84,11 +85,11 @@ static void turn(struct dry_walk *w)
 /* Returns the time at which it is pulled off, or `end` if it is not. */
 static double release(const struct dry_walk *w, double end)
 {
-    const double from = w->step->t;
+    const double t_begin = w->step->t;
     double a[2];
     for (int k = 1; k <= STEP_LOOKS; k++) {
-        double free = from + (end - from) * k / STEP_LOOKS,
-               stuck = from + (end - from) * (k - 1) / STEP_LOOKS;
+        double free = t_begin + (end - t_begin) * k / STEP_LOOKS,
+               stuck = t_begin + (end - t_begin) * (k - 1) / STEP_LOOKS;
         accelerations(w, free, w->step->y, a);
         if (onward(a) == 0)
             continue;
@@ -102,11 +103,11 @@ static double release(const struct dry_walk *w, double end)
     return end;
 }
 
-static void put_resting(struct dry_walk *w, double until)
+static void put_resting(struct dry_walk *w, double t_end)
 {
     const struct sampling *s = w->sampling;
     const int variable = w->c->variable;
-    for (; w->i < s->n && s->t[w->i] <= until; w->i++) {
+    for (; w->i < s->n && s->t[w->i] <= t_end; w->i++) {
         s->value[w->i] = (w->c->rate ? 0 : w->step->y[variable]) + s->offset;
         for (int j = 0; j < w->c->frees && s->derivative; j++)
             s->derivative[w->i * s->columns + (size_t)j] =
@@ -116,13 +117,13 @@ static void put_resting(struct dry_walk *w, double until)
     }
 }
 
-static void rest(struct dry_walk *w, double end)
+static void dry_walk_rest(struct dry_walk *w, double end)
 {
     double a[2];
-    const double until = release(w, end);
-    put_resting(w, until);
-    w->step->t = until;
-    accelerations(w, until, w->step->y, a);
+    const double t_release = release(w, end);
+    put_resting(w, t_release);
+    w->step->t = t_release;
+    accelerations(w, t_release, w->step->y, a);
     go_on_branch(w, onward(a));
 }
 
@@ -148,22 +149,22 @@ static bool step_again(struct dry_walk *w, const struct dry_state *saved, double
 static double turning(const struct dry_walk *w)
 {
     struct dense_polynomial v;
-    double before = 0, after = 1;
+    double theta_low = 0, theta_high = 1;
     method_polynomial(w->c->method, w->step, 1, &v);
-    for (int k = STEP_LOOKS - 1; k > 0 && before == 0; k--) {
+    for (int k = STEP_LOOKS - 1; k > 0 && theta_low == 0; k--) {
         const double theta = (double)k / STEP_LOOKS;
-        before = w->branch * dense_polynomial_at(&v, theta) > 0 ? theta : 0;
-        after = before == 0 ? theta : after;
+        theta_low = w->branch * dense_polynomial_at(&v, theta) > 0 ? theta : 0;
+        theta_high = theta_low == 0 ? theta : theta_high;
     }
     for (int j = 0; j < HALVINGS_MAX; j++) {
-        const double middle = 0.5 * (before + after);
-        *(w->branch * dense_polynomial_at(&v, middle) > 0 ? &before : &after) = middle;
+        const double middle = 0.5 * (theta_low + theta_high);
+        *(w->branch * dense_polynomial_at(&v, middle) > 0 ? &theta_low : &theta_high) = middle;
     }
-    return after;
+    return theta_high;
 }
 
 /* As far as `end`, or to where it turns. */
-static bool move(struct dry_walk *w, double end)
+static bool dry_walk_move(struct dry_walk *w, double end)
 {
     struct step *step = w->step;
     struct dry_state saved = {.t = step->t};
@@ -180,15 +181,16 @@ static bool move(struct dry_walk *w, double end)
         if (!step_again(w, &saved, h))
             return false;
         system_derivative(&w->c->variation->base, saved.t + h, step->y, rate);
-        const double off = rate[1] != 0 ? -step->y[1] / rate[1] : 0;
-        if (!(fabs(off) > TURN_KNOWN_RELATIVE * (fabs(saved.t) + h)) || !(h + off > 0))
+        const double correction = rate[1] != 0 ? -step->y[1] / rate[1] : 0;
+        if (!(fabs(correction) > TURN_KNOWN_RELATIVE * (fabs(saved.t) + h)) ||
+            !(h + correction > 0))
             break;
-        h += off;
+        h += correction;
     }
     step->t = turns ? saved.t + h : end;
     scene_curve_inside(w->c, step, w->sampling, saved.t, &w->i);
     if (turns)
-        turn(w);
+        dry_walk_turn(w);
     return true;
 }
 
@@ -210,8 +212,8 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system,
             if (turns == TURNS_MAX)
                 return false;
             if (w.branch == 0)
-                rest(&w, c->mesh[k]);
-            else if (!move(&w, c->mesh[k]))
+                dry_walk_rest(&w, c->mesh[k]);
+            else if (!dry_walk_move(&w, c->mesh[k]))
                 return false;
         }
     }

@@ -27,9 +27,9 @@ struct linear_motion {
     int n, directions;
     const struct variation *variation;
     double a[BLOCK * BLOCK], b[BLOCK];
-    double by[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
-    double scratch[3][AUGMENTED * AUGMENTED];               /* 100 kB: too much for a stack */
-    double storage[];                                       /* of the propagators */
+    double coupling[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
+    double scratch[3][AUGMENTED * AUGMENTED];                     /* 100 kB: too much for a stack */
+    double storage[];                                             /* of the propagators */
 };
 
 /* Of a propagator with all that it may hold. */
@@ -62,9 +62,9 @@ static void step_position(struct linear_motion *m, int k, double dt)
 
 static bool collect_steps(struct linear_motion *m, double t0, const double *t, size_t n)
 {
-    double at = t0;
+    double t_reached = t0;
     for (size_t i = 0; i < n; i++) {
-        const double wanted = t[i] - at;
+        const double wanted = t[i] - t_reached;
         if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t[i])))
             continue;
         int k = find_step(m, wanted, t[i]);
@@ -74,7 +74,7 @@ static bool collect_steps(struct linear_motion *m, double t0, const double *t, s
             k = m->steps++;
             step_position(m, k, wanted);
         }
-        at += m->step[k].dt;
+        t_reached += m->step[k].dt;
         m->last = k;
     }
     return true;
@@ -109,7 +109,7 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
         for (int i = 0; i < n; i++)
             m->a[i * n + j] = rate[i] - still[i];
         for (int i = 0; i < n * directions; i++)
-            m->by[i * n + j] = rate[n + i] - still[n + i];
+            m->coupling[i * n + j] = rate[n + i] - still[n + i];
     }
     for (int k = 0; k < m->steps; k++)
         step_position(m, k, m->step[k].dt);
@@ -128,7 +128,7 @@ static void prepare_linear_step(struct linear_motion *m, struct linear_propagato
                 x[i * all + j] = m->a[i * n + j] * p->dt;
                 if (m->directions > 0) {
                     x[(n + i) * all + n + j] = x[i * all + j];
-                    x[(n + i) * all + j] = m->by[(block * n + i) * n + j] * p->dt;
+                    x[(n + i) * all + j] = m->coupling[(block * n + i) * n + j] * p->dt;
                 }
             }
             x[i * all + all - 1] = m->b[i] * p->dt;
@@ -175,11 +175,11 @@ propagator_advance(int n, int directions, const struct linear_propagator *p, dou
     }
 }
 
-double linear_motion_advance(struct linear_motion *m, double from, double t, double *state)
+double linear_motion_advance(struct linear_motion *m, double t_begin, double t, double *state)
 {
-    const double wanted = t - from;
+    const double wanted = t - t_begin;
     if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t)))
-        return from;
+        return t_begin;
     int k = find_step(m, wanted, t);
     if (k < 0) { /* of other samples than were announced: takes a step's place */
         k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
@@ -193,5 +193,5 @@ double linear_motion_advance(struct linear_motion *m, double from, double t, dou
         propagator_advance(2, m->directions, p, state);
     else
         propagator_advance(m->n, m->directions, p, state);
-    return from + p->dt;
+    return t_begin + p->dt;
 }

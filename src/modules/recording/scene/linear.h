@@ -21,6 +21,6 @@ void linear_motion_bind(struct linear_motion *motion, const struct variation *va
                         int directions);
 /* The state [n (1 + directions)] from the time it is at to `t`; returns the time that it is at
  * then, within 1e-9 steps of t: what is off is made up for by the next step. */
-double linear_motion_advance(struct linear_motion *motion, double from, double t, double *state);
+double linear_motion_advance(struct linear_motion *motion, double t_begin, double t, double *state);
 
 #endif

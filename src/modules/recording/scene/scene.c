@@ -127,10 +127,10 @@ struct scene_fitting {
     struct fit_curve as_curve;
     struct curve_options options;
     struct arena *arena;
-    double spread;  /* standard deviation of the series */
-    double sigma;   /* the same of the residuals of the last fit */
-    double *at;     /* [parameters] */
-    size_t stretch; /* samples that are judged together, see struct curve_options */
+    double spread;     /* standard deviation of the series */
+    double sigma;      /* the same of the residuals of the last fit */
+    double *parameter; /* [parameters] */
+    size_t stretch;    /* samples that are judged together, see struct curve_options */
 };
 
 static double spread_of(const struct series *series)
@@ -157,14 +157,14 @@ static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS_MAX;
     struct arena scratch = {0}; /* nothing but values is wanted of what is not the last */
-    const bool ok =
-        scene_curve_mesh(f->curve, f->at, &part, error) &&
-        curve_fit(&f->as_curve, &part, f->at, &options, last ? f->arena : &scratch, fit, error);
+    const bool ok = scene_curve_mesh(f->curve, f->parameter, &part, error) &&
+                    curve_fit(&f->as_curve, &part, f->parameter, &options,
+                              last ? f->arena : &scratch, fit, error);
     arena_reset(&scratch);
     if (!ok)
         return false;
     for (int j = 0; j < fit->parameters; j++)
-        f->at[j] = fit->value[j].value;
+        f->parameter[j] = fit->value[j].value;
     f->sigma = fit->sigma;
     return true;
 }
@@ -179,18 +179,18 @@ static bool approach(struct scene_fitting *f, double period, struct error *error
     double start[CURVE_PARAMETERS], direct[CURVE_PARAMETERS];
     struct curve_fit fit;
     const size_t bytes = (size_t)f->as_curve.parameters * sizeof *start;
-    memcpy(start, f->at, bytes);
+    memcpy(start, f->parameter, bytes);
     if (!fit_part(f, series->n, false, &fit, error)) {
         if (error->code != ERROR_COMMAND)
             return false;
         fit.sigma = INFINITY;
-        memcpy(f->at, start, bytes);
+        memcpy(f->parameter, start, bytes);
     }
     if (fit.sigma < PHASE_LOST * f->spread)
         return true;
     const double sigma = fit.sigma;
-    memcpy(direct, f->at, bytes);
-    memcpy(f->at, start, bytes);
+    memcpy(direct, f->parameter, bytes);
+    memcpy(f->parameter, start, bytes);
     const size_t min = 4 * (size_t)f->as_curve.parameters;
     const double span = series->t[series->n - 1] - series->t[0];
     const double first = isfinite(period) ? FIRST_PERIODS * period : FIRST_SHARE * span;
@@ -208,7 +208,7 @@ static bool approach(struct scene_fitting *f, double period, struct error *error
         }
     }
     if (!(fit.sigma < sigma))
-        memcpy(f->at, direct, bytes);
+        memcpy(f->parameter, direct, bytes);
     *error = (struct error){0};
     return true;
 }
@@ -236,8 +236,9 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
         return true;
     const int total = both.frees + both.offset;
     const size_t columns = (size_t)total;
-    double at[CURVE_PARAMETERS], *value = arena_array(f->arena, series->n, sizeof *value),
-                                 *slope = arena_array(f->arena, series->n * columns, sizeof *slope);
+    double parameter[CURVE_PARAMETERS],
+        *value = arena_array(f->arena, series->n, sizeof *value),
+        *slope = arena_array(f->arena, series->n * columns, sizeof *slope);
     both.work = calloc(method_work_size(both.method, both.variation->base.n * (both.frees + 1)) + 1,
                        sizeof *both.work);
     if (!value || !slope || !both.work) {
@@ -245,9 +246,9 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
         return error_memory(error);
     }
     for (int j = 0; j < both.frees; j++)
-        at[j] = j < own ? curve->value[j].value : both.scene.value[both.index[j]];
-    at[both.frees] = both.offset ? curve->value[own].value : 0;
-    const bool there = scene_curve_evaluate(&both, at, series->t, series->n, value, slope);
+        parameter[j] = j < own ? curve->value[j].value : both.scene.value[both.index[j]];
+    parameter[both.frees] = both.offset ? curve->value[own].value : 0;
+    const bool there = scene_curve_evaluate(&both, parameter, series->t, series->n, value, slope);
     both.mesh = NULL; /* the other's */
     both.linear = NULL;
     scene_curve_free(&both);
@@ -268,14 +269,14 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
         }
         for (int j = 0; j < curve->parameters; j++) {
             struct measured *p = &curve->value[j];
-            const double before = p->uncertainty,
+            const double old_sigma = p->uncertainty,
                          more = moved[j] * both.scene.uncertainty[both.index[q]];
-            if (!(before > 0))
+            if (!(old_sigma > 0))
                 continue;
-            p->uncertainty = hypot(before, more);
+            p->uncertainty = hypot(old_sigma, more);
             for (int side = 0; side < 2; side++)
                 curve->interval[j][side] =
-                    p->value + (curve->interval[j][side] - p->value) * p->uncertainty / before;
+                    p->value + (curve->interval[j][side] - p->value) * p->uncertainty / old_sigma;
         }
     }
     return true;
@@ -395,23 +396,23 @@ static bool try_other_swings(struct scene_fitting *f, const double *proposed, do
     const int friction = free_index(f->curve, "friction");
     const size_t bytes = (size_t)f->as_curve.parameters * sizeof *proposed;
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
-    memcpy(found, f->at, bytes);
-    memcpy(best, f->at, bytes);
+    memcpy(found, f->parameter, bytes);
+    memcpy(best, f->parameter, bytes);
     for (size_t k = 0;
          k < COUNT_OF(factors) && friction >= 0 && sigma > RESIDUAL_NOISE_RATIO * noise; k++) {
         struct curve_fit fit;
-        memcpy(f->at, k == 0 ? proposed : found, bytes);
-        f->at[friction] *= k == 0 ? 1 : factors[k];
+        memcpy(f->parameter, k == 0 ? proposed : found, bytes);
+        f->parameter[friction] *= k == 0 ? 1 : factors[k];
         *error = (struct error){0};
         const bool done = fit_part(f, f->request->series->n, false, &fit, error);
         if (!done && error->code != ERROR_COMMAND)
             return false;
         if (done && f->sigma < sigma) {
             sigma = f->sigma;
-            memcpy(best, f->at, bytes);
+            memcpy(best, f->parameter, bytes);
         }
     }
-    memcpy(f->at, best, bytes);
+    memcpy(f->parameter, best, bytes);
     f->sigma = sigma;
     *error = (struct error){0};
     return true;
@@ -422,10 +423,10 @@ static void take_off_turns(struct scene_fitting *f)
 {
     const struct scene_curve *c = f->curve;
     const int angle = is_pendulum(&c->scene) && c->offset ? free_index(c, "theta0") : -1;
-    const double turns = angle < 0 ? 0 : TWO_PI * nearbyint(f->at[angle] / TWO_PI);
+    const double turns = angle < 0 ? 0 : TWO_PI * nearbyint(f->parameter[angle] / TWO_PI);
     if (turns != 0) {
-        f->at[angle] -= turns;
-        f->at[c->frees] += turns;
+        f->parameter[angle] -= turns;
+        f->parameter[c->frees] += turns;
     }
 }
 
@@ -439,14 +440,14 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
     double proposed[CURVE_PARAMETERS];
     if (!motion)
         return error_memory(error);
-    memcpy(proposed, f->at, (size_t)f->as_curve.parameters * sizeof *proposed);
+    memcpy(proposed, f->parameter, (size_t)f->as_curve.parameters * sizeof *proposed);
     series_overview(series, &scratch, &overview);
     f->stretch = stretch_of(series, &overview);
     f->curve->tol = tolerance(f, &overview);
     if (overview.oscillates) {
         const struct fit_model *row = fit_model_by_name(TEXT("damped"));
         if (row->fit(series, &scratch, f->request->cancel, motion, &ignored) && motion->converged)
-            improve_start(f->curve, motion, f->at);
+            improve_start(f->curve, motion, f->parameter);
     }
     arena_reset(&scratch);
     if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
@@ -462,7 +463,7 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
 bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
                      struct scene_fit *fit, struct error *error)
 {
-    double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], at[CURVE_PARAMETERS] = {0};
+    double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], parameter[CURVE_PARAMETERS] = {0};
     struct scene_curve curve = {.frees = 0};
     *fit = (struct scene_fit){.scene = *request->scene};
     if (!set_up(request, &curve, arena, error))
@@ -473,7 +474,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
         fit->name[j] = j < curve.frees
                            ? catalog_row(scene_params(&curve.scene), (size_t)curve.index[j])->name
                            : "offset";
-        at[j] = j < curve.frees ? curve.scene.value[curve.index[j]] : 0;
+        parameter[j] = j < curve.frees ? curve.scene.value[curve.index[j]] : 0;
     }
     struct scene_fitting f = {
         .request = request,
@@ -482,8 +483,8 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
         .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
         .arena = arena,
         .spread = spread_of(request->series),
-        .at = at};
-    bounds(&curve, at, low, high);
+        .parameter = parameter};
+    bounds(&curve, parameter, low, high);
     const bool ok = fit_all(&f, fit, error);
     scene_curve_free(&curve);
     if (!ok)

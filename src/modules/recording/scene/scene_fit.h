@@ -71,7 +71,7 @@ enum adopted_value {
  * was fitted.
  */
 void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
-                    struct measured out[ADOPTED_VALUES]);
+                    struct measured value[ADOPTED_VALUES]);
 /* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force
  * [N]; and the scale with which its motion is as wide as the scene's, which may be 0. */
 void adopted_scale(struct fit *fit, double scale);

@@ -45,19 +45,19 @@ struct run *study_run(const struct scene *scene, double end, const struct cancel
     return NULL;
 }
 
-static struct run *run_with(const struct spread_request *request, int index, double by)
+static struct run *run_with(const struct spread_request *request, int index, double increment)
 {
     struct scene scene = *request->scene;
-    const struct measured value = {scene.value[index] + by, 0};
+    const struct measured value = {scene.value[index] + increment, 0};
     struct error ignored;
     return scene_set(&scene, index, value, &ignored)
                ? study_run(&scene, request->t[request->n - 1], request->cancel)
                : NULL;
 }
 
-/* Adds factor times the variable at all times to every count-th of `out`. */
+/* Adds factor times the variable at all times to every count-th of `slope`. */
 static void add_run(const struct spread_request *request, struct run *run, double factor,
-                    double *out)
+                    double *slope)
 {
     const size_t rows = trace_count(run->trace);
     const int k = request->variable;
@@ -68,13 +68,13 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
         while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
             row++;
         const size_t next = row + 1 < rows ? row + 1 : row;
-        const double from = trace_time(run->trace, row);
-        const double h = trace_time(run->trace, next) - from;
+        const double t_left = trace_time(run->trace, row);
+        const double h = trace_time(run->trace, next) - t_left;
         const double *left = trace_state(run->trace, row), *right = trace_state(run->trace, next);
-        const double x = h > 0 ? (t - from) / h : 0;
-        system_derivative(&run->system, from, left, rate[0]);
-        system_derivative(&run->system, from + h, right, rate[1]);
-        out[i * (size_t)request->known->count] +=
+        const double x = h > 0 ? (t - t_left) / h : 0;
+        system_derivative(&run->system, t_left, left, rate[0]);
+        system_derivative(&run->system, t_left + h, right, rate[1]);
+        slope[i * (size_t)request->known->count] +=
             factor * hermite(x, h, left[k], rate[0][k], right[k], rate[1][k]);
     }
 }
@@ -84,19 +84,19 @@ static bool differences(const struct spread_request *request, double *slope, str
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
     for (int j = 0; j < request->known->count; j++) {
-        const double by =
+        const double increment =
             PARAM_SHIFT_SIGMAS * sqrt(request->known->covariance[j * request->known->count + j]);
-        struct run *side[2] = {run_with(request, request->known->index[j], -by),
-                               run_with(request, request->known->index[j], by)};
+        struct run *side[2] = {run_with(request, request->known->index[j], -increment),
+                               run_with(request, request->known->index[j], increment)};
         double ends[2] = {-1, 1};
-        for (int s = 0; s < 2 && by > 0; s++)
+        for (int s = 0; s < 2 && increment > 0; s++)
             if (!side[s] && side[1 - s]) {
                 side[s] = run_with(request, request->known->index[j], 0);
                 ends[s] = 0;
             }
         const bool ok = side[0] && side[1];
-        for (int s = 0; s < 2 && ok && by > 0; s++)
-            add_run(request, side[s], (s ? 1 : -1) / (by * (ends[1] - ends[0])), slope + j);
+        for (int s = 0; s < 2 && ok && increment > 0; s++)
+            add_run(request, side[s], (s ? 1 : -1) / (increment * (ends[1] - ends[0])), slope + j);
         run_destroy(side[0]);
         run_destroy(side[1]);
         if (!ok)
@@ -115,11 +115,11 @@ static bool slopes(struct scene_curve *c, const struct spread_request *request, 
                    double *slope, struct error *error)
 {
     const struct series series = {.t = request->t, .y = request->t, .n = request->n};
-    double at[CURVE_PARAMETERS];
+    double parameter[CURVE_PARAMETERS];
     for (int j = 0; j < c->frees; j++)
-        at[j] = c->scene.value[c->index[j]];
-    return scene_curve_mesh(c, at, &series, error) &&
-           (scene_curve_evaluate(c, at, request->t, request->n, value, slope) ||
+        parameter[j] = c->scene.value[c->index[j]];
+    return scene_curve_mesh(c, parameter, &series, error) &&
+           (scene_curve_evaluate(c, parameter, request->t, request->n, value, slope) ||
             (cancelled(request->cancel)
                  ? error_set(error, ERROR_CANCELLED, "it was stopped")
                  : error_set(error, ERROR_NUMERICAL,

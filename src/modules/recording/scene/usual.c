@@ -10,7 +10,8 @@
 /* In oscillators and pendulums, unless held: what a recording can tell. The others of the same
  * model only shift between these (m, g, area …). */
 static const struct {
-    const char *name, *with, *without; /* only where the parameter `with` is not 0, `without` is */
+    const char *name, *required,
+        *excluded; /* only where the parameter `required` is not 0, `excluded` is */
 } usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL},
              {"C", "C", NULL},      {"k3", "k3", NULL},    {"mu", "mu", NULL},
              {"width", "mu", NULL}, {"F0", "F0", NULL},    {"phase", "F0", NULL}};
@@ -27,8 +28,8 @@ static bool is_usual(const struct scene *scene, const char *name)
         return strcmp(name, "t0") != 0;
     for (size_t i = 0; i < COUNT_OF(usual); i++)
         if (strcmp(usual[i].name, name) == 0)
-            return (!usual[i].with || value_of(scene, usual[i].with) != 0) &&
-                   (!usual[i].without || value_of(scene, usual[i].without) == 0);
+            return (!usual[i].required || value_of(scene, usual[i].required) != 0) &&
+                   (!usual[i].excluded || value_of(scene, usual[i].excluded) == 0);
     return false;
 }
 

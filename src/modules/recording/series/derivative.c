@@ -21,25 +21,25 @@ static double median_step(const struct series *s, double *work)
 
 /* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s].
  */
-static double slope_at(const struct series *s, size_t from, size_t to, size_t at, double *gain)
+static double slope_at(const struct series *s, size_t begin, size_t end, size_t row, double *gain)
 {
     /* Orthogonal polynomials on these times: 1, u - mean, its square less what is along both. */
-    double n = (double)(to - from), mean = 0, uu = 0, uuu = 0, qq = 0, line = 0, curve = 0;
-    for (size_t i = from; i < to; i++)
-        mean += (s->t[i] - s->t[at]) / n;
-    for (size_t i = from; i < to; i++) {
-        const double u = s->t[i] - s->t[at] - mean;
+    double n = (double)(end - begin), mean = 0, uu = 0, uuu = 0, qq = 0, line = 0, curve = 0;
+    for (size_t i = begin; i < end; i++)
+        mean += (s->t[i] - s->t[row]) / n;
+    for (size_t i = begin; i < end; i++) {
+        const double u = s->t[i] - s->t[row] - mean;
         uu += u * u;
         uuu += u * u * u;
     }
-    for (size_t i = from; i < to; i++) {
-        const double u = s->t[i] - s->t[at] - mean, q = u * u - uuu / uu * u - uu / n;
+    for (size_t i = begin; i < end; i++) {
+        const double u = s->t[i] - s->t[row] - mean, q = u * u - uuu / uu * u - uu / n;
         qq += q * q;
-        line += u * (s->y[i] - s->y[at]);
-        curve += q * (s->y[i] - s->y[at]);
+        line += u * (s->y[i] - s->y[row]);
+        curve += q * (s->y[i] - s->y[row]);
     }
     const double turn = -2 * mean - uuu / uu; /* dq/du at t[at] */
-    const bool curved = to - from > 2 && qq > 0;
+    const bool curved = end - begin > 2 && qq > 0;
     *gain = sqrt(1 / uu + (curved ? turn * turn / qq : 0));
     return line / uu + (curved ? turn * curve / qq : 0);
 }
@@ -67,14 +67,14 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
         }
         /* At the ends the same samples serve for several times; a stretch that is too short says
          * nothing. */
-        size_t from = i >= begin + reach ? i - reach : begin;
-        size_t to = from + 2 * reach + 1;
-        if (to > end) {
-            to = end;
-            from = end - begin > 2 * reach ? end - 2 * reach - 1 : begin;
+        size_t first = i >= begin + reach ? i - reach : begin;
+        size_t stop = first + 2 * reach + 1;
+        if (stop > end) {
+            stop = end;
+            first = end - begin > 2 * reach ? end - 2 * reach - 1 : begin;
         }
-        value[i] = to - from >= 3 ? slope_at(series, from, to, i, &gain[known]) : NAN;
-        known += to - from >= 3;
+        value[i] = stop - first >= 3 ? slope_at(series, first, stop, i, &gain[known]) : NAN;
+        known += stop - first >= 3;
     }
     static const enum quantity rate_of[QUANTITY_COUNT] = {
         [QUANTITY_LENGTH] = QUANTITY_VELOCITY,

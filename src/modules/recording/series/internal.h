@@ -19,7 +19,7 @@ static inline size_t samples_index(const struct samples *samples, double t)
     return first_from(samples->t, samples->n, t);
 }
 /* [from, to), shares memory */
-struct samples samples_part(const struct samples *samples, size_t from, size_t to);
+struct samples samples_part(const struct samples *samples, size_t begin, size_t end);
 /* Makes means of `each` neighbours, of those in use (all, if use is NULL), at their mean times;
  * none where none is in use, nor of fewer at the end. Returns false if out of memory. */
 bool samples_average(const struct samples *samples, size_t each, struct arena *arena,
@@ -57,7 +57,8 @@ struct spectrum {
     double step;       /* [Hz] between them */
 };
 /* Computes the spectrum. Returns false if out of memory or if cancelled. */
-bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
+bool samples_spectrum(const struct samples *samples, struct arena *arena,
+                      struct spectrum *spectrum);
 /* Returns the step to which values are rounded, the smallest between neighbours or a part of it, if
  * nearly all are multiples of it; else 0. */
 double samples_quantum(const struct samples *samples);
@@ -138,7 +139,7 @@ double line_correlation_factor(double rho, double n);
 /* ---- the start of every analysis of an oscillation (motion.c) ---- */
 
 struct swing_segment {
-    size_t from, to; /* samples [from, to) */
+    size_t begin, end; /* samples [from, to) */
     /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
     double a, b, c;
     /* robust standard deviation of its residuals, where they fall like the amplitude: in the
@@ -197,9 +198,9 @@ double quantum_pace(const struct motion *motion);
 
 /* The longest part of a series that one damped sine describes. */
 struct swing {
-    double window[2]; /* [s] times of its first and last sample */
-    double period;    /* [s] */
-    size_t from, to;  /* samples [from, to) */
+    double window[2];  /* [s] times of its first and last sample */
+    double period;     /* [s] */
+    size_t begin, end; /* samples [from, to) */
 };
 
 /*
@@ -292,7 +293,8 @@ bool two_lines(const struct samples *samples, struct mode_pair *pair);
 
 /* Fits a harmonic locally to the samples [from, to) with the motion's omega and gamma. Returns
  * false if there are too few samples. */
-bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct reading *reading);
+bool local_amplitude(const struct motion *motion, size_t begin, size_t end,
+                     struct reading *reading);
 
 /* ---- envelope.c ---- */
 

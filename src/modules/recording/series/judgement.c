@@ -32,11 +32,11 @@ static double solve(const struct triangle *t, double *step, struct curve_fit *fi
     for (int k = 0; k < m; k++)
         for (int i = 0; i < m; i++) {
             const double vi = l.v[i * m + k];
-            bool *determined = &fit->determined[l.at[i]];
+            bool *determined = &fit->determined[l.index[i]];
             if (!(l.s[k] > l.min)) /* a direction that no column has */
                 *determined = *determined && fabs(vi) < 0.1;
             for (int j = 0; j < m && l.s[k] > l.min; j++)
-                fit->covariance[l.at[i]][l.at[j]] +=
+                fit->covariance[l.index[i]][l.index[j]] +=
                     vi * l.v[j * m + k] / (l.s[k] * l.s[k]) / l.scale[i] / l.scale[j];
         }
     return sqrt(linear_problem_step(&l, 0, step));
@@ -144,19 +144,19 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
  * autocorrelation. */
 static void diagnose(const struct curve_problem *p, struct curve_fit *fit)
 {
-    double product = 0, square = 0, plus = 0, minus = 0, runs = 0, before = 0;
+    double product = 0, square = 0, plus = 0, minus = 0, runs = 0, previous = 0;
     for (size_t i = 0; i < p->n; i++) {
         if (!(p->weight[i] > 0)) {
             fit->rejected++;
             continue;
         }
         double r = fit->residual[i];
-        product += before * r;
+        product += previous * r;
         square += r * r;
         plus += r > 0;
         minus += r <= 0;
-        runs += before == 0 || (r > 0) != (before > 0);
-        before = r;
+        runs += previous == 0 || (r > 0) != (previous > 0);
+        previous = r;
         fit->used++;
     }
     double n = plus + minus, expected = 1 + 2 * plus * minus / n;
@@ -202,7 +202,7 @@ static void rounding_doubts(const struct curve_problem *p, const struct curve_fi
         doubt[j] = left * sqrt(square[j]);
 }
 
-static void say(const struct curve_problem *p, struct curve_fit *fit)
+static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit)
 {
     const char *undetermined = NULL;
     for (int j = 0; j < fit->parameters && !undetermined; j++)
@@ -251,7 +251,7 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
                                                 : 0;
         }
     }
-    say(p, fit);
+    curve_fit_judge(p, fit);
 }
 
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)

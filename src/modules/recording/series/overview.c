@@ -63,8 +63,8 @@ bool overview_is_constant(const struct overview *o)
 static double centre(const struct samples *x, double gamma)
 {
     double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
-    double at = fabs(g) < 1e-3 ? 0.5 - g / 12 : 1 / g - 1 / expm1(g);
-    return x->t[0] + at * span;
+    double position = fabs(g) < 1e-3 ? 0.5 - g / 12 : 1 / g - 1 / expm1(g);
+    return x->t[0] + position * span;
 }
 
 /* The damping rate to start from: the best of a few, from none to gone within a hundredth of the
@@ -202,9 +202,9 @@ static bool is_hopeless(const struct motion *m)
     double sum = 0, square = 0, used = 0;
     for (size_t i = 0; i < m->samples.n; i++)
         if (m->samples.use[i]) {
-            const double off = m->samples.y[i] - h->c;
-            sum += off;
-            square += off * off;
+            const double deviation = m->samples.y[i] - h->c;
+            sum += deviation;
+            square += deviation * deviation;
             used++;
         }
     const double noise = used * m->overview.noise * m->overview.noise,

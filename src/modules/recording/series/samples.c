@@ -37,9 +37,9 @@ double values_variance(const double *y, size_t n)
 {
     double sum = 0, square = 0;
     for (size_t i = 0; i < n; i++) {
-        const double off = y[i] - y[0];
-        sum += off;
-        square += off * off;
+        const double deviation = y[i] - y[0];
+        sum += deviation;
+        square += deviation * deviation;
     }
     return (square - sum * sum / (double)n) / (double)n;
 }
@@ -49,22 +49,22 @@ static double variance_of_pairs(const double *y, size_t pairs)
 {
     double sum = 0, square = 0;
     for (size_t i = 0; i < pairs; i++) {
-        const double off = 0.5 * (y[2 * i] - y[0] + (y[2 * i + 1] - y[0]));
-        sum += off;
-        square += off * off;
+        const double deviation = 0.5 * (y[2 * i] - y[0] + (y[2 * i + 1] - y[0]));
+        sum += deviation;
+        square += deviation * deviation;
     }
     return (square - sum * sum / (double)pairs) / (double)pairs;
 }
 
 /* Copies values, in place of those that are not in use the last one that is. */
-static void fill_unused(const double *y, const unsigned char *use, size_t n, double *out)
+static void fill_unused(const double *y, const unsigned char *use, size_t n, double *filled)
 {
     size_t last = 0;
     while (last + 1 < n && !use[last])
         last++;
     for (size_t i = 0; i < n; i++) {
         last = use[i] ? i : last;
-        out[i] = y[last];
+        filled[i] = y[last];
     }
 }
 
@@ -109,14 +109,14 @@ bool series_thin(const struct series *series, const unsigned char *use, double l
     return true;
 }
 
-struct samples samples_part(const struct samples *samples, size_t from, size_t to)
+struct samples samples_part(const struct samples *samples, size_t begin, size_t end)
 {
     struct samples part = *samples;
-    part.t += from;
-    part.y += from;
-    part.use += from;
-    part.n = to - from;
-    part.t0 += (double)from * samples->dt;
+    part.t += begin;
+    part.y += begin;
+    part.use += begin;
+    part.n = end - begin;
+    part.t0 += (double)begin * samples->dt;
     return part;
 }
 
@@ -195,10 +195,10 @@ static bool spikes_recur(const struct samples *x, double middle, double *scratch
     if (!differs || count < RECUR_MIN)
         return false;
     /* values_quantile() changes the order */
-    const double between = values_quantile(interval + 1, count - 1, 0.5),
+    const double spacing = values_quantile(interval + 1, count - 1, 0.5),
                  high = values_quantile(height, count, 0.5);
     for (size_t k = 0; k < count; k++) {
-        even += k > 0 && fabs(interval[k] / between - 1) < alike;
+        even += k > 0 && fabs(interval[k] / spacing - 1) < alike;
         equal += fabs(height[k] / high - 1) < 2 * alike;
     }
     return (double)even >= alike_share * (double)(count - 1) &&
@@ -243,9 +243,9 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
         unsigned char *use = samples->use + (backwards ? n - 1 : 0);
         ptrdiff_t step = backwards ? -1 : 1;
         for (size_t i = 1; i < n; i++) {
-            double before = y[(ptrdiff_t)(i - 1) * step], here = y[(ptrdiff_t)i * step],
-                   away = here - before;
-            if (fabs(away) <= jump || fabs(here - middle) <= fabs(before - middle)) {
+            double previous = y[(ptrdiff_t)(i - 1) * step], here = y[(ptrdiff_t)i * step],
+                   away = here - previous;
+            if (fabs(away) <= jump || fabs(here - middle) <= fabs(previous - middle)) {
                 continue;
             }
             size_t back = i + 1;

@@ -17,28 +17,28 @@ enum { PART_MIN = 16, CANDIDATES = 5 };
 /* ---- the Fourier transform of real values in pieces, between which it can be ended ---- */
 
 /* Of even and odd values, each half complex, that of all (Cooley and Tukey 1965). */
-static bool combine(const double *even, const double *odd, size_t n, double *out,
+static bool combine(const double *even, const double *odd, size_t n, double *result,
                     const struct cancel *cancel)
 {
     const size_t half = n / 2;
     const double angle = TWO_PI / (double)n, turn_c = cos(angle), turn_s = sin(angle);
     double c = 1, s = 0;
-    out[0] = even[0] + odd[0];
-    out[half] = even[0] - odd[0];
-    out[half / 2] = even[half / 2];
-    out[n - half / 2] = -odd[half / 2];
+    result[0] = even[0] + odd[0];
+    result[half] = even[0] - odd[0];
+    result[half / 2] = even[half / 2];
+    result[n - half / 2] = -odd[half / 2];
     for (size_t k = 1; k < half / 2; k++) {
         if (k % LOOK_EACH_ROWS == 0 && cancelled(cancel))
             return false;
-        const double before = c;
+        const double previous_c = c;
         c = k % PHASE_ROTATIONS_MAX ? c * turn_c - s * turn_s : cos(angle * (double)k);
-        s = k % PHASE_ROTATIONS_MAX ? before * turn_s + s * turn_c : sin(angle * (double)k);
+        s = k % PHASE_ROTATIONS_MAX ? previous_c * turn_s + s * turn_c : sin(angle * (double)k);
         const double a = even[k], b = even[half - k];
         const double re = c * odd[k] + s * odd[half - k], im = c * odd[half - k] - s * odd[k];
-        out[k] = a + re;
-        out[n - k] = b + im;
-        out[half - k] = a - re;
-        out[half + k] = im - b;
+        result[k] = a + re;
+        result[n - k] = b + im;
+        result[half - k] = a - re;
+        result[half + k] = im - b;
     }
     return true;
 }
@@ -71,7 +71,7 @@ struct transform {
 
 /* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares
  * line removed. */
-static void fill_even(const struct samples *x, double *out)
+static void fill_even(const struct samples *x, double *filled)
 {
     size_t right = 0, left = 0;
     double dt = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
@@ -79,27 +79,27 @@ static void fill_even(const struct samples *x, double *out)
     for (size_t i = 0; i < x->n; i++) {
         double t = x->uniform ? x->t[i] : x->t[0] + (double)i * dt;
         if (x->uniform && x->use[i]) {
-            out[i] = x->y[i];
+            filled[i] = x->y[i];
             left = i;
         } else {
             while (right < x->n && (!x->use[right] || x->t[right] < t)) {
                 left = x->use[right] ? right : left;
                 right++;
             }
-            size_t to = right < x->n ? right : left;
-            double width = x->t[to] - x->t[left];
-            out[i] = width > 0
-                         ? x->y[left] + (x->y[to] - x->y[left]) * fmin((t - x->t[left]) / width, 1)
-                         : x->y[to];
+            size_t next = right < x->n ? right : left;
+            double width = x->t[next] - x->t[left];
+            filled[i] = width > 0 ? x->y[left] + (x->y[next] - x->y[left]) *
+                                                     fmin((t - x->t[left]) / width, 1)
+                                  : x->y[next];
         }
         double s = (double)i - middle;
-        sum += out[i];
-        moment += s * out[i];
+        sum += filled[i];
+        moment += s * filled[i];
         square += s * s;
     }
     double mean = sum / (double)x->n, slope = moment / square;
     for (size_t i = 0; i < x->n; i++) {
-        out[i] -= mean + slope * ((double)i - middle);
+        filled[i] -= mean + slope * ((double)i - middle);
     }
 }
 
@@ -209,16 +209,16 @@ static int highest(const struct transform *spectrum, double span, double *omega,
         if (!(p[k] > p[k - 1] && p[k] >= p[k + 1])) {
             continue;
         }
-        int at = count < max ? count++ : max;
-        for (; at > 0 && p[k] > height[at - 1]; at--) {
-            if (at < max) {
-                height[at] = height[at - 1];
-                omega[at] = omega[at - 1];
+        int rank = count < max ? count++ : max;
+        for (; rank > 0 && p[k] > height[rank - 1]; rank--) {
+            if (rank < max) {
+                height[rank] = height[rank - 1];
+                omega[rank] = omega[rank - 1];
             }
         }
-        if (at < max) {
-            height[at] = p[k];
-            omega[at] = TWO_PI * spectrum->step * (double)k;
+        if (rank < max) {
+            height[rank] = p[k];
+            omega[rank] = TWO_PI * spectrum->step * (double)k;
         }
     }
     return count;
@@ -348,8 +348,8 @@ bool series_has_harmonics(const struct series *series, double period)
     static const double stands_out = 16, cycles_min = 6; /* fewer cycles do not part the lines */
     if (series->t[series->n - 1] - series->t[0] < cycles_min * period)
         return true;
-    const double between = (power_at(series, period, 1.5) + power_at(series, period, 2.5) +
-                            power_at(series, period, 3.5)) /
-                           3;
-    return fmax(power_at(series, period, 2), power_at(series, period, 3)) > stands_out * between;
+    const double background = (power_at(series, period, 1.5) + power_at(series, period, 2.5) +
+                               power_at(series, period, 3.5)) /
+                              3;
+    return fmax(power_at(series, period, 2), power_at(series, period, 3)) > stands_out * background;
 }

@@ -38,18 +38,18 @@ static double usual_step(const struct samples *x, double *scratch, double *gap)
 }
 
 /* [n] the time that each sample stands for, of gaps none. */
-static void durations(const struct samples *x, double gap, double step, double *out)
+static void durations(const struct samples *x, double gap, double step, double *duration)
 {
     for (size_t i = 0; i < x->n; i++)
-        out[i] = 0;
+        duration[i] = 0;
     for (size_t i = 0; i + 1 < x->n; i++) {
         const double apart = x->t[i + 1] - x->t[i];
         const double half = 0.5 * (apart < gap ? apart : step);
-        out[i] += half;
-        out[i + 1] += half;
+        duration[i] += half;
+        duration[i + 1] += half;
     }
-    out[0] += 0.5 * step;
-    out[x->n - 1] += 0.5 * step;
+    duration[0] += 0.5 * step;
+    duration[x->n - 1] += 0.5 * step;
 }
 
 /* The weighted least-squares line, at the middle of the times and by second. */
@@ -72,16 +72,16 @@ static void line_of(const struct samples *x, const double *weight, double middle
 /* Adds the value at a place between the points of a grid. */
 static void spread(double position, double value, double *grid)
 {
-    const double below = floor(position + 1e-6), s = position - below;
-    double *at = grid + (size_t)below;
+    const double lower = floor(position + 1e-6), s = position - lower;
+    double *cell = grid + (size_t)lower;
     if (fabs(s) < 1e-5) {
-        at[0] += value;
+        cell[0] += value;
         return;
     }
-    at[-1] -= value * s * (s - 1) * (s - 2) / 6;
-    at[0] += value * (s + 1) * (s - 1) * (s - 2) / 2;
-    at[1] -= value * (s + 1) * s * (s - 2) / 2;
-    at[2] += value * (s + 1) * s * (s - 1) / 6;
+    cell[-1] -= value * s * (s - 1) * (s - 2) / 6;
+    cell[0] += value * (s + 1) * (s - 1) * (s - 2) / 2;
+    cell[1] -= value * (s + 1) * s * (s - 2) / 2;
+    cell[2] += value * (s + 1) * s * (s - 1) / 6;
 }
 
 /* Values under a Hann window over all of the times, on the grid of a spacing [s]. Returns the sum
@@ -149,11 +149,11 @@ static size_t bins_of(double points, size_t n)
     return length;
 }
 
-bool samples_spectrum(const struct samples *all, struct arena *arena, struct spectrum *out)
+bool samples_spectrum(const struct samples *all, struct arena *arena, struct spectrum *spectrum)
 {
     struct samples x;
     double gap = 0, *weight = arena_array(arena, all->n + 1, sizeof *weight);
-    *out = (struct spectrum){.amplitude = NULL};
+    *spectrum = (struct spectrum){.amplitude = NULL};
     if (!weight || !take_used(all, arena, &x) || cancelled(all->cancel))
         return false;
     const double step = x.n < 8 ? 0 : usual_step(&x, weight, &gap);
@@ -175,7 +175,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
         const bool real = k == 0 || 2 * k == finer * length;
         grid[k] = (real ? fabs(grid[k]) : 2 * hypot(grid[k], grid[finer * length - k])) / gain;
     }
-    *out = (struct spectrum){grid, length / 2 + 1, 1 / ((double)length * apart)};
+    *spectrum = (struct spectrum){grid, length / 2 + 1, 1 / ((double)length * apart)};
     return true;
 }
 

@@ -14,24 +14,24 @@ bool recording_calibrate(struct recording *recording, const struct calibration *
                          struct error *error)
 {
     struct column *column = &recording->column[recording->value];
-    const struct unit *from = unit_find(text_of(calibration->unit[0])),
-                      *to = unit_find(text_of(calibration->unit[1]));
+    const struct unit *source_unit = unit_find(text_of(calibration->unit[0])),
+                      *target_unit = unit_find(text_of(calibration->unit[1]));
     if (!calibration->known || recording->calibration.known)
         return true;
-    if (quantity_of(from) != column->quantity) {
+    if (quantity_of(source_unit) != column->quantity) {
         error_set(error, ERROR_COMMAND, "%s was calibrated in %s and is read in %s", column->name,
-                  from ? from->row.name : "numbers without a unit",
+                  source_unit ? source_unit->row.name : "numbers without a unit",
                   column->unit[0] ? column->unit : "numbers without a unit");
         return error_hint(error, "unit= says what it sends, 'calibrate off' takes it as it comes");
     }
     const double gain = calibration_gain(calibration),
-                 factor = from ? column->factor / from->factor : 1;
+                 factor = source_unit ? column->factor / source_unit->factor : 1;
     for (size_t i = 0; i < recording->rows; i++)
         column->value[i] =
             calibration->truth[0] + (column->value[i] * factor - calibration->read[0]) * gain;
     snprintf(column->unit, sizeof column->unit, "%s", calibration->unit[1]);
-    column->quantity = quantity_of(to);
-    column->factor = to ? to->factor : 1;
+    column->quantity = quantity_of(target_unit);
+    column->factor = target_unit ? target_unit->factor : 1;
     recording->calibration = *calibration;
     return true;
 }

@@ -45,11 +45,11 @@ static size_t row_after(size_t row, size_t rows)
 static struct profile profile_of(const struct recording *recording, const double *value)
 {
     struct profile p = {.low = HUGE_VAL, .high = -HUGE_VAL, .whole = true};
-    double mean = 0, squares = 0, before = NAN, first = NAN, climbed = 0;
+    double mean = 0, squares = 0, previous = NAN, first = NAN, climbed = 0;
     size_t rising = 0, falling = 0, by_one = 0, even = 0, counted = 0;
     for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
         const double x = value[i];
-        before = i % STRETCH_ROWS == 0 ? NAN : before;
+        previous = i % STRETCH_ROWS == 0 ? NAN : previous;
         if (!isfinite(x))
             continue;
         const double apart = x - mean; /* Welford 1962 */
@@ -58,22 +58,22 @@ static struct profile profile_of(const struct recording *recording, const double
         p.low = x < p.low ? x : p.low;
         p.high = x > p.high ? x : p.high;
         p.whole = p.whole && x == floor(x);
-        rising += x > before;
-        falling += x < before;
-        by_one += x - before == 1;
-        climbed += isnan(before) ? 0 : x - before;
-        counted += isnan(before) ? 0 : 1;
+        rising += x > previous;
+        falling += x < previous;
+        by_one += x - previous == 1;
+        climbed += isnan(previous) ? 0 : x - previous;
+        counted += isnan(previous) ? 0 : 1;
         first = p.numbers == 1 ? x : first;
-        before = x;
+        previous = x;
     }
-    p.ahead = before > first;
+    p.ahead = previous > first;
     const double steps = counted > 0 ? (double)counted : 1, step = climbed / steps;
-    before = NAN;
+    previous = NAN;
     for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
-        before = i % STRETCH_ROWS == 0 ? NAN : before;
+        previous = i % STRETCH_ROWS == 0 ? NAN : previous;
         if (isfinite(value[i])) {
-            even += fabs(value[i] - before - step) <= 0.5 * step;
-            before = value[i];
+            even += fabs(value[i] - previous - step) <= 0.5 * step;
+            previous = value[i];
         }
     }
     p.variance = p.numbers > 1 ? squares / (double)(p.numbers - 1) : 0;
@@ -138,7 +138,7 @@ static void list_columns(const struct recording *recording, struct error *error)
 
 static bool starts_with(const char *name, struct text wanted)
 {
-    return strlen(name) >= wanted.len && strncasecmp(name, wanted.at, wanted.len) == 0;
+    return strlen(name) >= wanted.len && strncasecmp(name, wanted.data, wanted.len) == 0;
 }
 
 /* How many columns are called `wanted`, *column is the last of them: by the name in any case, a
@@ -149,8 +149,8 @@ static int match_column(const struct recording *recording, struct text wanted, i
     struct text name = text_trim(wanted);
     double number;
     int found = 0;
-    if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
-        name = (struct text){name.at + 1, name.len - 2};
+    if (name.len >= 2 && strchr("'\"", name.data[0]) && name.data[name.len - 1] == name.data[0])
+        name = (struct text){name.data + 1, name.len - 2};
     for (int i = 0; i < recording->columns; i++)
         if (strlen(recording->column[i].name) == name.len &&
             starts_with(recording->column[i].name, name)) {
@@ -165,10 +165,10 @@ static int match_column(const struct recording *recording, struct text wanted, i
     for (int i = 0; i < recording->columns && name.len > 0; i++) {
         const struct column *one = &recording->column[i];
         /* "Run 1: " */
-        const size_t before = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0;
+        const size_t prefix_len = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0;
         if (in_run(recording, i) &&
-            (starts_with(one->name, name) ||
-             (before > 0 && before < strlen(one->name) && starts_with(one->name + before, name)))) {
+            (starts_with(one->name, name) || (prefix_len > 0 && prefix_len < strlen(one->name) &&
+                                              starts_with(one->name + prefix_len, name)))) {
             *column = i;
             found++;
         }
@@ -196,7 +196,8 @@ static bool find_column(const struct recording *recording, struct text wanted, i
 
 /* ---- what the file says ---- */
 
-static bool pick(struct recording *recording, const struct profile *profile, bool flat)
+static bool quantity_column_pick(struct recording *recording, const struct profile *profile,
+                                 bool flat)
 {
     static const enum quantity order[] = {QUANTITY_LENGTH,
                                           QUANTITY_OTHER,
@@ -303,13 +304,13 @@ static int only_clock(const struct recording *recording, const struct profile *p
  * name; behind a count of the rows the second, if it rises evenly; else the only one that does. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
-    const int at = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
-    const struct column *first = &recording->column[at];
-    const bool could = recording->columns > 1 && in_run(recording, at) &&
-                       first->quantity == QUANTITY_OTHER && rises(&profile[at]) &&
-                       !is_index(recording, &profile[at], at);
-    if (could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= TIME_STEPS_UP_MIN))
-        return at;
+    const int index = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
+    const struct column *first = &recording->column[index];
+    const bool could = recording->columns > 1 && in_run(recording, index) &&
+                       first->quantity == QUANTITY_OTHER && rises(&profile[index]) &&
+                       !is_index(recording, &profile[index], index);
+    if (could && ((index == 0 && unnamed(first, 0)) || profile[index].even >= TIME_STEPS_UP_MIN))
+        return index;
     return recording->columns > 1 && !(recording->header_rate > 0) ? only_clock(recording, profile)
                                                                    : -1;
 }
@@ -384,7 +385,8 @@ static bool choose_value(struct recording *recording, const struct profile *prof
 {
     if (options->value.len > 0)
         return find_column(recording, options->value, &recording->value, error);
-    if (!pick(recording, profile, false) && !pick(recording, profile, true)) {
+    if (!quantity_column_pick(recording, profile, false) &&
+        !quantity_column_pick(recording, profile, true)) {
         error_set(error, ERROR_IO, "no column of values to analyse; say which with y=COLUMN");
         list_columns(recording, error);
         return false;

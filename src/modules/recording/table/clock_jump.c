@@ -13,9 +13,9 @@ enum { EVEN_ROWS = 8 };
 /* Largest distance of an even step from the usual one, in usual steps: rounded stamps have some. */
 static const double even_distance = 0.25;
 
-static bool steps_are_even(const double *t, size_t from, size_t to, double step)
+static bool steps_are_even(const double *t, size_t begin, size_t end, double step)
 {
-    for (size_t i = from + 1; i < to; i++)
+    for (size_t i = begin + 1; i < end; i++)
         if (!(fabs(t[i] - t[i - 1] - step) <= even_distance * step))
             return false;
     return true;
@@ -97,17 +97,17 @@ void mend_clock_jumps(struct recording *recording)
     const double step = step_max > 0 ? recording_median_step(recording) : 0;
     if (!(step > 0) || !only_jumps(recording, step_max, step))
         return;
-    double *t = recording->t, moved = 0, before = t[0], longest = 0;
+    double *t = recording->t, moved = 0, previous = t[0], longest = 0;
     size_t jumps = 0, first = 0;
     for (size_t i = 1; i < recording->rows; i++) {
         const double now = t[i];
-        if (now < before) {
-            moved += before + step - now;
-            longest = fmax(longest, before + step - now);
+        if (now < previous) {
+            moved += previous + step - now;
+            longest = fmax(longest, previous + step - now);
             first = first ? first : i;
             jumps++;
         }
-        before = now;
+        previous = now;
         t[i] = now + moved;
     }
     char more[40] = "";
@@ -146,7 +146,7 @@ void unwrap_clock(struct recording *recording, int column)
 {
     if (column < 0 || recording->collected)
         return;
-    double *value = recording->column[column].value, moved = 0, before = value[0];
+    double *value = recording->column[column].value, moved = 0, previous = value[0];
     size_t rising = 0, wraps;
     bool falls = false;
     for (size_t i = 1; i < recording->rows && !falls; i++)
@@ -162,8 +162,8 @@ void unwrap_clock(struct recording *recording, int column)
     if (full == 0)
         return;
     for (size_t i = 1; i < recording->rows; i++) {
-        moved += value[i] < before ? full : 0;
-        before = value[i];
+        moved += value[i] < previous ? full : 0;
+        previous = value[i];
         value[i] += moved;
     }
     recording_warn(recording, "the clock in %s was full %zu %s, at %.10g: its times go on",

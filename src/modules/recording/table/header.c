@@ -12,21 +12,21 @@
 #include <string.h>
 #include <strings.h>
 
-static bool is_letter(char c)
+static bool is_header_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80;
 }
 
-static bool same(struct text a, struct text b)
+static bool is_same_word(struct text a, struct text b)
 {
-    return a.len == b.len && (a.len == 0 || strncasecmp(a.at, b.at, a.len) == 0);
+    return a.len == b.len && (a.len == 0 || strncasecmp(a.data, b.data, a.len) == 0);
 }
 
 static bool listed(struct text word, const char *words)
 {
     struct text rest = text_of(words), one;
     while (text_split(&rest, ' ', &one))
-        if (same(word, one))
+        if (is_same_word(word, one))
             return true;
     return false;
 }
@@ -35,13 +35,13 @@ bool name_has_word(const char *name, const char *words)
 {
     if (listed(text_of(name), words))
         return true;
-    for (const char *at = name; *at;) {
+    for (const char *cursor = name; *cursor;) {
         size_t len = 0;
-        while (is_letter(at[len]))
+        while (is_header_letter(cursor[len]))
             len++;
-        if (len > 0 && listed((struct text){at, len}, words))
+        if (len > 0 && listed((struct text){cursor, len}, words))
             return true;
-        at += len ? len : 1;
+        cursor += len ? len : 1;
     }
     return false;
 }
@@ -51,17 +51,18 @@ bool header_field(struct text *rest, char separator, struct text *field)
     if (!table_field(rest, separator, field))
         return false;
     /* Between blanks "Time (s)" comes in two; "[s] [cm]" are two units. */
-    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->at[0]))
+    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->data[0]))
                             ? *rest
                             : (struct text){NULL, 0},
                 next;
-    const char *start = field->at;
-    while (table_field(&ahead, separator, &next) && strchr("([/", next.at[0])) {
-        bool open = next.at[0] == '/' ? next.len == 1
-                                      : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
+    const char *start = field->data;
+    while (table_field(&ahead, separator, &next) && strchr("([/", next.data[0])) {
+        bool open = next.data[0] == '/'
+                        ? next.len == 1
+                        : !memchr(next.data, next.data[0] == '(' ? ')' : ']', next.len);
         if (open && !table_field(&ahead, separator, &next))
             break;
-        *field = (struct text){start, (size_t)(next.at + next.len - start)};
+        *field = (struct text){start, (size_t)(next.data + next.len - start)};
         *rest = ahead;
     }
     return true;
@@ -129,7 +130,7 @@ bool unit_spelled(struct text text, struct arena *arena, const struct unit **uni
 /* An inch only in brackets: V_in is what goes in. */
 static bool is_word_in(struct text text)
 {
-    return same(text, TEXT("in"));
+    return is_same_word(text, TEXT("in"));
 }
 
 void column_unit(struct column *column, struct text unit)
@@ -137,7 +138,7 @@ void column_unit(struct column *column, struct text unit)
     double factor;
     const struct unit *known = find_unit(unit, &factor);
     size_t len = text_fitting(unit, sizeof column->unit - 1);
-    memcpy(column->unit, unit.at, len);
+    memcpy(column->unit, unit.data, len);
     column->unit[len] = '\0';
     /* An accelerometer's g is no gram. */
     if (known && known->quantity == QUANTITY_MASS &&
@@ -155,7 +156,7 @@ bool number_with_unit(struct text field, char decimal, double *value, struct tex
     const enum real_status status = real_scan(field, decimal, &number, &used);
     if ((status != REAL_OK && status != REAL_UNDERFLOW) || used == 0 || used == field.len)
         return false;
-    *unit = text_trim((struct text){field.at + used, field.len - used});
+    *unit = text_trim((struct text){field.data + used, field.len - used});
     if (unit->len == 0 || unit->len > SPELLED_MAX || !find_unit(*unit, &factor))
         return false;
     *value = number;
@@ -164,82 +165,84 @@ bool number_with_unit(struct text field, char decimal, double *value, struct tex
 
 /* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s²,
  * °C). */
-static bool clean(struct text text, struct buffer *out)
+static bool clean(struct text text, struct buffer *output)
 {
     struct buffer utf8 = {0};
-    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+    for (size_t used; text.len > 0; text.data += used, text.len -= used) {
         uint32_t codepoint = text_codepoint(text, &used);
-        unsigned char byte = (unsigned char)text.at[0];
+        unsigned char byte = (unsigned char)text.data[0];
         if (codepoint == CODEPOINT_INVALID && used == 1 && byte >= 0xA0)
             buffer_codepoint(&utf8, byte);
         else
-            buffer_put(&utf8, (struct text){text.at, used});
+            buffer_put(&utf8, (struct text){text.data, used});
     }
-    buffer_clear(out);
-    safe_text(out, buffer_text(&utf8), false);
-    out->failed |= utf8.failed;
+    buffer_clear(output);
+    safe_text(output, buffer_text(&utf8), false);
+    output->failed |= utf8.failed;
     buffer_free(&utf8);
-    return !out->failed;
+    return !output->failed;
 }
 
 /* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it
  * is one. */
-static bool find_bracket(struct text text, struct text *before, struct text *unit,
-                         struct text *after)
+static bool find_bracket(struct text text, struct text *stem, struct text *unit,
+                         struct text *suffix)
 {
     for (size_t close = text.len; close-- > 1;) {
-        if (text.at[close] != ')' && text.at[close] != ']')
+        if (text.data[close] != ')' && text.data[close] != ']')
             continue;
-        const char open = text.at[close] == ')' ? '(' : '[';
-        for (size_t at = close; at-- > 0;)
-            if (text.at[at] == open) {
-                *unit = text_trim((struct text){text.at + at + 1, close - at - 1});
-                *before = text_trim((struct text){text.at, at});
-                *after = text_trim((struct text){text.at + close + 1, text.len - close - 1});
-                return unit->len > 0 && unit->len < 16 && !memchr(unit->at, ' ', unit->len);
+        const char open = text.data[close] == ')' ? '(' : '[';
+        for (size_t index = close; index-- > 0;)
+            if (text.data[index] == open) {
+                *unit = text_trim((struct text){text.data + index + 1, close - index - 1});
+                *stem = text_trim((struct text){text.data, index});
+                *suffix = text_trim((struct text){text.data + close + 1, text.len - close - 1});
+                return unit->len > 0 && unit->len < 16 && !memchr(unit->data, ' ', unit->len);
             }
     }
     return false;
 }
 
 /* "Weg in cm", "in s", "Zeit, s": behind a word or a comma. */
-static bool find_spoken(struct text text, struct text *before, struct text *unit)
+static bool find_spoken(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
-    for (size_t at = text.len; at-- > 0;) {
-        const struct text rest = {text.at + at, text.len - at};
-        const bool in = text_starts(rest, TEXT("in ")) && (at == 0 || text.at[at - 1] == ' ');
-        if (!in && (!text_starts(rest, TEXT(", ")) || at == 0))
+    for (size_t index = text.len; index-- > 0;) {
+        const struct text rest = {text.data + index, text.len - index};
+        const bool starts_with_in =
+            text_starts(rest, TEXT("in ")) && (index == 0 || text.data[index - 1] == ' ');
+        if (!starts_with_in && (!text_starts(rest, TEXT(", ")) || index == 0))
             continue;
-        *before = text_trim((struct text){text.at, at});
-        *unit = text_trim((struct text){rest.at + (in ? 3 : 2), rest.len - (in ? 3 : 2)});
+        *stem = text_trim((struct text){text.data, index});
+        *unit = text_trim((struct text){rest.data + (starts_with_in ? 3 : 2),
+                                        rest.len - (starts_with_in ? 3 : 2)});
         return unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor);
     }
     return false;
 }
 
-static bool find_tail(struct text text, struct text *before, struct text *unit)
+static bool find_tail(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
-    for (size_t at = text.len; at-- > 1;) {
-        if (text.at[at] != '_' && text.at[at] != '/')
+    for (size_t index = text.len; index-- > 1;) {
+        if (text.data[index] != '_' && text.data[index] != '/')
             continue;
-        *before = text_trim((struct text){text.at, at});
-        *unit = text_trim((struct text){text.at + at + 1, text.len - at - 1});
-        if (before->len > 0 && unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor) &&
-            (text.at[at] == '_' || text.at[at - 1] == ' '))
+        *stem = text_trim((struct text){text.data, index});
+        *unit = text_trim((struct text){text.data + index + 1, text.len - index - 1});
+        if (stem->len > 0 && unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor) &&
+            (text.data[index] == '_' || text.data[index - 1] == ' '))
             return true;
-        if (text.at[at] == '_')
+        if (text.data[index] == '_')
             break;
     }
     /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a
      * time by a length. */
     *unit = text;
-    if (!text_split(unit, '/', before) || before->len == 0)
+    if (!text_split(unit, '/', stem) || stem->len == 0)
         return false;
-    const struct unit *of = find_unit(*unit, &factor);
-    return of &&
-           (!unit_find(*before) || (text_is(*before, "s") && of->quantity == QUANTITY_LENGTH));
+    const struct unit *known_unit = find_unit(*unit, &factor);
+    return known_unit &&
+           (!unit_find(*stem) || (text_is(*stem, "s") && known_unit->quantity == QUANTITY_LENGTH));
 }
 
 /* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
@@ -266,13 +269,13 @@ static bool all_unit_names(const struct table_layout *layout)
     return units >= 2 && long_units > 0;
 }
 
-static void set_name(struct column *column, struct text before, struct text after)
+static void set_name(struct column *column, struct text stem, struct text suffix)
 {
-    const struct text parts[] = {before, before.len && after.len ? TEXT(" ") : TEXT(""), after};
+    const struct text parts[] = {stem, stem.len && suffix.len ? TEXT(" ") : TEXT(""), suffix};
     size_t len = 0;
     for (size_t i = 0; i < COUNT_OF(parts); i++) {
         size_t fits = text_fitting(parts[i], LIMIT_NAME - len);
-        memcpy(column->name + len, parts[i].at, fits);
+        memcpy(column->name + len, parts[i].data, fits);
         len += fits;
     }
     column->name[len] = '\0';
@@ -281,33 +284,33 @@ static void set_name(struct column *column, struct text before, struct text afte
 static bool name_column(struct column *column, struct text field, struct text unit_field,
                         bool units, struct buffer *scratch)
 {
-    struct text before, unit, after = TEXT(""), none = TEXT("");
+    struct text stem, unit, suffix = TEXT(""), none = TEXT("");
     if (!clean(field, scratch))
         return false;
     struct text whole = buffer_text(scratch);
     double factor;
-    bool has_unit = find_bracket(whole, &before, &unit, &after) ||
-                    find_tail(whole, &before, &unit) || find_spoken(whole, &before, &unit);
+    bool has_unit = find_bracket(whole, &stem, &unit, &suffix) || find_tail(whole, &stem, &unit) ||
+                    find_spoken(whole, &stem, &unit);
     /* Where units have a line of their own, brackets in the name may hold something else. */
     has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
-    if (has_unit && before.len + after.len == 0) {
-        before = unit; /* "(s)" and nothing else is a name, too */
-        after = none;
+    if (has_unit && stem.len + suffix.len == 0) {
+        stem = unit; /* "(s)" and nothing else is a name, too */
+        suffix = none;
     }
     if (!has_unit && unit_field.len == 0 && (units || is_unit_name(whole))) {
-        before = unit = whole; /* a name that is a unit is one */
-        after = none;
+        stem = unit = whole; /* a name that is a unit is one */
+        suffix = none;
         has_unit = true;
     }
-    set_name(column, has_unit ? before : whole, has_unit ? after : none);
+    set_name(column, has_unit ? stem : whole, has_unit ? suffix : none);
     column_unit(column, has_unit ? unit : none);
     if (unit_field.len == 0)
         return true;
     if (!clean(unit_field, scratch))
         return false;
     unit = buffer_text(scratch);
-    if (find_bracket(unit, &before, &after, &whole))
-        unit = after;
+    if (find_bracket(unit, &stem, &suffix, &whole))
+        unit = suffix;
     column_unit(column, unit);
     return true;
 }

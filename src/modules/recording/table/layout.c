@@ -40,7 +40,7 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
         enum cell_kind cell = table_cell(field, reading.decimal, &value);
         shape.fields++;
-        if (cell == CELL_WORD && reading.grouped && field.at[0] != '0' &&
+        if (cell == CELL_WORD && reading.grouped && field.data[0] != '0' &&
             table_grouped(field, reading.decimal, &value)) {
             shape.numbers++;
             continue;
@@ -50,9 +50,9 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
         shape.last_empty = field.len == 0;
         if (cell != CELL_NUMBER)
             continue;
-        bool whole = !memchr(field.at, reading.decimal, field.len);
+        bool whole = !memchr(field.data, reading.decimal, field.len);
         shape.fraction |= !whole;
-        shape.led_by_zero |= whole && field.len > 1 && field.at[0] == '0';
+        shape.led_by_zero |= whole && field.len > 1 && field.data[0] == '0';
     }
     return shape;
 }
@@ -76,19 +76,20 @@ struct found {
 };
 
 /* Finds `run` consecutive rows of `min` fields or more; if `words`, some of them hold words. */
-static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading,
-                      int min, bool words, int run, struct found *found)
+static bool find_rows(const struct table_text *text, size_t first_line,
+                      struct separator_pair reading, int min, bool words, int run,
+                      struct found *found)
 {
     int same = 0;
     *found = (struct found){.reading = reading, .trailing = true};
-    for (size_t i = from, counted = 0; i < text->heads && counted < SCORED_LINES_MAX; i++) {
+    for (size_t i = first_line, counted = 0; i < text->heads && counted < SCORED_LINES_MAX; i++) {
         if (table_skipped(text->head[i].text))
             continue;
         /* One field, as lines without the separator have, is no row where two are wanted: most
          * readings end here. */
         const bool single =
             min > 1 && reading.separator != ' ' &&
-            !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
+            !memchr(text->head[i].text.data, reading.separator, text->head[i].text.len);
         struct shape shape =
             single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
         bool row = is_row(shape, reading.separator, min, words) &&
@@ -114,10 +115,10 @@ static bool find_rows(const struct table_text *text, size_t from, struct separat
 
 /* Rows of another width directly above belong to the table, or they would be taken for its header
  * without a word. */
-static size_t first_row(const struct table_text *text, const struct found *found, size_t from)
+static size_t first_row(const struct table_text *text, const struct found *found, size_t first_line)
 {
     size_t first = found->first;
-    for (size_t i = found->first; i-- > from;) {
+    for (size_t i = found->first; i-- > first_line;) {
         struct text line = text->head[i].text, field;
         double value;
         if (table_skipped(line))
@@ -149,7 +150,7 @@ static bool all_units(struct text line, char separator)
     int units = 0;
     while (table_field(&line, separator, &field)) {
         bool bracketed =
-            field.len > 2 && strchr("([", field.at[0]) && strchr(")]", field.at[field.len - 1]);
+            field.len > 2 && strchr("([", field.data[0]) && strchr(")]", field.data[field.len - 1]);
         if (field.len > 0 && !bracketed && !unit_find(field))
             return false;
         units += field.len > 0;
@@ -179,8 +180,8 @@ static bool keyed_comment(struct text *line, struct table_layout *layout)
 {
     struct text rest = text_trim(*line), key, first;
     double value;
-    if (rest.len == 0 || rest.at[rest.len - 1] == ':' || !text_split(&rest, ':', &key) ||
-        memchr(key.at, ' ', key.len) || !rest.at)
+    if (rest.len == 0 || rest.data[rest.len - 1] == ':' || !text_split(&rest, ':', &key) ||
+        memchr(key.data, ' ', key.len) || !rest.data)
         return false;
     *line = (struct text){0};
     const bool name = text_is(key, "name");
@@ -198,27 +199,27 @@ static bool keyed_comment(struct text *line, struct table_layout *layout)
     return true;
 }
 
-/* The lines above the first row: names, or names and then units. *above: fields in the line above,
- * or 0 if there is none. */
-static void find_names(const struct table_text *text, size_t first, size_t from,
-                       struct table_layout *layout, int *above)
+/* The lines above the first row: names, or names and then units. *fields_above: fields in the line
+ * above, or 0 if there is none. */
+static void find_names(const struct table_text *text, size_t first, size_t first_line,
+                       struct table_layout *layout, int *fields_above)
 {
     struct text candidate[2] = {{0}};
     char separator[2] = {0};
     size_t candidates = 0;
-    *above = 0;
-    for (size_t i = first; i-- > from && candidates < 2 && layout->stem.len == 0;) {
+    *fields_above = 0;
+    for (size_t i = first; i-- > first_line && candidates < 2 && layout->stem.len == 0;) {
         struct text line = text_trim(text->head[i].text);
         const bool comment = table_comment(line);
         if (line.len == 0 ||
-            (comment ? memchr(line.at, '=', line.len) != NULL : table_skipped(line)))
+            (comment ? memchr(line.data, '=', line.len) != NULL : table_skipped(line)))
             continue;
         /* Names may follow a # or %, as in "# t y". */
-        line = comment ? (struct text){line.at + 1, line.len - 1} : text->head[i].text;
+        line = comment ? (struct text){line.data + 1, line.len - 1} : text->head[i].text;
         if (comment && keyed_comment(&line, layout) && line.len == 0)
             continue;
-        if (!comment && *above == 0)
-            *above = field_count(line, layout->separator);
+        if (!comment && *fields_above == 0)
+            *fields_above = field_count(line, layout->separator);
         separator[candidates] = names_separator(line, layout, comment);
         if (!separator[candidates])
             break;
@@ -241,32 +242,33 @@ static bool allowed(struct separator_pair reading, const struct load_options *op
  * tell. */
 enum commas { COMMAS_SEPARATE, COMMAS_PERHAPS, COMMAS_UNCLEAR, COMMAS_DECIMAL };
 
-static enum commas commas_of(const struct found *found, int above)
+static enum commas commas_of(const struct found *found, int fields_above)
 {
-    if (found->reading.separator != ',' || found->fraction || above == found->fields)
+    if (found->reading.separator != ',' || found->fraction || fields_above == found->fields)
         return COMMAS_SEPARATE;
     if (found->fields == 2)
-        return above == 1 || found->led_by_zero ? COMMAS_DECIMAL : COMMAS_PERHAPS;
-    return above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
+        return fields_above == 1 || found->led_by_zero ? COMMAS_DECIMAL : COMMAS_PERHAPS;
+    return fields_above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
 /* Sets the layout of what was found. Returns false if its commas must be decimal marks. */
-static bool fill(const struct table_text *text, size_t from, const struct load_options *options,
-                 const struct found *found, struct table_layout *layout)
+static bool layout_fill(const struct table_text *text, size_t first_line,
+                        const struct load_options *options, const struct found *found,
+                        struct table_layout *layout)
 {
-    size_t first = first_row(text, found, from);
-    int above;
+    size_t first = first_row(text, found, first_line);
+    int fields_above;
     *layout = (struct table_layout){.separator = found->reading.separator,
                                     .decimal = found->reading.decimal,
                                     .columns = found->fields,
-                                    .begin = text->head[first].text.at,
+                                    .begin = text->head[first].text.data,
                                     .line = text->head[first].number};
-    find_names(text, first, from, layout, &above);
-    layout->fields_above = above;
+    find_names(text, first, first_line, layout, &fields_above);
+    layout->fields_above = fields_above;
     if (found->trailing && field_count(layout->names, layout->name_separator) < found->fields)
         layout->columns--;
     enum commas commas =
-        options->separator || options->decimal ? COMMAS_SEPARATE : commas_of(found, above);
+        options->separator || options->decimal ? COMMAS_SEPARATE : commas_of(found, fields_above);
     layout->ambiguous = commas == COMMAS_PERHAPS;
     layout->unclear = commas == COMMAS_UNCLEAR;
     return commas != COMMAS_DECIMAL;
@@ -280,12 +282,12 @@ static void settle_decimal(const struct table_text *text, const struct found *fo
 {
     if (options->decimal || found->fraction || layout->separator == ',')
         return;
-    size_t len = (size_t)(text->text.at + text->text.len - layout->begin);
+    size_t len = (size_t)(text->text.data + text->text.len - layout->begin);
     if (memchr(layout->begin, ',', len) && !memchr(layout->begin, '.', len))
         layout->decimal = ',';
 }
 
-static bool find_best(const struct table_text *text, size_t from,
+static bool find_best(const struct table_text *text, size_t first_line,
                       const struct load_options *options, struct table_layout *layout)
 {
     static const struct {
@@ -309,7 +311,7 @@ static bool find_best(const struct table_text *text, size_t from,
             reading.grouped = grouped;
             if ((readings[i].separator == '\n') != (passes[pass].min == 1) ||
                 !allowed(readings[i], options) ||
-                !find_rows(text, from, reading, passes[pass].min, passes[pass].words,
+                !find_rows(text, first_line, reading, passes[pass].min, passes[pass].words,
                            passes[pass].run, &found) ||
                 (grouped && !found.fraction) || found.score < best.score)
                 continue;
@@ -317,7 +319,7 @@ static bool find_best(const struct table_text *text, size_t from,
                     found.reading.decimal != best.reading.decimal;
             if (found.score == best.score ||
                 (readings[i].separator == readings[i].decimal && !found.fraction) ||
-                !fill(text, from, options, &found, &trial))
+                !layout_fill(text, first_line, options, &found, &trial))
                 continue;
             best = found;
             *layout = trial;
@@ -345,24 +347,24 @@ static bool find_best(const struct table_text *text, size_t from,
 }
 
 /* A line of the head with more fields than a table may have, whatever sets them apart. */
-static const struct table_line *wide_line(const struct table_text *text, size_t from)
+static const struct table_line *wide_line(const struct table_text *text, size_t first_line)
 {
-    for (size_t i = from; i < text->heads; i++)
+    for (size_t i = first_line; i < text->heads; i++)
         for (size_t r = 0; r < COUNT_OF(readings) && text->head[i].text.len > LIMIT_COLUMNS; r++)
             if (shape_of(text->head[i].text, readings[r]).fields > (int)LIMIT_COLUMNS)
                 return &text->head[i];
     return NULL;
 }
 
-static bool no_table(const struct table_text *text, size_t from, struct error *error)
+static bool no_table(const struct table_text *text, size_t first_line, struct error *error)
 {
-    const struct table_line *line = wide_line(text, from);
+    const struct table_line *line = wide_line(text, first_line);
     if (line) {
         error_set(error, ERROR_IO, "line %zu of %s has more than %d columns", line->number,
                   text->name, (int)LIMIT_COLUMNS);
         return error_hint(error, "export fewer columns");
     }
-    for (size_t i = from; i < text->heads; i++)
+    for (size_t i = first_line; i < text->heads; i++)
         if (text->head[i].text.len >= HEAD_BYTES)
             return error_set(error, ERROR_IO,
                              "line %zu of %s has more than %u bytes: no table starts there",
@@ -373,15 +375,16 @@ static bool no_table(const struct table_text *text, size_t from, struct error *e
                       "sep= and decimal= say how they are written");
 }
 
-bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
-                struct table_layout *layout, struct error *error)
+bool table_find(const struct table_text *text, size_t first_line,
+                const struct load_options *options, struct table_layout *layout,
+                struct error *error)
 {
     *layout = (struct table_layout){0};
     if (options->separator == ',' && options->decimal == ',')
         return error_set(error, ERROR_COMMAND,
                          "the comma cannot be both the separator and the decimal mark");
-    if (!find_best(text, from, options, layout))
-        return no_table(text, from, error);
+    if (!find_best(text, first_line, options, layout))
+        return no_table(text, first_line, error);
     if (layout->unclear) {
         error_set(error, ERROR_IO,
                   "the commas in line %zu of %s could be separators or decimal marks", layout->line,

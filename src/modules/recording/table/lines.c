@@ -13,15 +13,15 @@
 
 static size_t line_length(struct text text)
 {
-    for (size_t from = 0; from < text.len; from += WINDOW_BYTES) {
-        const char *at = text.at + from;
-        size_t len = text.len - from < WINDOW_BYTES ? text.len - from : WINDOW_BYTES;
-        const char *feed = memchr(at, '\n', len);
+    for (size_t offset = 0; offset < text.len; offset += WINDOW_BYTES) {
+        const char *cursor = text.data + offset;
+        size_t len = text.len - offset < WINDOW_BYTES ? text.len - offset : WINDOW_BYTES;
+        const char *feed = memchr(cursor, '\n', len);
         if (feed)
-            len = (size_t)(feed - at);
-        const char *carriage = memchr(at, '\r', len);
+            len = (size_t)(feed - cursor);
+        const char *carriage = memchr(cursor, '\r', len);
         if (carriage || feed)
-            return from + (size_t)((carriage ? carriage : feed) - at);
+            return offset + (size_t)((carriage ? carriage : feed) - cursor);
     }
     return text.len;
 }
@@ -30,12 +30,12 @@ bool table_line(struct text *rest, struct text *line)
 {
     if (rest->len == 0)
         return false;
-    *line = (struct text){rest->at, line_length(*rest)};
-    struct text end = {rest->at + line->len, rest->len - line->len};
+    *line = (struct text){rest->data, line_length(*rest)};
+    struct text end = {rest->data + line->len, rest->len - line->len};
     size_t used = text_starts(end, TEXT("\r\r\n")) ? 3
                   : text_starts(end, TEXT("\r\n")) ? 2
                                                    : end.len > 0;
-    *rest = (struct text){end.at + used, end.len - used};
+    *rest = (struct text){end.data + used, end.len - used};
     return true;
 }
 
@@ -43,9 +43,9 @@ bool table_line(struct text *rest, struct text *line)
 bool table_comment(struct text line)
 {
     line = text_trim(line);
-    return line.len > 0 && (line.at[0] == '#' || line.at[0] == '%' ||
-                            (line.len > 2 && line.at[0] == ';' && line.at[1] == ' ' &&
-                             ((line.at[2] | 32) >= 'a' && (line.at[2] | 32) <= 'z')));
+    return line.len > 0 && (line.data[0] == '#' || line.data[0] == '%' ||
+                            (line.len > 2 && line.data[0] == ';' && line.data[1] == ' ' &&
+                             ((line.data[2] | 32) >= 'a' && (line.data[2] | 32) <= 'z')));
 }
 
 /* A line drawn below the names. */
@@ -53,9 +53,9 @@ static bool is_rule(struct text line)
 {
     size_t strokes = 0;
     for (size_t i = 0; i < line.len; i++) {
-        if (!strchr("-=_+|\t ", line.at[i]) || !line.at[i])
+        if (!strchr("-=_+|\t ", line.data[i]) || !line.data[i])
             return false;
-        strokes += strchr("-=_", line.at[i]) != NULL;
+        strokes += strchr("-=_", line.data[i]) != NULL;
     }
     return strokes >= 3;
 }
@@ -77,15 +77,15 @@ static size_t quoted_length(struct text text)
 {
     size_t i = 1;
     for (; i < text.len; i++)
-        if (text.at[i] == '"') {
-            if (i + 1 >= text.len || text.at[i + 1] != '"')
+        if (text.data[i] == '"') {
+            if (i + 1 >= text.len || text.data[i + 1] != '"')
                 return i + 1;
             i++;
         }
     return i;
 }
 
-static bool is_digit(char c)
+static bool is_table_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
@@ -94,8 +94,8 @@ static bool is_digit(char c)
 static const char *find_arrow(struct text text)
 {
     for (size_t i = 0; i + 1 < text.len; i++)
-        if (text.at[i] == '-' && text.at[i + 1] == '>')
-            return text.at + i;
+        if (text.data[i] == '-' && text.data[i + 1] == '>')
+            return text.data + i;
     return NULL;
 }
 
@@ -106,58 +106,59 @@ static bool stamp_before_line(struct text *rest, char separator, struct text *fi
 {
     const struct text text = text_trim(*rest);
     struct stamp stamp;
-    const bool bracket = text.len > 0 && text.at[0] == '[';
+    const bool bracket = text.len > 0 && text.data[0] == '[';
     const char *close = NULL;
     if (bracket)
-        close = memchr(text.at, ']', text.len);
-    else if (separator != ' ' && text.len > 4 && (text.at[1] == ':' || text.at[2] == ':'))
+        close = memchr(text.data, ']', text.len);
+    else if (separator != ' ' && text.len > 4 && (text.data[1] == ':' || text.data[2] == ':'))
         close = find_arrow(text);
     if (!close)
         return false;
     const char *end = bracket ? close + 1 : close + 2;
-    const struct text inside = text_trim(
-                          (struct text){text.at + bracket, (size_t)(close - text.at) - bracket}),
-                      behind = text_trim((struct text){end, (size_t)(text.at + text.len - end)});
+    const struct text inside = text_trim((struct text){text.data + bracket,
+                                                       (size_t)(close - text.data) - bracket}),
+                      tail = text_trim((struct text){end, (size_t)(text.data + text.len - end)});
     if (!stamp_parse(inside, &stamp))
         return false;
-    const bool marked = behind.len > 0 && strchr(",;", behind.at[0]);
+    const bool marked = tail.len > 0 && strchr(",;", tail.data[0]);
     *field = inside;
-    *rest = behind.len > 0 ? (struct text){behind.at + marked, behind.len - marked}
-                           : (struct text){NULL, 0};
+    *rest = tail.len > 0 ? (struct text){tail.data + marked, tail.len - marked}
+                         : (struct text){NULL, 0};
     return true;
 }
 
 bool table_field(struct text *rest, char separator, struct text *field)
 {
-    if (rest->at == NULL)
+    if (rest->data == NULL)
         return false;
     struct text text = separator == ' ' ? text_trim(*rest) : *rest;
     size_t start = 0;
     if (stamp_before_line(rest, separator, field))
         return true;
-    while (start < text.len && is_blank(text.at[start]) && text.at[start] != separator)
+    while (start < text.len && is_blank(text.data[start]) && text.data[start] != separator)
         start++;
     size_t end = start;
-    if (start < text.len && text.at[start] == '"')
-        end += quoted_length((struct text){text.at + start, text.len - start});
+    if (start < text.len && text.data[start] == '"')
+        end += quoted_length((struct text){text.data + start, text.len - start});
     if (separator == ' ') {
-        while (end < text.len && !is_blank(text.at[end]))
+        while (end < text.len && !is_blank(text.data[end]))
             end++;
     } else {
-        const char *cut = end < text.len ? memchr(text.at + end, separator, text.len - end) : NULL;
-        end = cut ? (size_t)(cut - text.at) : text.len;
+        const char *cut =
+            end < text.len ? memchr(text.data + end, separator, text.len - end) : NULL;
+        end = cut ? (size_t)(cut - text.data) : text.len;
     }
-    *field = text_trim((struct text){text.at + start, end - start});
-    if (field->len >= 2 && field->at[0] == '"' && field->at[field->len - 1] == '"')
-        *field = text_trim((struct text){field->at + 1, field->len - 2});
-    *rest = end < text.len ? (struct text){text.at + end + 1, text.len - end - 1}
+    *field = text_trim((struct text){text.data + start, end - start});
+    if (field->len >= 2 && field->data[0] == '"' && field->data[field->len - 1] == '"')
+        *field = text_trim((struct text){field->data + 1, field->len - 2});
+    *rest = end < text.len ? (struct text){text.data + end + 1, text.len - end - 1}
                            : (struct text){NULL, 0};
     return separator != ' ' || field->len > 0;
 }
 
 static bool is_word(struct text text, const char *word)
 {
-    return text.len == strlen(word) && strncasecmp(text.at, word, text.len) == 0;
+    return text.len == strlen(word) && strncasecmp(text.data, word, text.len) == 0;
 }
 
 /* What stands where there is no number. */
@@ -190,24 +191,24 @@ enum { ODD_MAX = 48 };
  * digits. A single group without decimals could be decimals behind the other mark (16,500): it is
  * taken out if `single`. Returns the length, or 0 if too long or not odd.
  */
-static size_t plain_digits(struct text field, char decimal, bool single, char out[ODD_MAX])
+static size_t plain_digits(struct text field, char decimal, bool single, char output[ODD_MAX])
 {
     const char group = decimal == '.' ? ',' : '.';
-    size_t len = 0, since = 0, groups = 0, blanks = 0;
+    size_t len = 0, group_digits = 0, groups = 0, blanks = 0;
     bool point = false, odd = false;
     for (size_t i = 0; i < field.len;) {
-        const struct text rest = {field.at + i, field.len - i};
-        const size_t blank = len > 0 && is_digit(out[len - 1]) ? group_blank(rest) : 0;
-        char c = field.at[i];
+        const struct text rest = {field.data + i, field.len - i};
+        const size_t blank = len > 0 && is_table_digit(output[len - 1]) ? group_blank(rest) : 0;
+        char c = field.data[i];
         if (len + 1 >= ODD_MAX)
             return 0;
-        if (blank > 0 ||
-            (c == group && !point && since >= 1 && since <= 3 && (groups == 0 || since == 3))) {
+        if (blank > 0 || (c == group && !point && group_digits >= 1 && group_digits <= 3 &&
+                          (groups == 0 || group_digits == 3))) {
             groups += blank == 0;
             blanks += blank > 0;
-            if ((groups + blanks > 1 && since != 3) || point)
+            if ((groups + blanks > 1 && group_digits != 3) || point)
                 return 0;
-            since = 0;
+            group_digits = 0;
             odd = true;
             i += blank > 0 ? blank : 1;
             continue;
@@ -217,18 +218,18 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
             i += 2;
             odd = true;
         } else if ((c == 'D' || c == 'd') && len > 0 &&
-                   (is_digit(out[len - 1]) || out[len - 1] == decimal)) {
+                   (is_table_digit(output[len - 1]) || output[len - 1] == decimal)) {
             c = 'E';
             odd = true;
         }
-        if ((c == decimal || c == 'E') && groups + blanks > 0 && since != 3 && !point)
+        if ((c == decimal || c == 'E') && groups + blanks > 0 && group_digits != 3 && !point)
             return 0;
         point |= c == decimal || c == 'E';
-        since = is_digit(c) ? since + 1 : 0;
-        out[len++] = c;
+        group_digits = is_table_digit(c) ? group_digits + 1 : 0;
+        output[len++] = c;
         i++;
     }
-    const bool whole_groups = groups + blanks == 0 || point || since == 3;
+    const bool whole_groups = groups + blanks == 0 || point || group_digits == 3;
     return odd && whole_groups && (groups != 1 || blanks > 0 || point || single) ? len : 0;
 }
 
@@ -273,8 +274,8 @@ enum cell_kind table_cell(struct text field, char decimal, double *value)
     struct text unit;
     if (number_with_unit(field, decimal, value, &unit))
         return CELL_NUMBER;
-    const bool negative = field.at[0] == '-';
-    struct text word = negative ? (struct text){field.at + 1, field.len - 1} : field;
+    const bool negative = field.data[0] == '-';
+    struct text word = negative ? (struct text){field.data + 1, field.len - 1} : field;
     if (!is_word(word, "inf") && !is_word(word, "infinity") && !is_word(word, "\xE2\x88\x9E"))
         return CELL_WORD;
     *value = negative ? -HUGE_VAL : HUGE_VAL;
@@ -284,21 +285,21 @@ enum cell_kind table_cell(struct text field, char decimal, double *value)
 size_t text_fitting(struct text text, size_t max)
 {
     size_t len = text.len < max ? text.len : max;
-    while (len > 0 && len < text.len && ((unsigned char)text.at[len] & 0xC0) == 0x80)
+    while (len > 0 && len < text.len && ((unsigned char)text.data[len] & 0xC0) == 0x80)
         len--;
     return len;
 }
 
-const char *short_name(struct text text, char out[SHORT_NAME])
+const char *short_name(struct text text, char output[SHORT_NAME])
 {
     struct buffer shown = {0};
-    safe_text(&shown, (struct text){text.at, text_fitting(text, SHORT_NAME)}, false);
+    safe_text(&shown, (struct text){text.data, text_fitting(text, SHORT_NAME)}, false);
     const bool cut = shown.len >= SHORT_NAME;
     const size_t len =
         shown.failed ? 0 : text_fitting(buffer_text(&shown), cut ? SHORT_NAME - 4 : SHORT_NAME - 1);
     if (len > 0)
-        memcpy(out, shown.data, len);
-    memcpy(out + len, cut ? "..." : "", cut ? 4 : 1);
+        memcpy(output, shown.data, len);
+    memcpy(output + len, cut ? "..." : "", cut ? 4 : 1);
     buffer_free(&shown);
-    return out;
+    return output;
 }

@@ -78,9 +78,9 @@ static void name_recording(struct recording *recording, struct text file)
 {
     size_t len = 0, end = file.len;
     for (size_t i = file.len; i-- > 1 && end == file.len;)
-        end = file.at[i] == '.' ? i : end;
+        end = file.data[i] == '.' ? i : end;
     for (size_t i = 0; i < end && len < LIMIT_NAME; i++) {
-        const char c = file.at[i];
+        const char c = file.data[i];
         const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
                            (c >= 'a' && c <= 'z') || c == '_' || c == '.';
         if (plain || (len > 0 && recording->name[len - 1] != '-'))
@@ -118,7 +118,7 @@ static bool read_part(struct text content, const char *shown, const struct load_
 {
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
     if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
-        text.text = (struct text){text.text.at + 3, text.text.len - 3};
+        text.text = (struct text){text.text.data + 3, text.text.len - 3};
     return refuse_binary(text.text, text.name, error) &&
            read_text(&text, options, recording, error);
 }
@@ -129,7 +129,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     struct arena scratch = {0};
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
     if (text_starts(content, TEXT("\xEF\xBB\xBF")))
-        text.text = (struct text){content.at + 3, content.len - 3};
+        text.text = (struct text){content.data + 3, content.len - 3};
     bool found = table_head(&text, &scratch) || error_memory(error);
     if (found && !table_find(&text, 0, options, &text.layout, error)) {
         const struct format *sure = format_of(&text, NULL);
@@ -191,8 +191,8 @@ static bool read_parts(const struct contents *contents, const char *shown,
     return done;
 }
 
-static bool load(const char *path, const struct load_options *options, struct recording *recording,
-                 struct error *error)
+static bool recording_load_file(const char *path, const struct load_options *options,
+                                struct recording *recording, struct error *error)
 {
     struct contents contents = {0};
     char shown[SHORT_NAME];
@@ -205,7 +205,7 @@ static bool load(const char *path, const struct load_options *options, struct re
         recording->sum = contents.sum;
         if (options->name.len > 0)
             snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len,
-                     options->name.at);
+                     options->name.data);
         else
             name_recording(recording, file);
         done = !recording->path      ? error_memory(error)
@@ -251,7 +251,7 @@ struct recording *recording_load(const char *path, const struct load_options *op
         return NULL;
     }
     recording->cancel = options ? options->cancel : NULL;
-    if (!load(path, options ? options : &none, recording, error)) {
+    if (!recording_load_file(path, options ? options : &none, recording, error)) {
         recording_destroy(recording);
         return NULL;
     }
@@ -285,17 +285,17 @@ bool recording_errors(const struct recording *recording, const struct series *se
     *half = NULL;
     if (!column)
         return true;
-    double *out = arena_array(arena, series->n + 1, sizeof *out);
-    if (!out)
+    double *result = arena_array(arena, series->n + 1, sizeof *result);
+    if (!result)
         return false;
     for (size_t i = 0, row = 0; i < series->n; i++) {
         while (row + 1 < recording->rows && !(recording->t[row] >= series->t[i]))
             row++;
-        out[i] = column->value[row] >= 0 ? column->value[row] * column->factor : NAN;
-        low = fmin(low, out[i]);
-        high = fmax(high, out[i]);
+        result[i] = column->value[row] >= 0 ? column->value[row] * column->factor : NAN;
+        low = fmin(low, result[i]);
+        high = fmax(high, result[i]);
     }
     if (high > 0 && (high > low || series->n < SAME_MIN))
-        *half = out;
+        *half = result;
     return true;
 }

@@ -17,11 +17,11 @@ enum { COLUMNS_LOOKED_AT = 8 };
 static bool read_group(struct text field, char mark, double *value, double *group)
 {
     const char other = mark == '.' ? ',' : '.';
-    size_t i = field.len > 0 && field.at[0] == '-', digits = 0, marks = 0;
+    size_t i = field.len > 0 && field.data[0] == '-', digits = 0, marks = 0;
     double number = 0;
     *value = *group = 0;
     for (; i < field.len; i++) {
-        const char c = field.at[i];
+        const char c = field.data[i];
         if (c == mark) {
             if (digits == 0 || digits > 3 || (marks > 0 && digits != 3))
                 return false;
@@ -33,7 +33,7 @@ static bool read_group(struct text field, char mark, double *value, double *grou
             digits++;
         } else { /* decimals behind thousands are no question */
             *value = *group = 0;
-            return marks == 0 ? !memchr(field.at, mark, field.len) : c == other && digits == 3;
+            return marks == 0 ? !memchr(field.data, mark, field.len) : c == other && digits == 3;
         }
     }
     if (marks > 0 && digits != 3)
@@ -55,7 +55,7 @@ static bool read_group(struct text field, char mark, double *value, double *grou
  */
 bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark)
 {
-    double before[COLUMNS_LOOKED_AT] = {0}, value, group;
+    double previous[COLUMNS_LOOKED_AT] = {0}, value, group;
     int votes = 0;
     struct text field;
     for (size_t i = 0; i < text->heads; i++) {
@@ -66,12 +66,12 @@ bool is_grouped(const struct table_text *text, const struct table_layout *layout
              c++) {
             if (!read_group(field, mark, &value, &group))
                 return false;
-            if (group > 0 && before[c] >= 500) {
-                if (fabs(group - before[c]) >= fabs(value - before[c]))
+            if (group > 0 && previous[c] >= 500) {
+                if (fabs(group - previous[c]) >= fabs(value - previous[c]))
                     return false;
                 votes++;
             }
-            before[c] = group > 0 ? 0 : value;
+            previous[c] = group > 0 ? 0 : value;
         }
     }
     return votes > 0;
@@ -92,24 +92,24 @@ struct unpadded_column {
 /* Reads digits, the mark, digits; without a mark there are 0 of the latter. */
 static bool read_parts(struct text field, char mark, double *whole, double *part, int *digits)
 {
-    bool behind = false;
+    bool is_fraction = false;
     *whole = *part = 0;
     *digits = 0;
     field = text_trim(field);
     for (size_t i = 0; i < field.len; i++) {
-        const char c = field.at[i];
-        if (c == mark && i > 0 && !behind) {
-            behind = true;
+        const char c = field.data[i];
+        if (c == mark && i > 0 && !is_fraction) {
+            is_fraction = true;
             continue;
         }
         if (c < '0' || c > '9')
             return false;
-        double *number = behind ? part : whole;
+        double *number = is_fraction ? part : whole;
         *number = 10 * *number + (c - '0');
-        *digits += behind;
+        *digits += is_fraction;
     }
     /* Padded, if a 0 comes first. */
-    const bool padded = *digits > 1 && field.at[field.len - (size_t)*digits] == '0';
+    const bool padded = *digits > 1 && field.data[field.len - (size_t)*digits] == '0';
     return field.len > 0 && !padded && *digits <= MICRO_DIGITS;
 }
 

@@ -12,8 +12,8 @@ static const char *find_key(struct text line, const char *key)
 {
     const size_t len = strlen(key);
     for (size_t i = 0; i + len <= line.len; i++)
-        if (strncasecmp(line.at + i, key, len) == 0)
-            return line.at + i + len;
+        if (strncasecmp(line.data + i, key, len) == 0)
+            return line.data + i + len;
     return NULL;
 }
 
@@ -21,16 +21,16 @@ bool head_number(const struct table_text *text, const char *key, double *value, 
 {
     for (size_t i = 0; i < text->heads && i < LINES_MAX; i++) {
         const struct text line = text->head[i].text;
-        const char *at = find_key(line, key), *end = line.at + line.len;
+        const char *cursor = find_key(line, key), *end = line.data + line.len;
         size_t used = 0;
-        while (at && at < end && (*at == '\0' || strchr(" \t:=,;\"", *at)))
-            at++;
-        if (!at || at == end)
+        while (cursor && cursor < end && (*cursor == '\0' || strchr(" \t:=,;\"", *cursor)))
+            cursor++;
+        if (!cursor || cursor == end)
             continue;
         const enum real_status status =
-            real_scan((struct text){at, (size_t)(end - at)}, '.', value, &used);
+            real_scan((struct text){cursor, (size_t)(end - cursor)}, '.', value, &used);
         if (status == REAL_OK && used > 0) {
-            *rest = text_trim((struct text){at + used, (size_t)(end - at) - used});
+            *rest = text_trim((struct text){cursor + used, (size_t)(end - cursor) - used});
             return true;
         }
     }

@@ -75,7 +75,7 @@ static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
 
 /* ---- one row ---- */
 
-static void note(struct row_problem *tally, size_t line, struct text example)
+static void row_problem_note(struct row_problem *tally, size_t line, struct text example)
 {
     if (tally->count++ == 0) {
         tally->first = line;
@@ -85,25 +85,25 @@ static void note(struct row_problem *tally, size_t line, struct text example)
 
 /* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
  * returns the start of the next line, or NULL if the slow way has to look. */
-static const char *plain_row(struct row_reader *reader, const char *at, const char *end)
+static const char *plain_row(struct row_reader *reader, const char *cursor, const char *end)
 {
     const struct recording *recording = reader->recording;
     const char separator = reader->layout->separator, decimal = reader->layout->decimal;
     const size_t row = recording->rows;
-    const char *begin = at;
+    const char *begin = cursor;
     if (separator == decimal || reader->layout->unpadded)
         return NULL;
     for (int i = 0; i < recording->columns; i++) {
-        if (i > 0 && (at == end || *at++ != separator))
+        if (i > 0 && (cursor == end || *cursor++ != separator))
             return NULL;
-        at = plain_number(at, end, decimal, &recording->column[i].value[row]);
-        if (!at)
+        cursor = plain_number(cursor, end, decimal, &recording->column[i].value[row]);
+        if (!cursor)
             return NULL;
     }
-    reader->recent[row % ROWS_KEPT] = (struct text){begin, (size_t)(at - begin)};
-    at += at < end && *at == separator && separator != ' ' && separator != '\n';
-    at += at < end && *at == '\r';
-    return at < end && *at == '\n' ? at + 1 : NULL;
+    reader->recent[row % ROWS_KEPT] = (struct text){begin, (size_t)(cursor - begin)};
+    cursor += cursor < end && *cursor == separator && separator != ' ' && separator != '\n';
+    cursor += cursor < end && *cursor == '\r';
+    return cursor < end && *cursor == '\n' ? cursor + 1 : NULL;
 }
 
 static enum cell_kind cell_of(struct text field, const struct table_layout *layout, double *value)
@@ -119,16 +119,16 @@ static bool next_cell(struct text *rest, const struct table_layout *layout, stru
                       enum cell_kind *cell, double *value)
 {
     size_t used = 0;
-    if (rest->at == NULL)
+    if (rest->data == NULL)
         return false;
     /* A comma that is both ends a number only behind its quotes. */
     const enum real_status status = layout->decimal == layout->separator
                                         ? REAL_MALFORMED
                                         : real_scan(*rest, layout->decimal, value, &used);
     if ((status == REAL_OK || status == REAL_UNDERFLOW) &&
-        (used == rest->len || rest->at[used] == layout->separator)) {
-        *field = (struct text){rest->at, used};
-        *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1}
+        (used == rest->len || rest->data[used] == layout->separator)) {
+        *field = (struct text){rest->data, used};
+        *rest = used < rest->len ? (struct text){rest->data + used + 1, rest->len - used - 1}
                                  : (struct text){NULL, 0};
         *cell = CELL_NUMBER;
         return true;
@@ -147,7 +147,7 @@ static void note_words(struct row_reader *reader, struct text line, size_t numbe
          i < reader->recording->columns && table_field(&line, reader->layout->separator, &field);
          i++)
         if (cell_of(field, reader->layout, &value) == CELL_WORD)
-            note(&reader->words[i], number, field);
+            row_problem_note(&reader->words[i], number, field);
 }
 
 /* Returns the number of fields of a row that holds two numbers or more and no words; 0 for any
@@ -173,7 +173,7 @@ static int number_fields(const struct table_layout *layout, struct text line)
 static bool fields_are_aligned(const struct table_layout *layout, struct text line, int fields)
 {
     if (layout->separator == ',')
-        return fields < layout->columns || memchr(line.at, '.', line.len);
+        return fields < layout->columns || memchr(line.data, '.', line.len);
     if (layout->separator != ' ')
         return layout->separator != '\n';
     return layout->fields_above == (fields < layout->columns ? fields : layout->columns);
@@ -234,7 +234,7 @@ static bool take_unit(struct column *column, const struct table_layout *layout, 
 static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
 {
     struct recording *recording = reader->recording;
-    struct text rest = line, field, beyond = {0};
+    struct text rest = line, field, stray_word = {0};
     int fields = 0, numbers = 0;
     bool words = false, wider = false;
     enum cell_kind cell;
@@ -249,29 +249,29 @@ static bool read_row(struct row_reader *reader, struct text line, struct text ah
                 !take_unit(&recording->column[fields], reader->layout, field)) {
                 value = NAN;
                 cell = CELL_WORD;
-                note(&reader->words[fields], number, field);
+                row_problem_note(&reader->words[fields], number, field);
             }
             recording->column[fields].value[recording->rows] = value;
             numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
             words |= cell == CELL_WORD;
         } else if (cell == CELL_NUMBER) {
             wider = true;
-        } else if (cell == CELL_WORD && beyond.len == 0) {
-            beyond = field;
+        } else if (cell == CELL_WORD && stray_word.len == 0) {
+            stray_word = field;
         }
         fields++;
     }
     const bool shorter = fields < recording->columns;
     if ((shorter || wider) && !is_other_width(reader, line, ahead, number))
         return false;
-    if (numbers == 0 && (words || beyond.len > 0))
+    if (numbers == 0 && (words || stray_word.len > 0))
         return false;
     for (int i = fields; i < recording->columns; i++)
         recording->column[i].value[recording->rows] = NAN;
     if (shorter || wider)
-        note(shorter ? &reader->shorter : &reader->wider, number, line);
-    if (beyond.len > 0)
-        note(&reader->extra, number, beyond);
+        row_problem_note(shorter ? &reader->shorter : &reader->wider, number, line);
+    if (stray_word.len > 0)
+        row_problem_note(&reader->extra, number, stray_word);
     if (words)
         note_words(reader, line, number);
     return true;
@@ -289,10 +289,10 @@ static struct text last_field(const struct row_reader *reader, struct text row)
 
 static size_t decimals(struct text number, char decimal)
 {
-    const char *point = number.len ? memchr(number.at, decimal, number.len) : NULL;
+    const char *point = number.len ? memchr(number.data, decimal, number.len) : NULL;
     size_t count = 0;
-    for (const char *at = point;
-         point && ++at < number.at + number.len && *at >= '0' && *at <= '9';)
+    for (const char *cursor = point;
+         point && ++cursor < number.data + number.len && *cursor >= '0' && *cursor <= '9';)
         count++;
     return count;
 }
@@ -317,12 +317,12 @@ static bool is_cut(const struct row_reader *reader)
     }
     double value;
     enum cell_kind cell = table_cell(last, layout->decimal, &value);
-    struct text above = last_field(reader, reader->recent[(row - 1) % ROWS_KEPT]);
+    struct text previous = last_field(reader, reader->recent[(row - 1) % ROWS_KEPT]);
     if (cell == CELL_WORD || text_is(last, "-"))
-        return table_cell(above, layout->decimal, &value) != CELL_WORD;
+        return table_cell(previous, layout->decimal, &value) != CELL_WORD;
     if (agree && agreed > 0)
         return decimals(last, layout->decimal) < agreed && (cell == CELL_NUMBER || last.len == 0);
-    return last.len < above.len && text_starts(above, last);
+    return last.len < previous.len && text_starts(previous, last);
 }
 
 static void name_columns(struct recording *recording, const struct table_layout *layout)
@@ -412,12 +412,12 @@ static bool read_line(struct row_reader *reader, struct text *rest, size_t numbe
     if (table_skipped(line))
         return true;
     const bool row = line.len <= LIMIT_LINE && read_row(reader, line, *rest, number);
-    reader->ended = rest->len > 0 || rest->at > line.at + line.len;
+    reader->ended = rest->len > 0 || rest->data > line.data + line.len;
     if (!row && !reader->ended) {
         recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
         recording->dropped++;
     } else if (!row) {
-        note(&reader->ragged, number, line);
+        row_problem_note(&reader->ragged, number, line);
     } else {
         reader->recent[recording->rows % ROWS_KEPT] = line;
         recording->line[recording->rows] = (uint32_t)number;
@@ -437,7 +437,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
             error_set(error, ERROR_IO, "%s: there is no table of numbers", text->name);
         return false;
     }
-    const char *end = text->text.at + text->text.len, *next;
+    const char *end = text->text.data + text->text.len, *next;
     struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
     if (!table_columns(layout, recording, error))
         return false;
@@ -464,7 +464,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
             return error_set(error, ERROR_CANCELLED, "reading was stopped");
         if (is_full(&reader, error))
             return false;
-        next = plain_row(&reader, rest.at, end);
+        next = plain_row(&reader, rest.data, end);
         if (next) {
             recording->line[recording->rows] = (uint32_t)number;
             recording->t[recording->rows++] = (double)data++;

@@ -29,7 +29,7 @@ static int run_named(const struct recording *recording, struct text name)
 {
     for (int i = 0; i < recording->runs; i++)
         if (strlen(recording->run[i].name) == name.len &&
-            (name.len == 0 || strncasecmp(recording->run[i].name, name.at, name.len) == 0))
+            (name.len == 0 || strncasecmp(recording->run[i].name, name.data, name.len) == 0))
             return i;
     return -1;
 }
@@ -37,11 +37,11 @@ static int run_named(const struct recording *recording, struct text name)
 /* The number a name ends in: 2 of "Run #2", or -1 if there is none. */
 static double trailing_number(const char *name)
 {
-    size_t at = strlen(name);
+    size_t index = strlen(name);
     double number;
-    while (at > 0 && name[at - 1] >= '0' && name[at - 1] <= '9')
-        at--;
-    return real_parse(text_of(name + at), &number) == REAL_OK ? number : -1;
+    while (index > 0 && name[index - 1] >= '0' && name[index - 1] <= '9')
+        index--;
+    return real_parse(text_of(name + index), &number) == REAL_OK ? number : -1;
 }
 
 /* By its name, by the number in its name, by its place in the file. */
@@ -50,8 +50,8 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
     struct text name = text_trim(wanted);
     char shown[SHORT_NAME];
     double number;
-    if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
-        name = (struct text){name.at + 1, name.len - 2};
+    if (name.len >= 2 && strchr("'\"", name.data[0]) && name.data[name.len - 1] == name.data[0])
+        name = (struct text){name.data + 1, name.len - 2};
     *run = run_named(recording, name);
     if (*run < 0 && real_parse(name, &number) == REAL_OK) {
         bool numbered = false;

@@ -24,23 +24,23 @@ static int find_starts(const struct recording *recording, size_t start[RUNS_BELO
         if (!(back > BACK_MIN * passed) || !(passed > 0) || i - start[runs - 1] < ROWS_MIN)
             continue;
         /* It goes on from there: a single wrong stamp does not. */
-        bool on = i + ROWS_MIN <= recording->rows;
-        for (size_t k = i + 1; on && k < i + ROWS_MIN; k++)
-            on = t[k] >= t[k - 1] && t[k] < t[i - 1];
-        if (on && runs < RUNS_BELOW_MAX)
+        bool is_start = i + ROWS_MIN <= recording->rows;
+        for (size_t k = i + 1; is_start && k < i + ROWS_MIN; k++)
+            is_start = t[k] >= t[k - 1] && t[k] < t[i - 1];
+        if (is_start && runs < RUNS_BELOW_MAX)
             start[runs++] = i;
     }
     start[runs] = recording->rows;
     return runs;
 }
 
-static void keep_rows(struct recording *recording, size_t from, size_t to)
+static void keep_rows(struct recording *recording, size_t begin, size_t end)
 {
-    const size_t n = to - from;
+    const size_t n = end - begin;
     for (int i = 0; i < recording->columns; i++)
-        memmove(recording->column[i].value, recording->column[i].value + from, n * sizeof(double));
-    memmove(recording->t, recording->t + from, n * sizeof(double));
-    memmove(recording->line, recording->line + from, n * sizeof *recording->line);
+        memmove(recording->column[i].value, recording->column[i].value + begin, n * sizeof(double));
+    memmove(recording->t, recording->t + begin, n * sizeof(double));
+    memmove(recording->line, recording->line + begin, n * sizeof *recording->line);
     recording->rows = n;
 }
 

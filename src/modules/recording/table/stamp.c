@@ -5,33 +5,33 @@
 #include <strings.h>
 
 struct stamp_scan {
-    const char *at, *end;
+    const char *cursor, *end;
 };
 
-static bool is_digit(char c)
+static bool is_stamp_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-static bool next(struct stamp_scan *s, char c)
+static bool stamp_take_char(struct stamp_scan *s, char c)
 {
-    const bool found = s->at < s->end && *s->at == c;
-    s->at += found;
+    const bool found = s->cursor < s->end && *s->cursor == c;
+    s->cursor += found;
     return found;
 }
 
 static void blanks(struct stamp_scan *s)
 {
-    while (s->at < s->end && *s->at == ' ')
-        s->at++;
+    while (s->cursor < s->end && *s->cursor == ' ')
+        s->cursor++;
 }
 
 /* At most `max` digits; returns how many. */
 static int digits(struct stamp_scan *s, int max, int64_t *value)
 {
     int count = 0;
-    for (*value = 0; count < max && s->at < s->end && is_digit(*s->at); count++)
-        *value = 10 * *value + (*s->at++ - '0');
+    for (*value = 0; count < max && s->cursor < s->end && is_stamp_digit(*s->cursor); count++)
+        *value = 10 * *value + (*s->cursor++ - '0');
     return count;
 }
 
@@ -49,10 +49,10 @@ static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
     struct stamp_scan saved = *s;
     int64_t first, second, third;
     const int wide = digits(s, 4, &first);
-    const char mark = s->at < s->end ? *s->at : '\0';
-    if (wide == 0 || !strchr("-/.", mark) || !mark || !next(s, mark) ||
-        digits(s, 2, &second) == 0 || !next(s, mark) || digits(s, 4, &third) == 0 ||
-        (s->at < s->end && is_digit(*s->at))) {
+    const char mark = s->cursor < s->end ? *s->cursor : '\0';
+    if (wide == 0 || !strchr("-/.", mark) || !mark || !stamp_take_char(s, mark) ||
+        digits(s, 2, &second) == 0 || !stamp_take_char(s, mark) || digits(s, 4, &third) == 0 ||
+        (s->cursor < s->end && is_stamp_digit(*s->cursor))) {
         *s = saved;
         return false;
     }
@@ -84,21 +84,22 @@ static double fraction(struct stamp_scan *s)
                                              1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     const int count = digits(s, 15, &number);
     const double value = (double)number / decimal_power10[count];
-    while (s->at < s->end && is_digit(*s->at)) /* beyond what a double holds */
-        s->at++;
+    while (s->cursor < s->end && is_stamp_digit(*s->cursor)) /* beyond what a double holds */
+        s->cursor++;
     return value;
 }
 
 static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 {
     blanks(s);
-    if (s->end - s->at < 2 || strncasecmp(s->at + 1, "m", 1) != 0 || !strchr("aApP", *s->at))
+    if (s->end - s->cursor < 2 || strncasecmp(s->cursor + 1, "m", 1) != 0 ||
+        !strchr("aApP", *s->cursor))
         return true;
-    const bool after = strchr("pP", *s->at) != NULL;
-    s->at += 2;
+    const bool is_afternoon = strchr("pP", *s->cursor) != NULL;
+    s->cursor += 2;
     if (*hour < 1 || *hour > 12)
         return false;
-    *hour = *hour % 12 + 12 * after;
+    *hour = *hour % 12 + 12 * is_afternoon;
     return true;
 }
 
@@ -106,12 +107,12 @@ static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 static bool scan_zone(struct stamp_scan *s, double *second)
 {
     int64_t hours, minutes = 0;
-    if (next(s, 'Z') || s->at == s->end || !strchr("+-", *s->at))
+    if (stamp_take_char(s, 'Z') || s->cursor == s->end || !strchr("+-", *s->cursor))
         return true;
-    const double sign = *s->at++ == '-' ? 1 : -1;
+    const double sign = *s->cursor++ == '-' ? 1 : -1;
     if (digits(s, 2, &hours) != 2)
         return false;
-    next(s, ':');
+    stamp_take_char(s, ':');
     digits(s, 2, &minutes);
     *second += sign * (double)(hours * 3600 + minutes * 60);
     return true;
@@ -123,17 +124,17 @@ static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
     int64_t hour, minute, second = 0, thousandth;
     double part = 0;
     const int wide = digits(s, 4, &hour);
-    if (wide == 0 || !next(s, ':') || digits(s, 2, &minute) == 0) {
+    if (wide == 0 || !stamp_take_char(s, ':') || digits(s, 2, &minute) == 0) {
         *s = saved;
         return false;
     }
-    const bool seconds = next(s, ':');
+    const bool seconds = stamp_take_char(s, ':');
     if (seconds && digits(s, 2, &second) == 0)
         return false;
-    const bool decimals = next(s, '.') || next(s, ',');
+    const bool decimals = stamp_take_char(s, '.') || stamp_take_char(s, ',');
     if (decimals)
         part = fraction(s);
-    else if (seconds && next(s, ':')) {
+    else if (seconds && stamp_take_char(s, ':')) {
         if (digits(s, 3, &thousandth) != 3)
             return false;
         part = (double)thousandth / 1000;
@@ -157,7 +158,8 @@ static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
 {
     const struct stamp_scan saved = *s;
     int64_t days;
-    if (digits(s, 4, &days) > 0 && next(s, ' ') && s->end - s->at > 2 && is_digit(*s->at)) {
+    if (digits(s, 4, &days) > 0 && stamp_take_char(s, ' ') && s->end - s->cursor > 2 &&
+        is_stamp_digit(*s->cursor)) {
         stamp->date = true;
         stamp->day = days;
         return true;
@@ -171,13 +173,13 @@ static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
 {
     static const char months[] = "JanFebMarAprMayJunJulAugSepOctNovDec";
     int64_t day, year, month = 1;
-    if (s->end - s->at < 20 || s->at[3] != ' ' || s->at[7] != ' ')
+    if (s->end - s->cursor < 20 || s->cursor[3] != ' ' || s->cursor[7] != ' ')
         return false;
-    while (month <= 12 && memcmp(months + 3 * (month - 1), s->at + 4, 3) != 0)
+    while (month <= 12 && memcmp(months + 3 * (month - 1), s->cursor + 4, 3) != 0)
         month++;
-    s->at += 8;
+    s->cursor += 8;
     blanks(s);
-    if (month > 12 || digits(s, 2, &day) == 0 || !next(s, ' ') || !scan_clock(s, stamp))
+    if (month > 12 || digits(s, 2, &day) == 0 || !stamp_take_char(s, ' ') || !scan_clock(s, stamp))
         return false;
     blanks(s);
     if (digits(s, 4, &year) != 4)
@@ -190,21 +192,22 @@ static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);
-    struct stamp_scan s = {text.at, text.at + text.len};
+    struct stamp_scan s = {text.data, text.data + text.len};
     *stamp = (struct stamp){0};
     if (text.len < 4 || text.len > 40)
         return false;
-    if (!is_digit(text.at[0]))
-        return scan_ctime(&s, stamp) && s.at == s.end;
+    if (!is_stamp_digit(text.data[0]))
+        return scan_ctime(&s, stamp) && s.cursor == s.end;
     if (scan_days(&s, stamp))
-        return scan_clock(&s, stamp) && s.at == s.end;
-    if (scan_date(&s, stamp) && s.at < s.end && !next(&s, 'T') && !next(&s, '_')) {
-        if (*s.at != ' ' && *s.at != ',')
+        return scan_clock(&s, stamp) && s.cursor == s.end;
+    if (scan_date(&s, stamp) && s.cursor < s.end && !stamp_take_char(&s, 'T') &&
+        !stamp_take_char(&s, '_')) {
+        if (*s.cursor != ' ' && *s.cursor != ',')
             return false;
-        s.at++;
+        s.cursor++;
         blanks(&s);
     }
-    if (s.at < s.end && (!scan_clock(&s, stamp) || !scan_zone(&s, &stamp->second)))
+    if (s.cursor < s.end && (!scan_clock(&s, stamp) || !scan_zone(&s, &stamp->second)))
         return false;
-    return s.at == s.end && (stamp->date || stamp->clock);
+    return s.cursor == s.end && (stamp->date || stamp->clock);
 }

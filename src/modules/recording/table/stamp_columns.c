@@ -30,14 +30,14 @@ static bool has_clock(const struct stamp_column *column)
 static size_t pass_midnights(double *value, size_t rows)
 {
     size_t midnights = 0;
-    double before = NAN;
+    double previous = NAN;
     for (size_t i = 0; i < rows; i++) {
         if (isnan(value[i]))
             continue;
         const double now = value[i];
-        midnights += before - now > SECONDS_PER_DAY / 2;
+        midnights += previous - now > SECONDS_PER_DAY / 2;
         value[i] += SECONDS_PER_DAY * (double)midnights;
-        before = now;
+        previous = now;
     }
     return midnights;
 }

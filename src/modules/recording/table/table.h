@@ -76,7 +76,7 @@ enum cell_kind table_cell(struct text field, char decimal, double *value);
 /* a number with marks between thousands */
 bool table_grouped(struct text field, char decimal, double *value);
 size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */
-const char *short_name(struct text text, char out[SHORT_NAME]); /* safe to show */
+const char *short_name(struct text text, char output[SHORT_NAME]); /* safe to show */
 
 /* Returns false with the error if the text is binary or empty (intake.c). */
 bool refuse_binary(struct text text, const char *name, struct error *error);
@@ -91,8 +91,9 @@ bool table_head(struct table_text *text, struct arena *arena); /* splits the fir
 bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
                          struct error *error);
 /* Finds the first table at or after head[from] (layout.c). */
-bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
-                struct table_layout *layout, struct error *error);
+bool table_find(const struct table_text *text, size_t first_line,
+                const struct load_options *options, struct table_layout *layout,
+                struct error *error);
 
 /* Returns true if `mark` stands between thousands in the table, also alone in a number. */
 bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark);

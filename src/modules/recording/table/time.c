@@ -114,7 +114,7 @@ struct dropped {
     size_t count, line; /* how many, line of the first */
 };
 
-static void drop(struct dropped *dropped, size_t line)
+static void dropped_note(struct dropped *dropped, size_t line)
 {
     if (dropped->count++ == 0)
         dropped->line = line;
@@ -129,12 +129,12 @@ static void warn_dropped(struct recording *recording, const struct dropped *drop
     recording->dropped += dropped->count;
 }
 
-static void keep_time_row(struct recording *recording, size_t to, size_t from)
+static void keep_time_row(struct recording *recording, size_t target, size_t source)
 {
-    for (int i = 0; to != from && i < recording->columns; i++)
-        recording->column[i].value[to] = recording->column[i].value[from];
-    recording->line[to] = recording->line[from];
-    recording->t[to] = recording->t[from];
+    for (int i = 0; target != source && i < recording->columns; i++)
+        recording->column[i].value[target] = recording->column[i].value[source];
+    recording->line[target] = recording->line[source];
+    recording->t[target] = recording->t[source];
 }
 
 /* ---- rounded stamps ---- */
@@ -163,10 +163,10 @@ static void spread_groups(struct recording *recording)
     for (size_t i = 0, next; i < n; i = next) {
         for (next = i + 1; next < n && recording->t[next] == recording->t[i];)
             next++;
-        const double at = recording->t[i], count = (double)(next - i);
-        last = next < n ? (recording->t[next] - at) / count : last;
+        const double t_group = recording->t[i], count = (double)(next - i);
+        last = next < n ? (recording->t[next] - t_group) / count : last;
         for (size_t k = i; k < next; k++)
-            recording->t[k] = at + last * (double)(k - i);
+            recording->t[k] = t_group + last * (double)(k - i);
     }
 }
 
@@ -227,18 +227,18 @@ static void drop_rows(struct recording *recording)
         if (isfinite(recording->t[i]))
             keep_time_row(recording, rows_used++, i);
         else
-            drop(&missing, recording->line[i]);
+            dropped_note(&missing, recording->line[i]);
     recording->rows = rows_used;
     rows_used = 0;
     for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++) {
-        const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL,
+        const double previous = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL,
                      now = recording->t[i];
         const bool ahead =
-            i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
-        if (now > before && !ahead)
+            i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > previous;
+        if (now > previous && !ahead)
             keep_time_row(recording, rows_used++, i);
         else
-            drop(now == before ? &same : &back, recording->line[i]);
+            dropped_note(now == previous ? &same : &back, recording->line[i]);
     }
     recording->rows = rows_used;
     recording->repeated = same.count;
@@ -248,7 +248,7 @@ static void drop_rows(struct recording *recording)
     warn_dropped(recording, &back, "row goes back in time", "rows go back in time");
 }
 
-static void swap(double *a, double *b)
+static void values_swap(double *a, double *b)
 {
     const double was = *a;
     *a = *b;
@@ -260,7 +260,7 @@ void recording_reverse(struct recording *recording)
     for (size_t i = 0, j = recording->rows; i + 1 < j && !cancelled_at(recording->cancel, i); i++) {
         j--;
         for (int k = 0; k < recording->columns; k++)
-            swap(&recording->column[k].value[i], &recording->column[k].value[j]);
+            values_swap(&recording->column[k].value[i], &recording->column[k].value[j]);
         const uint32_t line = recording->line[i];
         recording->line[i] = recording->line[j];
         recording->line[j] = line;
@@ -319,7 +319,7 @@ static bool fill_values(struct recording *recording)
     for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
         if (!isfinite(recording->y[i])) {
             recording->y[i] = NAN;
-            drop(&missing, recording->line[i]);
+            dropped_note(&missing, recording->line[i]);
         }
     if (missing.count > 0)
         recording_warn(recording, "%s: %zu %s missing (first: line %zu)", column->name,

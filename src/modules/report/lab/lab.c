@@ -60,9 +60,9 @@ static void report_add_value(struct report *report, struct report_value value)
         return;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->name, value.name) == 0 && strcmp(v->of, value.of) == 0 &&
+        if (strcmp(v->name, value.name) == 0 && strcmp(v->subject, value.subject) == 0 &&
             strcmp(v->source, value.source) == 0 &&
-            same_double(v->value.value, value.value.value) && same_double(v->at, value.at))
+            same_double(v->value.value, value.value.value) && same_double(v->t, value.t))
             return;
     }
     report->value[report->values++] = value;
@@ -83,16 +83,16 @@ static struct measured decay_time(struct measured gamma)
 static void add_measurement(struct report *report, const struct measurement *m)
 {
     const bool decay = strcmp(m->quantity, "decay") == 0;
-    struct report_value value = {m->quantity, m->value, m->unit,      m->of,
-                                 "measured",  m->at,    m->statement, NULL};
+    struct report_value value = {m->quantity, m->value, m->unit,      m->source,
+                                 "measured",  m->t,     m->statement, NULL};
     if (decay)
         value.name = "gamma";
     value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
     report_add_value(report, value);
     if (decay && !m->energy)
-        report_add_value(report,
-                         (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
-                                               "2/gamma, measured", NAN, m->statement, NULL});
+        report_add_value(report, (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME,
+                                                       m->source, "2/gamma, measured", NAN,
+                                                       m->statement, NULL});
 }
 
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
@@ -121,12 +121,12 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
         {"rms of the residuals", rms, stored->quantity},
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
-        report_add_value(report,
-                         (struct report_value){rows[i].name, rows[i].value, rows[i].quantity,
-                                               stored->of, source, NAN, stored->statement, NULL});
+        report_add_value(report, (struct report_value){rows[i].name, rows[i].value,
+                                                       rows[i].quantity, stored->subject, source,
+                                                       NAN, stored->statement, NULL});
 }
 
-static void report_add_run(struct report *report, const struct run_slot *slot, const char *of)
+static void report_add_run(struct report *report, const struct run_slot *slot, const char *subject)
 {
     const struct run *run = slot->run;
     struct ledger ledger;
@@ -141,7 +141,7 @@ static void report_add_run(struct report *report, const struct run_slot *slot, c
                              (struct report_value){param_at(scene, i)->row.name,
                                                    {scene->value[i], scene->uncertainty[i]},
                                                    param_at(scene, i)->quantity,
-                                                   of,
+                                                   subject,
                                                    "parameter",
                                                    NAN,
                                                    slot->origin[i],
@@ -165,7 +165,7 @@ static void report_add_run(struct report *report, const struct run_slot *slot, c
         report_add_value(report, (struct report_value){rows[i].name,
                                                        {rows[i].value, 0},
                                                        rows[i].quantity,
-                                                       of,
+                                                       subject,
                                                        rows[i].source,
                                                        NAN,
                                                        slot->statement,
@@ -194,9 +194,9 @@ bool collect_values(struct report *report, struct error *error)
         add_fit(report, &fits_of(session)->stored_fit[i], stored);
     }
     for (int i = 0; i < session->runs.count; i++) {
-        char of[32];
-        snprintf(of, sizeof of, "run %d", session->runs.slot[i]->run->number);
-        const char *stored = arena_text(report->arena, text_of(of));
+        char subject[32];
+        snprintf(subject, sizeof subject, "run %d", session->runs.slot[i]->run->number);
+        const char *stored = arena_text(report->arena, text_of(subject));
         if (!stored)
             return error_memory(error);
         report_add_run(report, session->runs.slot[i], stored);
@@ -204,11 +204,12 @@ bool collect_values(struct report *report, struct error *error)
     return true;
 }
 
-const struct report_value *find_value(const struct report *report, const char *name, const char *of)
+const struct report_value *find_value(const struct report *report, const char *name,
+                                      const char *subject)
 {
     for (int i = 0; i < report->values; i++)
         if (strcmp(report->value[i].name, name) == 0 &&
-            (!of || strcmp(report->value[i].of, of) == 0) &&
+            (!subject || strcmp(report->value[i].subject, subject) == 0) &&
             strcmp(report->value[i].source, "parameter") != 0)
             return &report->value[i];
     return NULL;
@@ -252,11 +253,11 @@ static bool write_values(struct report *report, struct error *error)
         const struct report_value *v = &report->value[i];
         text[NAME][i] = v->name;
         text[UNIT][i] = quantity_unit(v->quantity);
-        text[OF][i] = v->of;
+        text[OF][i] = v->subject;
         text[SOURCE][i] = v->source;
         number[VALUE][i] = v->value.value;
         number[UNCERTAINTY][i] = v->value.uncertainty;
-        number[AT][i] = v->at;
+        number[AT][i] = v->t;
         struct text statement = TEXT("");
         const int line = history_script_line(report->session, v->statement, &statement);
         text[STATEMENT][i] = arena_text(report->arena, statement);
@@ -325,7 +326,7 @@ static bool put_own_file(struct report *report, int index, struct error *error)
     struct buffer name = {0}, content = {0};
     struct error ignored;
     bool ok = true;
-    buffer_format(&name, "recording-%d-%.*s", index + 1, (int)file.len, file.at);
+    buffer_format(&name, "recording-%d-%.*s", index + 1, (int)file.len, file.data);
     if (recording->sum != 0 && is_file(recording->path) && name.len < OWN_NAME_MAX &&
         file_read(recording->path, SUMMED_BYTES, &content, &ignored) &&
         bytes_sum(buffer_text(&content)) == recording->sum)

@@ -30,11 +30,12 @@ struct lack {
 
 static bool has_of(const struct report *report, const char *name, int recording)
 {
-    char of[LIMIT_NAME + 16];
+    char subject[LIMIT_NAME + 16];
     if (recording < 0)
         return find_value(report, name, NULL) != NULL;
-    snprintf(of, sizeof of, "data %s", report->session->recording[recording]->recording->name);
-    return find_value(report, name, of) != NULL;
+    snprintf(subject, sizeof subject, "data %s",
+             report->session->recording[recording]->recording->name);
+    return find_value(report, name, subject) != NULL;
 }
 
 static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
@@ -82,27 +83,28 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
 }
 
 /* The name of the recording in place of each %s; without one that part is left out. */
-static void put_type(const struct report *report, const struct lack *lack, struct buffer *out)
+static void put_type(const struct report *report, const struct lack *lack, struct buffer *output)
 {
     static const char *const parts[] = {" of data %s", " to %s"};
-    const char *at = lack->type;
+    const char *cursor = lack->type;
     if (lack->spring && report->session->setup.scene.model != &oscillator_model)
-        buffer_put(out, TEXT("scene spring; "));
-    while (*at) {
+        buffer_put(output, TEXT("scene spring; "));
+    while (*cursor) {
         bool found = false;
         for (size_t i = 0; i < COUNT_OF(parts) && !found; i++) {
             const size_t len = strlen(parts[i]);
-            if (strncmp(at, parts[i], len) != 0)
+            if (strncmp(cursor, parts[i], len) != 0)
                 continue;
             found = true;
-            at += len;
+            cursor += len;
             if (lack->recording < 0)
                 break;
-            buffer_put(out, (struct text){parts[i], len - 2});
-            buffer_word(out, text_of(report->session->recording[lack->recording]->recording->name));
+            buffer_put(output, (struct text){parts[i], len - 2});
+            buffer_word(output,
+                        text_of(report->session->recording[lack->recording]->recording->name));
         }
         if (!found)
-            buffer_char(out, *at++);
+            buffer_char(output, *cursor++);
     }
 }
 

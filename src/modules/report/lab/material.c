@@ -65,12 +65,13 @@ static double falls(const struct recording *recording)
 static bool decay_asked(const struct report *report, int index)
 {
     int readings = 0;
-    char of[LIMIT_NAME + 16];
-    snprintf(of, sizeof of, "data %s", report->session->recording[index]->recording->name);
+    char subject[LIMIT_NAME + 16];
+    snprintf(subject, sizeof subject, "data %s",
+             report->session->recording[index]->recording->name);
     for (int k = 0; k < report->values; k++) {
         const struct report_value *v = &report->value[k];
-        if (strcmp(v->of, of) == 0 && strcmp(v->source, "measured") == 0)
-            readings += strcmp(v->name, "gamma") == 0 ? 2 : isfinite(v->at);
+        if (strcmp(v->subject, subject) == 0 && strcmp(v->source, "measured") == 0)
+            readings += strcmp(v->name, "gamma") == 0 ? 2 : isfinite(v->t);
     }
     return readings >= 2;
 }
@@ -84,9 +85,9 @@ static bool is_damped_more(const struct report *report, int index)
         gamma[i] = (struct measured){NAN, NAN};
         for (int k = 0; k < fits_of(session)->stored_fits; k++) {
             const struct stored_fit *fit = &fits_of(session)->stored_fit[k];
-            const struct text of = text_of(fit->of);
-            if (text_starts(of, TEXT("data ")) && fit->fit.gamma.value > 0 &&
-                text_is((struct text){of.at + 5, of.len - 5},
+            const struct text subject = text_of(fit->subject);
+            if (text_starts(subject, TEXT("data ")) && fit->fit.gamma.value > 0 &&
+                text_is((struct text){subject.data + 5, subject.len - 5},
                         session->recording[i]->recording->name))
                 gamma[i] = fit->fit.gamma;
         }
@@ -141,9 +142,10 @@ int recording_of(const struct report *report, const struct run *run)
     const double k = param_value(&run->scene, "k");
     for (int i = fits_of(session)->stored_fits - 1; i >= 0; i--) {
         const struct stored_fit *fit = &fits_of(session)->stored_fit[i];
-        const struct text of = text_of(fit->of);
-        if (text_starts(of, TEXT("data ")) && same_bits(fit->k.value, k))
-            return session_find_recording(session, (struct text){of.at + 5, of.len - 5});
+        const struct text subject = text_of(fit->subject);
+        if (text_starts(subject, TEXT("data ")) && same_bits(fit->k.value, k))
+            return session_find_recording(session,
+                                          (struct text){subject.data + 5, subject.len - 5});
     }
     return -1;
 }
@@ -198,14 +200,14 @@ static enum section section_of(struct report *report, const struct material *m, 
     const struct run *run = run_at(report, index);
     const bool euler = is_method(run, "euler");
     const enum section plain = euler ? SECTION_SIMULATION : SECTION_SCHEMES;
-    const int of = is_spring(run) ? recording_of(report, run) : -1;
+    const int recording = is_spring(run) ? recording_of(report, run) : -1;
     if (!is_spring(run))
         return SECTION_OTHER;
-    if (!is_damped(run) || is_compared(report->session, index, of < 0 && m->second < 0) ||
+    if (!is_damped(run) || is_compared(report->session, index, recording < 0 && m->second < 0) ||
         (euler && m->second < 0))
         return plain;
-    if (of >= 0)
-        return m->decays[of] ? SECTION_DAMPED_SIMULATION : plain;
+    if (recording >= 0)
+        return m->decays[recording] ? SECTION_DAMPED_SIMULATION : plain;
     if (has_other_drag(run))
         return m->second >= 0 && recording_beside(report, index, PLOT_POSITION) == m->second
                    ? SECTION_DAMPED_SIMULATION
@@ -232,12 +234,12 @@ static void take_scheme(const struct report *report, struct material *m, int ind
 }
 
 /* Those beside a run; the lab's own methods first. */
-static void choose_schemes(const struct report *report, struct material *m, int with)
+static void choose_schemes(const struct report *report, struct material *m, int reference_run)
 {
     static const char *const names[] = {"symplectic-euler", "backward-euler"};
     const int *other = m->run[SECTION_SCHEMES], others = m->runs[SECTION_SCHEMES];
     m->schemes = 1;
-    m->scheme[0] = with;
+    m->scheme[0] = reference_run;
     for (size_t k = 0; k < COUNT_OF(names); k++)
         for (int i = 0; i < others; i++)
             if (is_method(run_at(report, other[i]), names[k]))

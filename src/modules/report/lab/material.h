@@ -17,7 +17,7 @@ struct material {
 };
 
 /* What a value is of, "data disk" or "run 3", belongs to the damped motion. */
-bool of_second_session(const struct report *report, const char *of);
+bool of_second_session(const struct report *report, const char *subject);
 /* The recording whose fit gave the run its spring; -1: none that is known. */
 int recording_of(const struct report *report, const struct run *run);
 /* A parameter or a setting. */

@@ -31,7 +31,7 @@ bool is_stated(const struct report_value *value)
 void say_value(struct document *document, const struct report_value *value)
 {
     /* Of a simulation an uncertainty of rounding says nothing. */
-    const bool recorded = text_starts(text_of(value->of), TEXT("data "));
+    const bool recorded = text_starts(text_of(value->subject), TEXT("data "));
     const int digits = value->value.uncertainty > 0
                            ? (recorded ? ALL_DIGITS : VALUE_DIGITS)
                            : (is_stated(value) ? VALUE_DIGITS : FEW_DIGITS);
@@ -79,9 +79,9 @@ static void put_name_and_value(struct document *document, const struct report_va
 {
     document_open(document, BLOCK_CELL);
     say_label(document, v);
-    if (isfinite(v->at)) {
+    if (isfinite(v->t)) {
         document_say(document, " at t = ");
-        document_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, VALUE_DIGITS);
+        document_measured(document, (struct measured){v->t, 0}, QUANTITY_TIME, VALUE_DIGITS);
     }
     document_close(document, BLOCK_CELL);
     document_open(document, BLOCK_CELL);
@@ -104,7 +104,7 @@ void put_all_values(struct report *report)
         document_open(document, BLOCK_ROW);
         put_name_and_value(document, v);
         document_open(document, BLOCK_CELL);
-        document_name(document, text_of(v->of));
+        document_name(document, text_of(v->subject));
         document_close(document, BLOCK_CELL);
         document_put(document, BLOCK_CELL, v->source);
         document_open(document, BLOCK_CELL);
@@ -127,14 +127,15 @@ bool stands_in_section(const struct report *report, const struct report_value *v
            (strcmp(value->name, "reynolds") != 0 || !report_of_lab(report));
 }
 
-void put_values(struct report *report, const char *of, bool parameters)
+void put_values(struct report *report, const char *subject, bool parameters)
 {
     static const char *const heads[] = {"quantity", "value", "from"};
     struct document *document = &report->document;
     bool begun = false;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->of, of) != 0 || is_stated(v) != parameters || !stands_in_section(report, v))
+        if (strcmp(v->subject, subject) != 0 || is_stated(v) != parameters ||
+            !stands_in_section(report, v))
             continue;
         if (!begun)
             put_heading(document, heads, COUNT_OF(heads));
@@ -320,21 +321,21 @@ static void choose_window(const struct session *session, struct figure_request *
 {
     if (plot_is_plane(request->kind))
         return;
-    double from = HUGE_VAL, to = -HUGE_VAL;
+    double t_begin = HUGE_VAL, t_end = -HUGE_VAL;
     for (int i = 0; i < request->runs; i++) {
         const struct trace *trace = session->runs.slot[request->run[i]]->run->trace;
         const double a = trace_time(trace, 0), b = trace_time(trace, trace_count(trace) - 1);
-        from = fmin(from, fmin(a, b));
-        to = fmax(to, fmax(a, b));
+        t_begin = fmin(t_begin, fmin(a, b));
+        t_end = fmax(t_end, fmax(a, b));
     }
     if (request->runs == 0) {
         const struct recording *recording = session->recording[request->recording]->recording;
-        from = recording->window[0];
-        to = recording->window[1];
+        t_begin = recording->window[0];
+        t_end = recording->window[1];
     }
-    if (from < to) {
-        request->window[0] = from;
-        request->window[1] = to;
+    if (t_begin < t_end) {
+        request->window[0] = t_begin;
+        request->window[1] = t_end;
     }
 }
 

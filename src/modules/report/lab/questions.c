@@ -76,7 +76,7 @@ static void put_rests(struct report *report, const struct question *q)
         for (size_t k = 0; k < COUNT_OF(q->values) && q->values[k]; k++) {
             const struct report_value *v = &report->value[i];
             if (strcmp(v->name, q->values[k]) != 0 || strcmp(v->source, "parameter") == 0 ||
-                (q->number != 9 && of_second_session(report, v->of) != damped))
+                (q->number != 9 && of_second_session(report, v->subject) != damped))
                 continue;
             if (!begun)
                 document_open(document, BLOCK_LIST);
@@ -86,7 +86,7 @@ static void put_rests(struct report *report, const struct question *q)
             document_say(document, " = ");
             say_value(document, v);
             document_say(document, " (%s, ", v->source);
-            document_name(document, text_of(v->of));
+            document_name(document, text_of(v->subject));
             document_say(document, ")");
             document_close(document, BLOCK_ITEM);
         }

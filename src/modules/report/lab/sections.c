@@ -49,18 +49,18 @@ static void put_laws(struct document *document, const struct stored_fit *stored)
 }
 
 /* What the numbers of a recording took as exact, once for all of them. */
-static void put_exact(struct report *report, const char *of)
+static void put_exact(struct report *report, const char *subject)
 {
     const struct session *session = report->session;
     struct document *document = &report->document;
     struct inputs inputs = {.exacts = 0};
     for (int i = 0; i < fits_of(session)->stored_fits; i++)
-        if (strcmp(fits_of(session)->stored_fit[i].of, of) == 0)
+        if (strcmp(fits_of(session)->stored_fit[i].subject, subject) == 0)
             inputs_recall(&inputs, &fits_of(session)->stored_fit[i].exact);
     for (int i = 0; i < session->measurements; i++)
-        if (strcmp(session->measurement[i].of, of) == 0)
+        if (strcmp(session->measurement[i].source, subject) == 0)
             inputs_recall(&inputs, &session->measurement[i].exact);
-    if (strcmp(fits_of(session)->adopted.of, of) == 0)
+    if (strcmp(fits_of(session)->adopted.subject, subject) == 0)
         inputs_recall(&inputs, &fits_of(session)->adopted.exact);
     if (inputs.exacts == 0)
         return;
@@ -73,12 +73,12 @@ static void put_exact(struct report *report, const char *of)
 }
 
 /* It is the offset of a fit, which is as uncertain, or was stated. */
-static void say_zero(struct report *report, const struct recording *recording, const char *of)
+static void say_zero(struct report *report, const struct recording *recording, const char *subject)
 {
     struct measured zero = {recording->zero, 0};
     for (int i = 0; i < fits_of(report->session)->stored_fits; i++) {
         const struct stored_fit *stored = &fits_of(report->session)->stored_fit[i];
-        if (strcmp(stored->of, of) == 0 &&
+        if (strcmp(stored->subject, subject) == 0 &&
             fabs(stored->fit.offset.value - zero.value) < stored->fit.offset.uncertainty)
             zero.uncertainty = stored->fit.offset.uncertainty;
     }
@@ -91,17 +91,17 @@ static bool put_recording(struct report *report, int index, enum section section
 {
     struct document *document = &report->document;
     const struct recording *recording = report->session->recording[index]->recording;
-    struct buffer about = {0};
-    char of[LIMIT_NAME + 16];
-    snprintf(of, sizeof of, "data %s", recording->name);
-    recording_describe(recording, &about);
-    struct text rest = buffer_text(&about), line;
+    struct buffer description = {0};
+    char subject[LIMIT_NAME + 16];
+    snprintf(subject, sizeof subject, "data %s", recording->name);
+    recording_describe(recording, &description);
+    struct text rest = buffer_text(&description), line;
     document_open(document, BLOCK_PARAGRAPH);
     document_say(document, "Recording ");
     document_name(document, text_of(recording->name));
     document_say(document, ", of which %.6g to %.6g s are used, with the zero at ",
                  recording->window[0], recording->window[1]);
-    say_zero(report, recording, of);
+    say_zero(report, recording, subject);
     document_say(document, ":");
     document_close(document, BLOCK_PARAGRAPH);
     document_open(document, BLOCK_LIST);
@@ -112,17 +112,17 @@ static bool put_recording(struct report *report, int index, enum section section
             document_close(document, BLOCK_ITEM);
         }
     document_close(document, BLOCK_LIST);
-    const bool ok = !about.failed
+    const bool ok = !description.failed
                         ? put_figure(report, section, PLOT_POSITION, NULL, 0, index, error)
                         : error_memory(error);
-    buffer_free(&about);
-    put_values(report, of, false);
+    buffer_free(&description);
+    put_values(report, subject, false);
     for (int i = 0; i < fits_of(report->session)->stored_fits; i++) {
         const struct stored_fit *stored = &fits_of(report->session)->stored_fit[i];
-        if (strcmp(stored->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
+        if (strcmp(stored->subject, subject) == 0 && section == SECTION_DAMPED_RECORDING)
             put_laws(document, stored);
     }
-    put_exact(report, of);
+    put_exact(report, subject);
     return ok;
 }
 
@@ -137,30 +137,30 @@ static bool put_recordings(struct report *report, const struct material *m, bool
 
 static void put_parameters(struct report *report, int index)
 {
-    char of[32];
-    snprintf(of, sizeof of, "run %d", run_at(report, index)->number);
+    char subject[32];
+    snprintf(subject, sizeof subject, "run %d", run_at(report, index)->number);
     document_open(&report->document, BLOCK_PARAGRAPH);
-    document_say(&report->document, "Parameters of %s (%s):", of,
+    document_say(&report->document, "Parameters of %s (%s):", subject,
                  run_at(report, index)->method->row.name);
     document_close(&report->document, BLOCK_PARAGRAPH);
-    put_values(report, of, true);
+    put_values(report, subject, true);
 }
 
 static void put_measured(struct report *report, const int *run, int runs)
 {
     for (int i = 0; i < runs; i++) {
-        char of[32];
-        snprintf(of, sizeof of, "run %d", run_at(report, run[i])->number);
+        char subject[32];
+        snprintf(subject, sizeof subject, "run %d", run_at(report, run[i])->number);
         bool any = false;
         for (int k = 0; k < report->values; k++)
-            any |= strcmp(report->value[k].of, of) == 0 && !is_stated(&report->value[k]) &&
-                   stands_in_section(report, &report->value[k]);
+            any |= strcmp(report->value[k].subject, subject) == 0 &&
+                   !is_stated(&report->value[k]) && stands_in_section(report, &report->value[k]);
         if (!any)
             continue;
         document_open(&report->document, BLOCK_PARAGRAPH);
-        document_say(&report->document, "Measured on %s:", of);
+        document_say(&report->document, "Measured on %s:", subject);
         document_close(&report->document, BLOCK_PARAGRAPH);
-        put_values(report, of, false);
+        put_values(report, subject, false);
     }
 }
 
@@ -248,7 +248,7 @@ static void put_reynolds(struct report *report)
         document_say(document, " = ");
         say_value(document, v);
         document_say(document, ", %s, at the largest speed of ", reynolds_regime(v->value.value));
-        document_name(document, text_of(v->of));
+        document_name(document, text_of(v->subject));
         document_close(document, BLOCK_ITEM);
     }
     document_close(document, BLOCK_LIST);
@@ -256,7 +256,7 @@ static void put_reynolds(struct report *report)
 
 /* Several runs, each with what it started from, its figures and then all on the same axes. */
 static bool put_each(struct report *report, enum section here, const int *run, int runs,
-                     bool beside, struct error *error)
+                     bool shows_recording, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
     const int shown = runs < REPORT_OVERLAY ? runs : REPORT_OVERLAY;
@@ -264,13 +264,14 @@ static bool put_each(struct report *report, enum section here, const int *run, i
         put_parameters(report, run[i]);
         for (size_t k = 0; k < COUNT_OF(kinds); k++)
             if (!put_figure(report, here, kinds[k], &run[i], 1,
-                            beside ? recording_beside(report, run[i], kinds[k]) : -1, error))
+                            shows_recording ? recording_beside(report, run[i], kinds[k]) : -1,
+                            error))
                 return false;
     }
     return shown < 2 || put_figure(report, here, PLOT_ENERGY, run, shown, -1, error);
 }
 
-static bool drag(struct report *report, const struct material *m, struct error *error)
+static bool drag_section_put(struct report *report, const struct material *m, struct error *error)
 {
     const int *run = m->run[SECTION_DRAG], runs = m->runs[SECTION_DRAG];
     put_reynolds(report);
@@ -283,13 +284,13 @@ static bool drag(struct report *report, const struct material *m, struct error *
     return true;
 }
 
-bool of_second_session(const struct report *report, const char *of)
+bool of_second_session(const struct report *report, const char *subject)
 {
     const struct material *m = report->material;
-    const struct text name = text_of(of);
+    const struct text name = text_of(subject);
     if (text_starts(name, TEXT("data "))) {
         const int index =
-            session_find_recording(report->session, (struct text){name.at + 5, name.len - 5});
+            session_find_recording(report->session, (struct text){name.data + 5, name.len - 5});
         return index >= 0 && m->decays[index];
     }
     for (int i = 0; i < m->runs[SECTION_DAMPED_SIMULATION]; i++) {
@@ -314,14 +315,14 @@ static void put_side_by_side(struct report *report)
     document_heading_ends(document);
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->name, "gamma") != 0 || !of_second_session(report, v->of))
+        if (strcmp(v->name, "gamma") != 0 || !of_second_session(report, v->subject))
             continue;
         document_open(document, BLOCK_ROW);
         document_open(document, BLOCK_CELL);
         say_value(document, v);
         document_close(document, BLOCK_CELL);
         document_open(document, BLOCK_CELL);
-        document_name(document, text_of(v->of));
+        document_name(document, text_of(v->subject));
         document_close(document, BLOCK_CELL);
         document_put(document, BLOCK_CELL, v->source);
         document_close(document, BLOCK_ROW);
@@ -381,7 +382,7 @@ static const struct {
     [SECTION_SIMULATION] = {"First session: no damping", "2. Forward Euler", simulation},
     [SECTION_ENERGY] = {"First session: no damping", "3. Energy", energy},
     [SECTION_SCHEMES] = {"First session: no damping", "4. Better schemes", schemes},
-    [SECTION_DRAG] = {"Second session: damping", "5. Drag", drag},
+    [SECTION_DRAG] = {"Second session: damping", "5. Drag", drag_section_put},
     [SECTION_DAMPED_RECORDING] = {"Second session: damping", "6. The damped recording",
                                   damped_recordings},
     [SECTION_DAMPED_SIMULATION] = {"Second session: damping", "7. The damped simulation",

@@ -34,9 +34,9 @@ static void add_made(struct reader *reader, const struct buffer *script, struct 
         return; /* it is made again then */
     reader->made = more;
     made.script = buffer_text(script);
-    made.script.at = arena_text(&reader->arena, made.script);
-    reader->mades += made.script.at != NULL;
-    more[reader->mades - (made.script.at != NULL)] = made;
+    made.script.data = arena_text(&reader->arena, made.script);
+    reader->mades += made.script.data != NULL;
+    more[reader->mades - (made.script.data != NULL)] = made;
 }
 
 void reader_made_scene(struct reader *reader, const struct scene *scene)
@@ -55,8 +55,8 @@ void reader_made_events(struct reader *reader, const struct events *events)
     buffer_free(&script);
 }
 
-static bool make(struct reader *reader, struct text script, struct scene *scene,
-                 struct error *error)
+static bool reader_scene_make(struct reader *reader, struct text script, struct scene *scene,
+                              struct error *error)
 {
     struct session *session = reader->session;
     const struct made *made = find_made(reader, script, false);
@@ -75,7 +75,8 @@ static bool make(struct reader *reader, struct text script, struct scene *scene,
 /* What a scene's commands would take: flags are flags, and each value is one that it can have. */
 static bool is_sound(const struct scene *scene)
 {
-    const struct field flags[] = {FIELD_OF(struct scene, chosen), FIELD_OF(struct scene, across)},
+    const struct field flags[] = {FIELD_OF(struct scene, chosen),
+                                  FIELD_CALLED("across", struct scene, steps_across_kinks, 0, 0)},
                        atol = FIELD_IN(struct scene, atol, 0, DBL_MAX);
     struct scene same = *scene;
     struct error ignored;
@@ -89,14 +90,14 @@ static bool is_sound(const struct scene *scene)
 
 void reader_move(const struct field_places *places, void *array, size_t item)
 {
-    char before[PARAM_MAX * sizeof(double)];
-    memcpy(before, array, PARAM_MAX * item);
+    char saved[PARAM_MAX * sizeof(double)];
+    memcpy(saved, array, PARAM_MAX * item);
     for (int i = 0; i < places->rows; i++) {
-        char *to = (char *)array + (size_t)i * item;
-        if (places->at[i] >= 0)
-            memcpy(to, before + (size_t)places->at[i] * item, item);
+        char *target = (char *)array + (size_t)i * item;
+        if (places->index[i] >= 0)
+            memcpy(target, saved + (size_t)places->index[i] * item, item);
         else
-            memset(to, 0, item);
+            memset(target, 0, item);
     }
 }
 
@@ -105,33 +106,34 @@ static void note_unknown(struct reader *reader, struct text names,
                          const struct field_places *places)
 {
     for (int i = 0; i < places->count; i++) {
-        const struct text name = text_of(names.at);
+        const struct text name = text_of(names.data);
         char line[LIMIT_NAME + 64];
         snprintf(line, sizeof line, "the parameter %s is left out: this version has none",
-                 names.at);
+                 names.data);
         if (places->row[i] < 0 && !strstr(buffer_view(reader->notes), line))
             reader_note(reader, "%s", line);
-        names = (struct text){name.at + name.len + 1, names.len - name.len - 1};
+        names = (struct text){name.data + name.len + 1, names.len - name.len - 1};
     }
 }
 
-bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+bool reader_scene(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error)
 {
     struct field_places found;
-    struct text of, script, names;
-    if (!field_find(in, name, &of) || !field_find(of, "script", &script) ||
-        !field_find(of, "names", &names))
+    struct text content, script, names;
+    if (!field_find(text, name, &content) || !field_find(content, "script", &script) ||
+        !field_find(content, "names", &names))
         return error_set(error, ERROR_IO, "it has no scene");
-    if (!make(reader, script, scene, error))
+    if (!reader_scene_make(reader, script, scene, error))
         return false;
     struct scene read = *scene;
     if (!field_find_places(names, scene_params(scene), &found) ||
-        !field_get_placed(of, "value", &found, read.value, sizeof *read.value) ||
-        !field_get_placed(of, "uncertainty", &found, read.uncertainty, sizeof *read.uncertainty) ||
-        !field_get_placed(of, "chosen", &found, read.chosen, sizeof *read.chosen) ||
-        !field_get(of, "across", &read.across, sizeof read.across) ||
-        !field_get(of, "atol", read.atol, sizeof read.atol))
+        !field_get_placed(content, "value", &found, read.value, sizeof *read.value) ||
+        !field_get_placed(content, "uncertainty", &found, read.uncertainty,
+                          sizeof *read.uncertainty) ||
+        !field_get_placed(content, "chosen", &found, read.chosen, sizeof *read.chosen) ||
+        !field_get(content, "across", &read.steps_across_kinks, sizeof read.steps_across_kinks) ||
+        !field_get(content, "atol", read.atol, sizeof read.atol))
         return error_set(error, ERROR_IO, "its scene has other parameters in this version");
     if (!is_sound(&read))
         return error_set(error, ERROR_IO, "its scene has values that no scene can have");
@@ -142,13 +144,13 @@ bool reader_scene(struct reader *reader, struct text in, const char *name, struc
     return true;
 }
 
-static bool read_events(struct reader *reader, struct text in, const struct events **events,
+static bool read_events(struct reader *reader, struct text text, const struct events **events,
                         struct error *error)
 {
     struct session *session = reader->session;
     struct text script;
     *events = NULL;
-    if (!field_find(in, "events", &script) || script.len == 0)
+    if (!field_find(text, "events", &script) || script.len == 0)
         return true;
     const struct made *made = find_made(reader, script, true);
     session->setup.events = NULL;
@@ -162,20 +164,20 @@ static bool read_events(struct reader *reader, struct text in, const struct even
 
 /* ---- runs ---- */
 
-static void get_flag(struct text in, const char *name, bool *flag)
+static void get_flag(struct text text, const char *name, bool *flag)
 {
-    fields_get(in, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
+    fields_get(text, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
 }
 
 /* One thing that was asked of the run. */
-static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text in,
+static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text text,
                       struct error *error)
 {
     struct request asked = {.kind = REQUEST_GO};
     struct text condition;
-    if (!field_find(in, "condition", &condition))
+    if (!field_find(text, "condition", &condition))
         condition = TEXT("");
-    bool fine = fields_get(in, store_request, store_request_count, &asked);
+    bool fine = fields_get(text, store_request, store_request_count, &asked);
     if (fine && asked.kind == REQUEST_SET) {
         asked.param = asked.param < places->count ? places->row[asked.param] : -1;
         fine = asked.param >= 0;
@@ -186,18 +188,18 @@ static bool add_asked(struct run_slot *slot, const struct field_places *places, 
 }
 
 /* All of it, in order. */
-static bool add_all_asked(struct run_slot *slot, const struct field_places *places, struct text in,
-                          struct error *error)
+static bool add_all_asked(struct run_slot *slot, const struct field_places *places,
+                          struct text text, struct error *error)
 {
     struct text name, value;
     bool ok = true;
-    while (ok && field_next(&in, &name, &value))
+    while (ok && field_next(&text, &name, &value))
         ok = !text_is(name, "asked") || add_asked(slot, places, value, error);
     return ok;
 }
 
 struct run_parts {
-    struct text in, state, note;
+    struct text text, state, note;
     struct scene scene;
     struct field_places places;
     const struct events *events;
@@ -205,56 +207,56 @@ struct run_parts {
     int number;
 };
 
-static bool read_parts(struct reader *reader, const struct read_run *of, struct run_parts *parts,
-                       struct error *error)
+static bool read_parts(struct reader *reader, const struct read_run *source,
+                       struct run_parts *parts, struct error *error)
 {
     struct text method;
-    parts->in = of->content;
-    if (!field_get(parts->in, "number", &parts->number, sizeof parts->number) ||
-        !field_find(parts->in, "state", &parts->state) ||
-        !field_find(parts->in, "method", &method) || parts->number < 1 ||
+    parts->text = source->content;
+    if (!field_get(parts->text, "number", &parts->number, sizeof parts->number) ||
+        !field_find(parts->text, "state", &parts->state) ||
+        !field_find(parts->text, "method", &method) || parts->number < 1 ||
         parts->number > INT_MAX / 2)
         return error_set(error, ERROR_IO, "it is damaged");
     const struct row *row = catalog_find(&method_catalog, method);
     parts->method = method_from(row);
-    if (!field_find(parts->in, "note", &parts->note))
+    if (!field_find(parts->text, "note", &parts->note))
         parts->note = TEXT("");
     if (!row)
         return error_set(error, ERROR_IO, "its method is not there");
-    if (!reader_scene(reader, parts->in, "scene", &parts->scene, &parts->places, error))
+    if (!reader_scene(reader, parts->text, "scene", &parts->scene, &parts->places, error))
         return false;
     reader->session->setup.scene = parts->scene; /* events are read in it */
-    return read_events(reader, parts->in, &parts->events, error);
+    return read_events(reader, parts->text, &parts->events, error);
 }
 
-static bool read_run(struct reader *reader, const struct read_run *of, struct run_parts *parts,
+static bool read_run(struct reader *reader, const struct read_run *source, struct run_parts *parts,
                      struct error *why)
 {
     struct session *session = reader->session;
     const int next = session->runs.next_number;
     const uint64_t next_id = session->runs.next_id;
     struct run *run = run_restore(&parts->scene, parts->method, parts->state, &parts->places,
-                                  of->piece, of->pieces, why);
+                                  source->piece, source->pieces, why);
     if (!run || !session_add_run(session, run, why))
         return false;
     struct run_slot *slot = session->runs.slot[session->runs.count - 1];
     bool going = false;
-    get_flag(parts->in, "going", &going);
+    get_flag(parts->text, "going", &going);
     if (going) /* it was on its way, and can go on */
         run->stop = STOP_CANCELLED;
     journal_release(slot->last);
     slot->last = NULL;
     slot->events = parts->events;
-    slot->id = of->id;
-    field_get(parts->in, "statement", &slot->statement, sizeof slot->statement);
-    if (field_get(parts->in, "origin", slot->origin, sizeof slot->origin))
+    slot->id = source->id;
+    field_get(parts->text, "statement", &slot->statement, sizeof slot->statement);
+    if (field_get(parts->text, "origin", slot->origin, sizeof slot->origin))
         reader_move(&parts->places, slot->origin, sizeof *slot->origin);
     run->number = parts->number;
     session->runs.next_number = next;
     session->runs.next_id = next_id;
     if (parts->note.len > 0)
-        slot->note = strndup(parts->note.at, parts->note.len);
-    const bool ok = add_all_asked(slot, &parts->places, parts->in, why);
+        slot->note = strndup(parts->note.data, parts->note.len);
+    const bool ok = add_all_asked(slot, &parts->places, parts->text, why);
     if (!ok)
         session_drop_run(session, session->runs.count - 1);
     return ok;
@@ -263,17 +265,17 @@ static bool read_run(struct reader *reader, const struct read_run *of, struct ru
 void reader_runs(struct reader *reader, struct text ids)
 {
     uint64_t id;
-    for (; ids.len >= sizeof id; ids.at += sizeof id, ids.len -= sizeof id) {
+    for (; ids.len >= sizeof id; ids.data += sizeof id, ids.len -= sizeof id) {
         struct run_parts parts = {.number = 0};
         struct error why = {0};
         bool left_out = false;
-        memcpy(&id, ids.at, sizeof id);
-        struct read_run *of = reader_run(reader, id);
-        if (of)
-            get_flag(of->content, "left_out", &left_out);
-        if (!of || of->content.len == 0)
+        memcpy(&id, ids.data, sizeof id);
+        struct read_run *source = reader_run(reader, id);
+        if (source)
+            get_flag(source->content, "left_out", &left_out);
+        if (!source || source->content.len == 0)
             error_set(&why, ERROR_IO, "it is damaged");
-        else if (read_parts(reader, of, &parts, &why) && read_run(reader, of, &parts, &why))
+        else if (read_parts(reader, source, &parts, &why) && read_run(reader, source, &parts, &why))
             continue;
         if (left_out)
             error_set(&why, ERROR_IO, "there was no room for its rows");
@@ -285,11 +287,11 @@ void reader_runs(struct reader *reader, struct text ids)
 
 bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content)
 {
-    uint64_t of;
+    uint64_t stored_sum;
     for (size_t i = 0; i < reader->records; i++)
         if (reader->record[i].kind == RECORD_BYTES &&
-            field_get(reader->record[i].content, "sum", &of, sizeof of) && of == sum &&
-            field_find(reader->record[i].content, "content", content))
+            field_get(reader->record[i].content, "sum", &stored_sum, sizeof stored_sum) &&
+            stored_sum == sum && field_find(reader->record[i].content, "content", content))
             return true;
     return false;
 }
@@ -305,65 +307,67 @@ static char *put_file(const char *temporary, struct text path, struct text conte
                       struct folder *folder)
 {
     const struct write_policy policy = {.force = true, .secret = true};
-    struct buffer at = {0}, name = {0};
+    struct buffer file_path = {0}, name = {0};
     struct error ignored;
     size_t begin = path.len;
-    while (begin > 0 && path.at[begin - 1] != '/')
+    while (begin > 0 && path.data[begin - 1] != '/')
         begin--;
-    buffer_format(&at, "%s/hooke-%ld", temporary && *temporary ? temporary : "/tmp",
+    buffer_format(&file_path, "%s/hooke-%ld", temporary && *temporary ? temporary : "/tmp",
                   (long)getpid());
-    buffer_put(&name, (struct text){path.at + begin, path.len - begin});
-    bool ok =
-        !at.failed && !name.failed && folder_open(folder, at.data, policy, any_name, &ignored);
+    buffer_put(&name, (struct text){path.data + begin, path.len - begin});
+    bool ok = !file_path.failed && !name.failed &&
+              folder_open(folder, file_path.data, policy, any_name, &ignored);
     if (ok && !folder_put(folder, name.data, content, &ignored)) {
         folder_abandon(folder);
         ok = false;
     }
-    const size_t up_to = ok ? (size_t)(folder->at.base - folder->at.path) : 0;
-    buffer_clear(&at);
+    const size_t up_to = ok ? (size_t)(folder->writer.base - folder->writer.path) : 0;
+    buffer_clear(&file_path);
     if (ok)
-        buffer_format(&at, "%.*s%s/%s", (int)up_to, folder->at.path, folder->at.temporary,
-                      name.data);
+        buffer_format(&file_path, "%.*s%s/%s", (int)up_to, folder->writer.path,
+                      folder->writer.temporary, name.data);
     buffer_free(&name);
-    if (ok && !at.failed)
-        return at.data;
+    if (ok && !file_path.failed)
+        return file_path.data;
     if (ok)
         folder_abandon(folder);
-    buffer_free(&at);
+    buffer_free(&file_path);
     return NULL;
 }
 
-static bool load(struct reader *reader, struct text path, struct text options, struct error *error)
+static bool reader_recording_load(struct reader *reader, struct text path, struct text options,
+                                  struct error *error)
 {
     struct buffer line = {0};
     buffer_put(&line, TEXT("load "));
     buffer_word(&line, path);
     buffer_put(&line, options);
-    const int before = reader->session->recordings;
+    const int old_count = reader->session->recordings;
     const bool ok = reader_execute(reader, buffer_text(&line), error);
     buffer_free(&line);
-    return ok && (reader->session->recordings == before + 1 ||
+    return ok && (reader->session->recordings == old_count + 1 ||
                   error_set(error, ERROR_IO, "it has another name now"));
 }
 
 /* From the session file, or from where it was: then it may be another. */
-static bool load_kept(struct reader *reader, struct text in, struct text path, struct error *error)
+static bool load_kept(struct reader *reader, struct text text, struct text path,
+                      struct error *error)
 {
     struct text options, content, name;
     struct folder folder;
     uint64_t sum = 0;
-    if (!field_find(in, "options", &options) || !field_find(in, "name", &name))
+    if (!field_find(text, "options", &options) || !field_find(text, "name", &name))
         return error_set(error, ERROR_IO, "it is damaged");
-    field_get(in, "sum", &sum, sizeof sum);
+    field_get(text, "sum", &sum, sizeof sum);
     if (!reader_bytes(reader, sum, &content)) {
-        if (!load(reader, path, options, error))
+        if (!reader_recording_load(reader, path, options, error))
             return false;
         reader_note(reader, "recording %.*s was read again from its file, which may have changed",
-                    (int)name.len, name.at);
+                    (int)name.len, name.data);
         return true;
     }
     char *file = put_file(reader->temporary, path, content, &folder);
-    bool ok = file ? load(reader, text_of(file), options, error)
+    bool ok = file ? reader_recording_load(reader, text_of(file), options, error)
                    : error_set(error, ERROR_IO, "there is no room for it in the folder TMPDIR");
     if (file)
         folder_abandon(&folder);
@@ -380,28 +384,28 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
     return copy && !slot->content.failed ? true : error_memory(error);
 }
 
-static bool read_recording(struct reader *reader, struct text in, struct error *error)
+static bool read_recording(struct reader *reader, struct text text, struct error *error)
 {
     struct session *session = reader->session;
     struct text path;
     bool cleaned = false;
     size_t rows = 0;
-    if (!field_find(in, "path", &path))
+    if (!field_find(text, "path", &path))
         return error_set(error, ERROR_IO, "it is damaged");
-    if (!load_kept(reader, in, path, error))
+    if (!load_kept(reader, text, path, error))
         return false;
     struct recording_slot *slot = session->recording[session->recordings - 1];
     struct recording *recording = slot->recording;
-    field_get(in, "statement", &slot->statement, sizeof slot->statement);
-    field_get(in, "rows", &rows, sizeof rows);
+    field_get(text, "statement", &slot->statement, sizeof slot->statement);
+    field_get(text, "rows", &rows, sizeof rows);
     if (recording->rows != rows)
         return true; /* another file: its window and the like are not this one's */
-    get_flag(in, "cleaned", &cleaned);
+    get_flag(text, "cleaned", &cleaned);
     if (cleaned && !reader_execute(reader, TEXT("data clean apply"), error))
         return false;
     const double window[2] = {recording->window[0], recording->window[1]};
     for (int i = 0; i < RECORDING_FIELDS; i++)
-        fields_get_known(in, &recording_fields[i].field, 1, recording);
+        fields_get_known(text, &recording_fields[i].field, 1, recording);
     if (recording->window[0] > recording->window[1])
         memcpy(recording->window, window, sizeof window);
     return true;
@@ -409,13 +413,14 @@ static bool read_recording(struct reader *reader, struct text in, struct error *
 
 void reader_recordings(struct reader *reader)
 {
-    struct text in = reader->state, name, value;
-    while (field_next(&in, &name, &value)) {
+    struct text text = reader->state, name, value;
+    while (field_next(&text, &name, &value)) {
         struct error why = {0};
         struct text called = TEXT("");
         if (!text_is(name, "recording") || read_recording(reader, value, &why))
             continue;
         field_find(value, "name", &called);
-        reader_note(reader, "recording %.*s is left out: %s", (int)called.len, called.at, why.text);
+        reader_note(reader, "recording %.*s is left out: %s", (int)called.len, called.data,
+                    why.text);
     }
 }

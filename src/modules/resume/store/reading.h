@@ -43,10 +43,10 @@ extern const struct store_array store_arrays[]; /* of a session */
 extern const size_t store_array_count;
 
 /* state.c: fields of a record. `owner`: what the array's offsets count from. */
-void store_put_array(const struct store_array *array, const void *owner, struct buffer *to);
-void store_put_scene(const struct scene *scene, const char *name, struct buffer *to);
-void store_put_events(const struct events *events, struct buffer *to);
-void store_put_state(const struct session *session, struct buffer *to);
+void store_put_array(const struct store_array *array, const void *owner, struct buffer *output);
+void store_put_scene(const struct scene *scene, const char *name, struct buffer *output);
+void store_put_events(const struct events *events, struct buffer *output);
+void store_put_state(const struct session *session, struct buffer *output);
 
 /* A line of the notes. */
 void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
@@ -68,7 +68,7 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
  */
 void reader_move(const struct field_places *places, void *array, size_t item);
 /* Reads a scene; places: of its parameters in the file, or NULL. */
-bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+bool reader_scene(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error);
 /* So that the next scene, or events, that read the same are these. */
 void reader_made_scene(struct reader *reader, const struct scene *scene);

@@ -53,7 +53,7 @@ bool reader_execute(struct reader *reader, struct text commands, struct error *e
     }
     struct text first = TEXT(""), rest = buffer_text(&said);
     if (!ok && text_split(&rest, '\n', &first))
-        error_set(error, ERROR_COMMAND, "%.*s", (int)first.len, first.at);
+        error_set(error, ERROR_COMMAND, "%.*s", (int)first.len, first.data);
     reply_free(&reply);
     buffer_free(&said);
     return ok;
@@ -65,12 +65,12 @@ bool reader_execute(struct reader *reader, struct text commands, struct error *e
  * grow: full at every power of two. */
 static void place_elements(const struct store_array *array, char *made, int count, void *owner)
 {
-    char *at = (char *)owner + array->offset;
+    char *cursor = (char *)owner + array->offset;
     if (array->max == 0) {
-        free(*(void **)(void *)at);
-        *(void **)(void *)at = made;
+        free(*(void **)(void *)cursor);
+        *(void **)(void *)cursor = made;
     } else {
-        memcpy(at, made, (size_t)count * array->item);
+        memcpy(cursor, made, (size_t)count * array->item);
         free(made);
     }
     *(int *)(void *)((char *)owner + array->count) = count;
@@ -78,11 +78,11 @@ static void place_elements(const struct store_array *array, char *made, int coun
 
 void reader_array(struct reader *reader, const struct store_array *array, void *owner)
 {
-    struct text in = reader->state, name, value;
+    struct text text = reader->state, name, value;
     char *made = NULL;
     int count = 0;
     bool fine = true;
-    while (fine && field_next(&in, &name, &value)) {
+    while (fine && field_next(&text, &name, &value)) {
         if (!text_is(name, array->name))
             continue;
         if ((count & (count - 1)) == 0) {
@@ -108,27 +108,27 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
         reader_note(reader, "%s: left out, damaged or of another version", array->name);
 }
 
-static void read_table(struct reader *reader, struct text in)
+static void read_table(struct reader *reader, struct text text)
 {
     struct text kind, csv;
     struct arena arena = {0};
     struct table table;
     struct error ignored;
-    const char *name = field_find(in, "kind", &kind) ? arena_text(&arena, kind) : NULL;
-    if (!name || !field_find(in, "csv", &csv) ||
+    const char *name = field_find(text, "kind", &kind) ? arena_text(&arena, kind) : NULL;
+    if (!name || !field_find(text, "csv", &csv) ||
         !table_parse(csv, NULL, &arena, &table, &ignored) ||
         !table_store_put(&reader->session->studies.found, name, &arena, &table))
-        reader_note(reader, "the table of the last %.*s is left out", (int)kind.len, kind.at);
+        reader_note(reader, "the table of the last %.*s is left out", (int)kind.len, kind.data);
     arena_reset(&arena);
 }
 
 static void read_tables(struct reader *reader)
 {
-    struct text in = reader->state, name, value;
+    struct text text = reader->state, name, value;
     table_store_free(
         &reader->session->studies.found); /* of the commands that made scenes and recordings */
-    reader->session->studies.found = (struct table_store){.of = NULL};
-    while (field_next(&in, &name, &value))
+    reader->session->studies.found = (struct table_store){.table = NULL};
+    while (field_next(&text, &name, &value))
         if (text_is(name, "table"))
             read_table(reader, value);
     reader->session->studies.last = NULL;
@@ -140,29 +140,29 @@ static void read_tables(struct reader *reader)
 
 /* ---- what was typed and said ---- */
 
-static void read_lines(struct history *history, struct text in)
+static void read_lines(struct history *history, struct text section)
 {
     struct text entries, text;
-    size_t from, text_from, item;
-    if (!field_get(in, "item", &item, sizeof item) || item != sizeof *history->entry ||
-        !field_get(in, "from", &from, sizeof from) ||
-        !field_get(in, "text_from", &text_from, sizeof text_from) ||
-        !field_find(in, "entries", &entries) || !field_find(in, "text", &text) ||
-        from > SIZE_MAX / 2 || text_from > SIZE_MAX / 2)
+    size_t first_entry, text_from, item;
+    if (!field_get(section, "item", &item, sizeof item) || item != sizeof *history->entry ||
+        !field_get(section, "from", &first_entry, sizeof first_entry) ||
+        !field_get(section, "text_from", &text_from, sizeof text_from) ||
+        !field_find(section, "entries", &entries) || !field_find(section, "text", &text) ||
+        first_entry > SIZE_MAX / 2 || text_from > SIZE_MAX / 2)
         return;
     /* it begins here: what was before is gone, or damaged */
-    if (from < history->first || from > history->count || text_from < history->text_first ||
-        text_from > history->text_first + history->text.len) {
+    if (first_entry < history->first || first_entry > history->count ||
+        text_from < history->text_first || text_from > history->text_first + history->text.len) {
         history->text.len = 0;
-        history->first = history->count = from;
+        history->first = history->count = first_entry;
         history->text_first = text_from;
         history->lines_gone = 0;
         static const struct field gone = FIELD_IN(struct history, lines_gone, 0, INT_MAX / 2);
-        fields_get(in, &gone, 1, history);
+        fields_get(section, &gone, 1, history);
     }
-    from -= history->first;
+    first_entry -= history->first;
     text_from -= history->text_first;
-    const size_t more = entries.len / sizeof *history->entry, count = from + more;
+    const size_t more = entries.len / sizeof *history->entry, count = first_entry + more;
     if (count > history->capacity) {
         struct entry *larger = realloc(history->entry, 2 * count * sizeof *larger);
         if (!larger)
@@ -171,17 +171,17 @@ static void read_lines(struct history *history, struct text in)
         history->capacity = 2 * count;
     }
     if (more > 0)
-        memcpy(&history->entry[from], entries.at, more * sizeof *history->entry);
+        memcpy(&history->entry[first_entry], entries.data, more * sizeof *history->entry);
     history->text.len = text_from;
     buffer_put(&history->text, text);
     history->count = history->first + count;
 }
 
-static bool inside(const struct history *history, size_t at, size_t len)
+static bool inside(const struct history *history, size_t position, size_t len)
 {
-    const size_t from = at - history->text_first;
-    return at >= history->text_first && from <= history->text.len &&
-           len <= history->text.len - from;
+    const size_t offset = position - history->text_first;
+    return position >= history->text_first && offset <= history->text.len &&
+           len <= history->text.len - offset;
 }
 
 static void read_history(struct reader *reader)
@@ -226,7 +226,7 @@ static void read_setup(struct reader *reader)
         commands = TEXT("");
     while (commands.len > 0 && text_split(&commands, '\n', &line))
         if (!reader_execute(reader, line, &why))
-            reader_note(reader, "'%.*s' is left out: %s", (int)line.len, line.at, why.text);
+            reader_note(reader, "'%.*s' is left out: %s", (int)line.len, line.data, why.text);
     for (int i = 0; i < setup->owns; i++) {
         scene_init(&own, setup->own[i]);
         reader_made_scene(reader, &own);
@@ -249,12 +249,12 @@ static bool is_range(const double range[2])
 static void read_view(struct reader *reader)
 {
     struct session *session = reader->session;
-    struct text in, focus;
-    if (!field_find(reader->state, "view", &in))
+    struct text text, focus;
+    if (!field_find(reader->state, "view", &text))
         return;
     struct view view = session->view;
-    view.focus = field_find(in, "focus", &focus) ? catalog_find(&plot_catalog, focus) : NULL;
-    if (fields_get_known(in, store_view, store_view_count, &view) && is_range(view.x) &&
+    view.focus = field_find(text, "focus", &focus) ? catalog_find(&plot_catalog, focus) : NULL;
+    if (fields_get_known(text, store_view, store_view_count, &view) && is_range(view.x) &&
         is_range(view.y))
         session->view = view;
     else
@@ -262,10 +262,10 @@ static void read_view(struct reader *reader)
 }
 
 /* Places in lists that are as long as they could be made. */
-static void session_run_order(struct session *session, int at, uint64_t run_id)
+static void session_run_order(struct session *session, int index, uint64_t run_id)
 {
-    session->runs.current = at < 0 ? -1 : session->runs.count - 1;
-    for (int i = 0; i < session->runs.count && at >= 0; i++)
+    session->runs.current = index < 0 ? -1 : session->runs.count - 1;
+    for (int i = 0; i < session->runs.count && index >= 0; i++)
         if (session->runs.slot[i]->id == run_id)
             session->runs.current = i;
     if (session->current_recording >= session->recordings || session->current_recording < -1)
@@ -302,11 +302,11 @@ static void read_all(struct reader *reader)
     if (!fields_get_known(reader->state, store_session, store_session_count, session))
         reader_note(reader, "some values are left out: they are damaged");
     reader_move(&reader->places, session->setup.origin, sizeof *session->setup.origin);
-    const int at = session->runs.current;
-    if (field_find(reader->state, "runs", &ids) && at >= 0 &&
-        ((size_t)at + 1) * sizeof current <= ids.len)
-        memcpy(&current, ids.at + (size_t)at * sizeof current, sizeof current);
-    session_run_order(session, at, current);
+    const int index = session->runs.current;
+    if (field_find(reader->state, "runs", &ids) && index >= 0 &&
+        ((size_t)index + 1) * sizeof current <= ids.len)
+        memcpy(&current, ids.data + (size_t)index * sizeof current, sizeof current);
+    session_run_order(session, index, current);
     read_tables(reader);
     /* may execute commands: after a run that is damaged was taken out */
     for (size_t i = 0; module_list[i]; i++)

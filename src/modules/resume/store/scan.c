@@ -19,24 +19,24 @@ static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
     return true;
 }
 
-static bool read_head(struct text at, struct record_head *head)
+static bool read_head(struct text content, struct record_head *head)
 {
-    if (at.len < sizeof *head || memcmp(at.at, RECORD_MAGIC, sizeof head->magic) != 0)
+    if (content.len < sizeof *head || memcmp(content.data, RECORD_MAGIC, sizeof head->magic) != 0)
         return false;
-    memcpy(head, at.at, sizeof *head);
-    return head->own == bytes_sum((struct text){at.at, offsetof(struct record_head, own)});
+    memcpy(head, content.data, sizeof *head);
+    return head->own == bytes_sum((struct text){content.data, offsetof(struct record_head, own)});
 }
 
 /* From there to the next record; returns false if there is none. */
-static bool find_record(struct text *at, struct record_head *head)
+static bool find_record(struct text *content, struct record_head *head)
 {
-    while (at->len >= sizeof *head) {
-        if (read_head(*at, head))
+    while (content->len >= sizeof *head) {
+        if (read_head(*content, head))
             return true;
-        const char *next = memchr(at->at + 1, RECORD_MAGIC[0], at->len - 1);
+        const char *next = memchr(content->data + 1, RECORD_MAGIC[0], content->len - 1);
         if (!next)
             return false;
-        *at = (struct text){next, at->len - (size_t)(next - at->at)};
+        *content = (struct text){next, content->len - (size_t)(next - content->data)};
     }
     return false;
 }
@@ -68,19 +68,19 @@ static bool take_records(struct reader *reader, struct text rest)
 {
     struct record_head head;
     while (rest.len > 0) {
-        const char *from = rest.at;
+        const char *begin = rest.data;
         if (!find_record(&rest, &head))
             return true;
-        reader->damaged += rest.at != from;
+        reader->damaged += rest.data != begin;
         if (head.bytes > rest.len - sizeof head) {
             /* torn, or its length is a lie that its checksum knows nothing of */
-            rest = (struct text){rest.at + sizeof head, rest.len - sizeof head};
+            rest = (struct text){rest.data + sizeof head, rest.len - sizeof head};
             continue;
         }
         const size_t bytes = (size_t)head.bytes;
-        if (!take_record(reader, &head, (struct text){rest.at + sizeof head, bytes}))
+        if (!take_record(reader, &head, (struct text){rest.data + sizeof head, bytes}))
             return false;
-        rest = (struct text){rest.at + sizeof head + bytes, rest.len - sizeof head - bytes};
+        rest = (struct text){rest.data + sizeof head + bytes, rest.len - sizeof head - bytes};
     }
     return true;
 }
@@ -112,8 +112,8 @@ static bool take_rows(struct reader *reader, struct text content)
     struct rows_head head;
     if (content.len < sizeof head)
         return true;
-    memcpy(&head, content.at, sizeof head);
-    content = (struct text){content.at + sizeof head, content.len - sizeof head};
+    memcpy(&head, content.data, sizeof head);
+    content = (struct text){content.data + sizeof head, content.len - sizeof head};
     struct read_run *run = read_run_of(reader, head.id);
     if (!run || !reserve(&run->piece, run->pieces, &run->piece_capacity, sizeof *run->piece))
         return false;
@@ -126,7 +126,7 @@ static bool take_rows(struct reader *reader, struct text content)
     if (last && last->first + last->count > head.first)
         last->count = (size_t)head.first - last->first;
     run->piece[run->pieces++] = (struct stored_rows){(size_t)head.first, (size_t)head.count,
-                                                     (size_t)head.row_bytes, content.at};
+                                                     (size_t)head.row_bytes, content.data};
     return true;
 }
 
@@ -143,7 +143,8 @@ static bool take_run(struct reader *reader, struct text content)
 
 bool reader_scan(struct reader *reader, struct text content, struct error *error)
 {
-    content = (struct text){content.at + strlen(STORE_HEADER), content.len - strlen(STORE_HEADER)};
+    content =
+        (struct text){content.data + strlen(STORE_HEADER), content.len - strlen(STORE_HEADER)};
     bool ok = take_records(reader, content);
     while (reader->records > 0 && reader->record[reader->records - 1].kind != RECORD_STATE)
         reader->records--;

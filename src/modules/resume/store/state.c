@@ -37,9 +37,9 @@ const size_t store_session_count = COUNT_OF(store_session);
 #define IN_VIEW(member, least, most) FIELD_IN(struct view, member, least, most)
 #define OF_VIEW(member) FIELD_OF(struct view, member)
 #define OF_CURSOR(i)                                                                               \
-    OF_VIEW(cursors.at[i].set), OF_VIEW(cursors.at[i].t), OF_VIEW(cursors.at[i].t_uncertainty),    \
-        OF_VIEW(cursors.at[i].y), IN_VIEW(cursors.at[i].crossing, 0, INT_MAX / 2),                 \
-        OF_VIEW(cursors.at[i].amplitude)
+    OF_VIEW(cursors.cursor[i].set), OF_VIEW(cursors.cursor[i].t),                                  \
+        OF_VIEW(cursors.cursor[i].t_uncertainty), OF_VIEW(cursors.cursor[i].y),                    \
+        IN_VIEW(cursors.cursor[i].crossing, 0, INT_MAX / 2), OF_VIEW(cursors.cursor[i].amplitude)
 const struct field store_view[] = {
     IN_VIEW(layout, 0, LAYOUT_LOG),
     OF_VIEW(full),
@@ -59,7 +59,7 @@ const struct field store_view[] = {
     OF_CURSOR(1),
     IN_VIEW(cursors.snap, SNAP_CROSSING, SNAP_NONE),
     OF_VIEW(cursors.periods),
-    OF_VIEW(cursors.of),
+    OF_VIEW(cursors.subject),
     OF_VIEW(cursors.samples),
     FIELD_OF_QUANTITY(struct view, cursors.quantity),
     FIELD_CALLED_AS("start", struct view, start, FIELD_REALS, -DBL_MAX, DBL_MAX),
@@ -73,7 +73,7 @@ const struct field store_request[] = {
     OF_REQUEST(kind, REQUEST_GO, REQUEST_BACK),
     OF_REQUEST(param, 0, INT_MAX / 2),
     OF_REQUEST(by_event, 0, 0),
-    OF_REQUEST(from, 0, INFINITY),
+    OF_REQUEST(start_step, 0, INFINITY),
     OF_REQUEST(end, 0, INFINITY),
     OF_REQUEST(met, 0, INFINITY),
     OF_REQUEST(rows, 0, INFINITY),
@@ -87,16 +87,16 @@ const size_t store_request_count = COUNT_OF(store_request);
 static const struct field named_value_members[] = {
     OF_VALUE(name),        OF_VALUE(value),
     OF_VALUE(uncertainty), FIELD_OF_QUANTITY(struct named_value, quantity),
-    OF_VALUE(below),
+    OF_VALUE(error_floor),
 };
 
 #define OF_MEASUREMENT(member) FIELD_OF(struct measurement, member)
 static const struct field measurement_members[] = {
     OF_MEASUREMENT(quantity), ALL_END(struct measurement),
     OF_MEASUREMENT(value),    FIELD_OF_QUANTITY(struct measurement, unit),
-    OF_MEASUREMENT(periods),  OF_MEASUREMENT(at),
+    OF_MEASUREMENT(periods),  OF_MEASUREMENT(t),
     OF_MEASUREMENT(energy),   OF_MEASUREMENT(statement),
-    OF_MEASUREMENT(of),
+    OF_MEASUREMENT(source),
 };
 
 const struct store_array store_arrays[] = {
@@ -109,101 +109,101 @@ const size_t store_array_count = COUNT_OF(store_arrays);
 
 /* ---- scenes ---- */
 
-void store_put_scene(const struct scene *scene, const char *name, struct buffer *to)
+void store_put_scene(const struct scene *scene, const char *name, struct buffer *output)
 {
-    const size_t begun = field_begin(to, name), params = scene_params(scene)->count;
-    const size_t script = field_begin(to, "script");
-    scene_kind_script(scene, to);
-    field_end(to, script);
-    field_put_names(to, "names", scene_params(scene));
-    field_put(to, "value", scene->value, params * sizeof *scene->value);
-    field_put(to, "uncertainty", scene->uncertainty, params * sizeof *scene->uncertainty);
-    field_put(to, "chosen", scene->chosen, params * sizeof *scene->chosen);
-    field_put(to, "across", &scene->across, sizeof scene->across);
-    field_put(to, "atol", scene->atol, sizeof scene->atol);
-    field_end(to, begun);
+    const size_t begun = field_begin(output, name), params = scene_params(scene)->count;
+    const size_t script = field_begin(output, "script");
+    scene_kind_script(scene, output);
+    field_end(output, script);
+    field_put_names(output, "names", scene_params(scene));
+    field_put(output, "value", scene->value, params * sizeof *scene->value);
+    field_put(output, "uncertainty", scene->uncertainty, params * sizeof *scene->uncertainty);
+    field_put(output, "chosen", scene->chosen, params * sizeof *scene->chosen);
+    field_put(output, "across", &scene->steps_across_kinks, sizeof scene->steps_across_kinks);
+    field_put(output, "atol", scene->atol, sizeof scene->atol);
+    field_end(output, begun);
 }
 
-void store_put_events(const struct events *events, struct buffer *to)
+void store_put_events(const struct events *events, struct buffer *output)
 {
-    const size_t begun = field_begin(to, "events");
-    events_save(events, false, to);
-    field_end(to, begun);
+    const size_t begun = field_begin(output, "events");
+    events_save(events, false, output);
+    field_end(output, begun);
 }
 
 /* ---- recordings, lists, results ---- */
 
-static void put_loaded(const struct recording_slot *slot, struct buffer *to)
+static void put_loaded(const struct recording_slot *slot, struct buffer *output)
 {
     const struct recording *recording = slot->recording;
     char *path = realpath(recording->path, NULL);
-    const size_t begun = field_begin(to, "recording");
-    field_text(to, "name", text_of(recording->name));
-    field_text(to, "path", text_of(path ? path : recording->path));
-    field_text(to, "options", text_of(slot->options));
-    field_put(to, "statement", &slot->statement, sizeof slot->statement);
-    field_put(to, "sum", &slot->sum, sizeof slot->sum);
-    field_put(to, "rows", &recording->rows, sizeof recording->rows);
+    const size_t begun = field_begin(output, "recording");
+    field_text(output, "name", text_of(recording->name));
+    field_text(output, "path", text_of(path ? path : recording->path));
+    field_text(output, "options", text_of(slot->options));
+    field_put(output, "statement", &slot->statement, sizeof slot->statement);
+    field_put(output, "sum", &slot->sum, sizeof slot->sum);
+    field_put(output, "rows", &recording->rows, sizeof recording->rows);
     for (int i = 0; i < RECORDING_FIELDS; i++)
-        fields_put(to, &recording_fields[i].field, 1, recording);
-    field_end(to, begun);
+        fields_put(output, &recording_fields[i].field, 1, recording);
+    field_end(output, begun);
     free(path);
 }
 
-void store_put_array(const struct store_array *array, const void *owner, struct buffer *to)
+void store_put_array(const struct store_array *array, const void *owner, struct buffer *output)
 {
-    const char *at = (const char *)owner + array->offset;
+    const char *cursor = (const char *)owner + array->offset;
     const int count = *(const int *)(const void *)((const char *)owner + array->count);
     if (array->max == 0)
-        at = *(char *const *)(const void *)at;
+        cursor = *(char *const *)(const void *)cursor;
     for (int k = 0; k < count; k++) {
-        const size_t begun = field_begin(to, array->name);
-        fields_put(to, array->member, array->members, at + (size_t)k * array->item);
-        field_end(to, begun);
+        const size_t begun = field_begin(output, array->name);
+        fields_put(output, array->member, array->members, cursor + (size_t)k * array->item);
+        field_end(output, begun);
     }
 }
 
-static void put_tables(const struct session *session, struct buffer *to)
+static void put_tables(const struct session *session, struct buffer *output)
 {
     for (int i = 0; i < session->studies.found.count; i++) {
-        const struct stored_table *of = session->studies.found.of[i];
-        const size_t begun = field_begin(to, "table");
-        field_text(to, "kind", text_of(of->kind));
-        const size_t text = field_begin(to, "csv");
-        table_put(&of->table, table_csv, to);
-        field_end(to, text);
-        field_end(to, begun);
+        const struct stored_table *stored = session->studies.found.table[i];
+        const size_t begun = field_begin(output, "table");
+        field_text(output, "kind", text_of(stored->kind));
+        const size_t text = field_begin(output, "csv");
+        table_put(&stored->table, table_csv, output);
+        field_end(output, text);
+        field_end(output, begun);
     }
     if (session->studies.last)
-        field_text(to, "studied", text_of(session->studies.last));
+        field_text(output, "studied", text_of(session->studies.last));
 }
 
-void store_put_state(const struct session *session, struct buffer *to)
+void store_put_state(const struct session *session, struct buffer *output)
 {
-    field_text(to, "version", text_of(HOOKE_VERSION));
-    const size_t setup = field_begin(to, "setup");
-    session_save_setup(session, to);
-    field_end(to, setup);
-    field_put_names(to, "names", scene_params(&session->setup.scene));
-    fields_put(to, store_session, store_session_count, session);
+    field_text(output, "version", text_of(HOOKE_VERSION));
+    const size_t setup = field_begin(output, "setup");
+    session_save_setup(session, output);
+    field_end(output, setup);
+    field_put_names(output, "names", scene_params(&session->setup.scene));
+    fields_put(output, store_session, store_session_count, session);
     for (int i = 0; i < session->recordings; i++)
-        put_loaded(session->recording[i], to);
+        put_loaded(session->recording[i], output);
     for (size_t i = 0; i < store_array_count; i++)
-        store_put_array(&store_arrays[i], session, to);
-    put_tables(session, to);
+        store_put_array(&store_arrays[i], session, output);
+    put_tables(session, output);
     for (int i = 0; i < session->parts->count; i++) {
         const struct session_part *part = &session->parts->item[i];
         if (part->module->store.put)
-            part->module->store.put(part->state, to);
+            part->module->store.put(part->state, output);
     }
-    const size_t runs = field_begin(to, "runs");
+    const size_t runs = field_begin(output, "runs");
     for (int i = 0; i < session->runs.count; i++)
-        buffer_put(to, (struct text){(const char *)&session->runs.slot[i]->id,
-                                     sizeof session->runs.slot[i]->id});
-    field_end(to, runs);
-    const size_t view = field_begin(to, "view");
-    fields_put(to, store_view, store_view_count, &session->view);
+        buffer_put(output, (struct text){(const char *)&session->runs.slot[i]->id,
+                                         sizeof session->runs.slot[i]->id});
+    field_end(output, runs);
+    const size_t view = field_begin(output, "view");
+    fields_put(output, store_view, store_view_count, &session->view);
     if (session->view.focus)
-        field_text(to, "focus", text_of(session->view.focus->name));
-    field_end(to, view);
+        field_text(output, "focus", text_of(session->view.focus->name));
+    field_end(output, view);
 }

@@ -30,74 +30,75 @@ struct output {
 /* ---- records ---- */
 
 /* To be left here, and gone on with from here another time. */
-static bool stops(struct output *out)
+static bool stops(struct output *output)
 {
-    out->stored->unfinished = cancelled(out->sink->cancel);
-    return out->stored->unfinished;
+    output->stored->unfinished = cancelled(output->sink->cancel);
+    return output->stored->unfinished;
 }
 
-static void record_begin(struct output *out)
+static void record_begin(struct output *output)
 {
     static const struct record_head none;
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     stored->sent = SIZE_MAX; /* nothing of it is to be written yet */
     buffer_clear(&stored->record);
     buffer_put(&stored->record, (struct text){(const char *)&none, sizeof none});
 }
 
-static struct text content_of(const struct output *out)
+static struct text content_of(const struct output *output)
 {
-    const struct text all = buffer_text(&out->stored->record);
-    return (struct text){all.at + sizeof(struct record_head), all.len - sizeof(struct record_head)};
+    const struct text all = buffer_text(&output->stored->record);
+    return (struct text){all.data + sizeof(struct record_head),
+                         all.len - sizeof(struct record_head)};
 }
 
 /* In pieces, with a look between them. */
-static bool record_send(struct output *out)
+static bool record_send(struct output *output)
 {
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     while (stored->sent < stored->record.len) {
         struct text piece = {stored->record.data + stored->sent, stored->record.len - stored->sent};
         piece.len = piece.len < WRITTEN_AT_ONCE ? piece.len : WRITTEN_AT_ONCE;
-        if ((stored->sent > 0 && stops(out)) ||
-            !out->sink->write(out->sink->context, piece, out->error))
+        if ((stored->sent > 0 && stops(output)) ||
+            !output->sink->write(output->sink->context, piece, output->error))
             return false;
         stored->sent += piece.len;
     }
     return true;
 }
 
-static bool record_end(struct output *out, enum record_kind kind)
+static bool record_end(struct output *output, enum record_kind kind)
 {
     struct record_head head = {.magic = RECORD_MAGIC, .kind = kind};
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     if (stored->record.failed)
-        return error_memory(out->error);
-    head.bytes = content_of(out).len;
-    head.sum = bytes_sum(content_of(out));
+        return error_memory(output->error);
+    head.bytes = content_of(output).len;
+    head.sum = bytes_sum(content_of(output));
     head.own = bytes_sum((struct text){(const char *)&head, offsetof(struct record_head, own)});
     memcpy(stored->record.data, &head, sizeof head);
     stored->bytes += stored->record.len;
     stored->sent = 0;
-    out->written = true;
-    return record_send(out);
+    output->written = true;
+    return record_send(output);
 }
 
 /* ---- runs ---- */
 
-static void put_asked(const struct run_slot *slot, struct buffer *to)
+static void put_asked(const struct run_slot *slot, struct buffer *output)
 {
     const struct request **list;
     int count;
     if (!journal_list(slot->last, 0, &list, &count)) {
-        to->failed = true;
+        output->failed = true;
         return;
     }
     for (int i = 0; i < count; i++) {
-        const size_t begun = field_begin(to, "asked");
-        fields_put(to, store_request, store_request_count, list[i]);
+        const size_t begun = field_begin(output, "asked");
+        fields_put(output, store_request, store_request_count, list[i]);
         if (list[i]->condition)
-            field_text(to, "condition", text_of(list[i]->condition));
-        field_end(to, begun);
+            field_text(output, "condition", text_of(list[i]->condition));
+        field_end(output, begun);
     }
     free(list);
 }
@@ -125,23 +126,26 @@ static struct stored_run *stored_run_add(struct stored *stored, uint64_t id)
 }
 
 /* Those from the first one that is not as the file has it. */
-static bool put_rows(struct output *out, struct run *run, struct stored_run *of)
+static bool put_rows(struct output *output, struct run *run, struct stored_run *stored_run)
 {
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     const size_t rows = run_recorded(run), bytes = run_row_bytes(run);
-    const size_t same = run_rows_stored(run), first = same < of->rows ? same : of->rows;
-    of->rows = first;
+    const size_t same = run_rows_stored(run),
+                 first = same < stored_run->rows ? same : stored_run->rows;
+    stored_run->rows = first;
     run_set_stored(run, rows); /* those that the file has are as they are from now on */
-    while (of->rows < rows && !stops(out)) {
-        const size_t left = rows - of->rows, count = left < ROWS_AT_ONCE ? left : ROWS_AT_ONCE;
-        const struct rows_head head = {of->id, of->rows, count, bytes};
-        record_begin(out);
+    while (stored_run->rows < rows && !stops(output)) {
+        const size_t left = rows - stored_run->rows,
+                     count = left < ROWS_AT_ONCE ? left : ROWS_AT_ONCE;
+        const struct rows_head head = {stored_run->id, stored_run->rows, count, bytes};
+        record_begin(output);
         buffer_put(&stored->record, (struct text){(const char *)&head, sizeof head});
-        run_store_rows(run, of->rows, count, &stored->record);
-        of->rows += count;
-        if (!record_end(out, RECORD_ROWS))
+        run_store_rows(run, stored_run->rows, count, &stored->record);
+        stored_run->rows += count;
+        if (!record_end(output, RECORD_ROWS))
             return false;
-        if (out->sink->until > 0 && of->rows < rows && clock_ns() > out->sink->until) {
+        if (output->sink->deadline > 0 && stored_run->rows < rows &&
+            clock_ns() > output->sink->deadline) {
             stored->unfinished = true;
             break;
         }
@@ -149,38 +153,38 @@ static bool put_rows(struct output *out, struct run *run, struct stored_run *of)
     return !stored->unfinished;
 }
 
-static bool put_run(struct output *out, const struct run_slot *slot, bool left_out, bool going)
+static bool put_run(struct output *output, const struct run_slot *slot, bool left_out, bool going)
 {
-    struct stored_run *of = find_run(out->stored, slot->id);
-    if (!of && !(of = stored_run_add(out->stored, slot->id)))
-        return error_memory(out->error);
+    struct stored_run *stored_run = find_run(output->stored, slot->id);
+    if (!stored_run && !(stored_run = stored_run_add(output->stored, slot->id)))
+        return error_memory(output->error);
     if (left_out) {
-        of->rows = 0;
-    } else if (!put_rows(out, slot->run, of)) {
+        stored_run->rows = 0;
+    } else if (!put_rows(output, slot->run, stored_run)) {
         return false;
     }
-    struct buffer *to = &out->stored->record;
-    record_begin(out);
-    field_put(to, "id", &slot->id, sizeof slot->id);
-    field_put(to, "number", &slot->run->number, sizeof slot->run->number);
-    field_put(to, "left_out", &left_out, sizeof left_out);
-    field_put(to, "going", &going, sizeof going);
-    field_text(to, "method", text_of(slot->run->method->row.name));
-    store_put_scene(&slot->run->scene, "scene", to);
-    store_put_events(slot->events, to);
-    field_put(to, "statement", &slot->statement, sizeof slot->statement);
-    field_put(to, "origin", slot->origin, sizeof slot->origin);
+    struct buffer *record = &output->stored->record;
+    record_begin(output);
+    field_put(record, "id", &slot->id, sizeof slot->id);
+    field_put(record, "number", &slot->run->number, sizeof slot->run->number);
+    field_put(record, "left_out", &left_out, sizeof left_out);
+    field_put(record, "going", &going, sizeof going);
+    field_text(record, "method", text_of(slot->run->method->row.name));
+    store_put_scene(&slot->run->scene, "scene", record);
+    store_put_events(slot->events, record);
+    field_put(record, "statement", &slot->statement, sizeof slot->statement);
+    field_put(record, "origin", slot->origin, sizeof slot->origin);
     if (slot->note)
-        field_text(to, "note", text_of(slot->note));
-    put_asked(slot, to);
-    const size_t begun = field_begin(to, "state");
-    run_store(slot->run, to);
-    field_end(to, begun);
-    const uint64_t sum = to->failed ? 0 : bytes_sum(content_of(out));
-    if (sum == of->sum && !to->failed)
+        field_text(record, "note", text_of(slot->note));
+    put_asked(slot, record);
+    const size_t begun = field_begin(record, "state");
+    run_store(slot->run, record);
+    field_end(record, begun);
+    const uint64_t sum = record->failed ? 0 : bytes_sum(content_of(output));
+    if (sum == stored_run->sum && !record->failed)
         return true;
-    of->sum = sum;
-    return record_end(out, RECORD_RUN);
+    stored_run->sum = sum;
+    return record_end(output, RECORD_RUN);
 }
 
 /* Those that were dropped; undo may bring one back, which is then written again. */
@@ -188,18 +192,18 @@ static void forget_runs(struct stored *stored, const struct session *session)
 {
     int kept = 0;
     for (int i = 0; stored->runs > session->runs.count && i < stored->runs; i++) {
-        const struct stored_run *of = &stored->run[i];
+        const struct stored_run *run = &stored->run[i];
         bool there = false;
         for (int k = 0; k < session->runs.count && !there; k++)
-            there = session->runs.slot[k]->id == of->id;
+            there = session->runs.slot[k]->id == run->id;
         if (there)
-            stored->run[kept++] = *of;
+            stored->run[kept++] = *run;
     }
     stored->runs = stored->runs > session->runs.count ? kept : stored->runs;
 }
 
 /* The newest first, as long as there is room for their rows. */
-static bool put_runs(struct output *out, const struct session *session)
+static bool put_runs(struct output *output, const struct session *session)
 {
     size_t all = 0;
     int without_room = 0;
@@ -209,11 +213,11 @@ static bool put_runs(struct output *out, const struct session *session)
         const bool left_out = all > STORE_ROW_BYTES;
         without_room += left_out;
         const bool going = session->live.advancing && i == session->runs.current;
-        if (stops(out) || !put_run(out, session->runs.slot[i], left_out, going))
+        if (stops(output) || !put_run(output, session->runs.slot[i], left_out, going))
             return false;
     }
-    out->stored->left_out = without_room;
-    forget_runs(out->stored, session);
+    output->stored->left_out = without_room;
+    forget_runs(output->stored, session);
     return true;
 }
 
@@ -241,11 +245,11 @@ static void forget_recordings(struct stored *stored, const struct session *sessi
     stored->recordings = kept;
 }
 
-static bool look_while_reading(void *context, struct text content, size_t from, uintmax_t size,
+static bool look_while_reading(void *context, struct text content, size_t offset, uintmax_t size,
                                struct error *error)
 {
     (void)content;
-    (void)from;
+    (void)offset;
     (void)size;
     return !stops(context) || error_set(error, ERROR_CANCELLED, "stopped");
 }
@@ -255,12 +259,12 @@ struct bytes_place {
     size_t sum, content;
 };
 
-static struct bytes_place bytes_begin(struct output *out)
+static struct bytes_place bytes_begin(struct output *output)
 {
-    struct buffer *record = &out->stored->record;
+    struct buffer *record = &output->stored->record;
     const uint64_t later = 0;
     struct bytes_place place;
-    record_begin(out);
+    record_begin(output);
     field_put(record, "sum", &later, sizeof later);
     place.sum = record->len - sizeof later;
     place.content = field_begin(record, "content");
@@ -268,27 +272,27 @@ static struct bytes_place bytes_begin(struct output *out)
 }
 
 /* Ends a field of bytes. Returns their checksum, or 0 if it is empty or out of memory. */
-static uint64_t bytes_end(struct output *out, struct bytes_place place)
+static uint64_t bytes_end(struct output *output, struct bytes_place place)
 {
-    struct buffer *record = &out->stored->record;
-    const size_t from = place.content + sizeof(uint32_t);
+    struct buffer *record = &output->stored->record;
+    const size_t begin = place.content + sizeof(uint32_t);
     field_end(record, place.content);
-    if (record->failed || record->len == from)
+    if (record->failed || record->len == begin)
         return 0;
-    const uint64_t sum = bytes_sum((struct text){record->data + from, record->len - from});
+    const uint64_t sum = bytes_sum((struct text){record->data + begin, record->len - begin});
     memcpy(record->data + place.sum, &sum, sizeof sum);
     return sum;
 }
 
 /* The bytes of its file as it was loaded, or as it is now; without them it is only named. */
-static bool put_recording(struct output *out, struct recording_slot *slot)
+static bool put_recording(struct output *output, struct recording_slot *slot)
 {
-    struct stored *stored = out->stored;
-    struct read_watch watch = {.context = out, .look = look_while_reading};
+    struct stored *stored = output->stored;
+    struct read_watch watch = {.context = output, .look = look_while_reading};
     struct error ignored;
     if (slot->growing || (slot->sum != 0 && has_recording(stored, slot->sum)))
         return true;
-    const struct bytes_place place = bytes_begin(out);
+    const struct bytes_place place = bytes_begin(output);
     if (slot->content.len > 0)
         buffer_put(&stored->record, buffer_text(&slot->content));
     else
@@ -296,7 +300,7 @@ static bool put_recording(struct output *out, struct recording_slot *slot)
                           &ignored);
     if (stored->unfinished)
         return false;
-    const uint64_t sum = bytes_end(out, place);
+    const uint64_t sum = bytes_end(output, place);
     /* another file by now: that of the recording is gone */
     const bool wanted = sum != 0 && (slot->sum == 0 || slot->sum == sum);
     const bool there = has_recording(stored, sum);
@@ -304,13 +308,13 @@ static bool put_recording(struct output *out, struct recording_slot *slot)
     if (!wanted || there)
         return true;
     stored->recording[stored->recordings++] = sum;
-    return record_end(out, RECORD_BYTES);
+    return record_end(output, RECORD_BYTES);
 }
 
 /* What a module has that is written once, as the curve of a fit. */
-static bool put_content(struct output *out, const struct session_part *part)
+static bool put_content(struct output *output, const struct session_part *part)
 {
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     struct text piece[2];
     uint64_t *sum;
     const bool some = part->module->store.content(part->state, piece, &sum);
@@ -319,130 +323,131 @@ static bool put_content(struct output *out, const struct session_part *part)
     stored->content = 0;
     if (!some)
         return true;
-    const struct bytes_place place = bytes_begin(out);
+    const struct bytes_place place = bytes_begin(output);
     for (int i = 0; i < 2; i++)
         buffer_put(&stored->record, piece[i]);
-    *sum = stored->content = bytes_end(out, place);
-    return record_end(out, RECORD_BYTES);
+    *sum = stored->content = bytes_end(output, place);
+    return record_end(output, RECORD_BYTES);
 }
 
-static bool put_contents(struct output *out, const struct session *session)
+static bool put_contents(struct output *output, const struct session *session)
 {
     for (int i = 0; i < session->parts->count; i++)
         if (session->parts->item[i].module->store.content &&
-            !put_content(out, &session->parts->item[i]))
+            !put_content(output, &session->parts->item[i]))
             return false;
     return true;
 }
 
 /* ---- what was found ---- */
 
-static bool put_part(struct output *out, const struct session_part *part)
+static bool put_part(struct output *output, const struct session_part *part)
 {
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     const struct module_store *store = &part->module->store;
     int next = 0;
     if (!store->put_next)
         return true;
     store->forget(part->state, stored);
-    while (!stops(out)) {
-        record_begin(out);
+    while (!stops(output)) {
+        record_begin(output);
         if (!store->put_next(part->state, stored, &next))
             return true;
         const bool whole = !stored->record.failed;
         stored->found -= !whole; /* another time */
-        if (!record_end(out, RECORD_FOUND))
+        if (!record_end(output, RECORD_FOUND))
             return false;
     }
     return false;
 }
 
-static bool put_found(struct output *out, const struct session *session)
+static bool put_found(struct output *output, const struct session *session)
 {
     bool ok = true;
     for (int i = 0; i < session->parts->count && ok; i++)
-        ok = put_part(out, &session->parts->item[i]);
+        ok = put_part(output, &session->parts->item[i]);
     return ok;
 }
 
 /* ---- what was typed and said ---- */
 
 /* A statement that goes on while this is written will be another entry at its end. */
-static bool put_lines(struct output *out, const struct session *session)
+static bool put_lines(struct output *output, const struct session *session)
 {
     const struct history *history = &session->history;
-    struct stored *stored = out->stored;
+    struct stored *stored = output->stored;
     if (stored->entries == history->count)
         return true;
     if (stored->entries < history->first || stored->text < history->text_first) {
         stored->entries = history->first;
         stored->text = history->text_first;
     }
-    struct buffer *to = &out->stored->record;
+    struct buffer *record = &output->stored->record;
     const size_t there = stored->text - history->text_first;
-    record_begin(out);
-    field_put(to, "from", &stored->entries, sizeof stored->entries);
-    field_put(to, "text_from", &stored->text, sizeof stored->text);
+    record_begin(output);
+    field_put(record, "from", &stored->entries, sizeof stored->entries);
+    field_put(record, "text_from", &stored->text, sizeof stored->text);
     if (stored->entries == history->first)
-        field_put(to, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
+        field_put(record, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
     const size_t item = sizeof *history->entry;
-    field_put(to, "item", &item, sizeof item);
-    field_put(to, "entries", history_entry(session, stored->entries),
+    field_put(record, "item", &item, sizeof item);
+    field_put(record, "entries", history_entry(session, stored->entries),
               (history->count - stored->entries) * sizeof *history->entry);
-    field_put(to, "text", history->text.data + there, history->text.len - there);
+    field_put(record, "text", history->text.data + there, history->text.len - there);
     if (session->execution.nesting == 0) {
         stored->entries = history->count;
         stored->text = history->text_first + history->text.len;
     }
-    return record_end(out, RECORD_LINES);
+    return record_end(output, RECORD_LINES);
 }
 
-static bool put_said(struct output *out, const struct log *log)
+static bool put_said(struct output *output, const struct log *log)
 {
-    uint64_t since = log->said - out->stored->said;
-    since = since < (uint64_t)log->count ? since : (uint64_t)log->count;
-    if (since == 0)
+    uint64_t unsaved_lines = log->said - output->stored->said;
+    unsaved_lines = unsaved_lines < (uint64_t)log->count ? unsaved_lines : (uint64_t)log->count;
+    if (unsaved_lines == 0)
         return true;
-    record_begin(out);
-    while (since-- > 0) {
-        buffer_put(&out->stored->record, text_of(log_line(log, (int)since)));
-        buffer_char(&out->stored->record, '\n');
+    record_begin(output);
+    while (unsaved_lines-- > 0) {
+        buffer_put(&output->stored->record, text_of(log_line(log, (int)unsaved_lines)));
+        buffer_char(&output->stored->record, '\n');
     }
-    out->stored->said = log->said;
-    return record_end(out, RECORD_SAID);
+    output->stored->said = log->said;
+    return record_end(output, RECORD_SAID);
 }
 
 /* ---- all of it ---- */
 
-static bool put_all(struct output *out, struct session *session)
+static bool put_all(struct output *output, struct session *session)
 {
-    if (stops(out))
+    if (stops(output))
         return false;
-    forget_recordings(out->stored, session);
+    forget_recordings(output->stored, session);
     for (int i = 0; i < session->recordings; i++)
-        if (!put_recording(out, session->recording[i]))
+        if (!put_recording(output, session->recording[i]))
             return false;
-    if (!put_contents(out, session) || !put_found(out, session) || !put_runs(out, session) ||
-        !put_lines(out, session) || !put_said(out, &session->log))
+    if (!put_contents(output, session) || !put_found(output, session) ||
+        !put_runs(output, session) || !put_lines(output, session) ||
+        !put_said(output, &session->log))
         return false;
-    record_begin(out);
-    store_put_state(session, &out->stored->record);
-    const uint64_t sum = out->stored->record.failed ? 0 : bytes_sum(content_of(out));
-    if (sum == out->stored->state && !out->written && !out->stored->record.failed)
+    record_begin(output);
+    store_put_state(session, &output->stored->record);
+    const uint64_t sum = output->stored->record.failed ? 0 : bytes_sum(content_of(output));
+    if (sum == output->stored->state && !output->written && !output->stored->record.failed)
         return true;
-    if (!record_end(out, RECORD_STATE))
+    if (!record_end(output, RECORD_STATE))
         return false;
-    out->stored->state = sum;
+    output->stored->state = sum;
     return true;
 }
 
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error)
 {
-    struct output out = {
+    struct output output = {
         .stored = stored, .sink = sink, .error = error, .written = stored->unfinished};
     stored->unfinished = false;
-    const bool ok = record_send(&out) && put_all(&out, session);
+    const bool ok = record_send(&output) && put_all(&output, session);
     if (!stored->unfinished)
         buffer_free(&stored->record);
     return ok || stored->unfinished;

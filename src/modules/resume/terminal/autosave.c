@@ -36,7 +36,7 @@ static bool bytes_write(int fd, struct text bytes, struct error *error)
     return write_all(fd, bytes, &failure) || error_set(error, ERROR_IO, "%s", strerror(failure));
 }
 
-static bool sink(void *context, struct text record, struct error *error)
+static bool store_record_write(void *context, struct text record, struct error *error)
 {
     return bytes_write(*(const int *)context, record, error);
 }
@@ -153,16 +153,16 @@ static bool autosave_append(struct autosave *autosave, const struct cancel *canc
     struct buffer hidden = {0};
     const bool first = autosave->fd < 0;
     bool ok = !first || open_new(autosave, &hidden, error);
-    const off_t before = ok ? lseek(autosave->fd, 0, SEEK_END) : 0;
-    const struct store_sink to = {&autosave->fd, sink, cancel,
-                                  first || !cancel ? 0 : clock_ns() + PART_NS};
-    ok = ok && session_store(autosave->session, &autosave->stored, &to, error);
+    const off_t old_end = ok ? lseek(autosave->fd, 0, SEEK_END) : 0;
+    const struct store_sink target = {&autosave->fd, store_record_write, cancel,
+                                      first || !cancel ? 0 : clock_ns() + PART_NS};
+    ok = ok && session_store(autosave->session, &autosave->stored, &target, error);
     const bool given_up = first && autosave->stored.unfinished;
     ok = ok && (!first || given_up || !hidden.data || name_new(autosave, hidden.data, error));
     if (!ok || given_up) {
         if (first && hidden.len > 0)
             unlink(hidden.data);
-        else if (!first && ftruncate(autosave->fd, before) != 0)
+        else if (!first && ftruncate(autosave->fd, old_end) != 0)
             unlink(autosave->path);
         close_file(autosave); /* the next one is another file, with all of it */
     }
@@ -191,10 +191,10 @@ static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
     buffer_format(&path, "%.*s%s", (int)(name - autosave->path), autosave->path, hidden);
     fresh->path = path.data;
     fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
-    fresh->from = lseek(autosave->fd, 0, SEEK_END);
-    const struct store_sink to = {&fresh->fd, sink, cancel, 0};
+    fresh->offset = lseek(autosave->fd, 0, SEEK_END);
+    const struct store_sink target = {&fresh->fd, store_record_write, cancel, 0};
     if (fresh->fd < 0 || !bytes_write(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
-        !session_store(autosave->session, &stored, &to, &ignored)) {
+        !session_store(autosave->session, &stored, &target, &ignored)) {
         fresh_drop(fresh);
         autosave->slack *= 2;
     } else if (stored.unfinished) {
@@ -213,10 +213,10 @@ static bool fresh_take(struct autosave *autosave)
     char bytes[1 << 14];
     struct error ignored;
     ssize_t got;
-    while ((got = pread(autosave->fd, bytes, sizeof bytes, fresh->from)) > 0) {
+    while ((got = pread(autosave->fd, bytes, sizeof bytes, fresh->offset)) > 0) {
         if (!bytes_write(fresh->fd, (struct text){bytes, (size_t)got}, &ignored))
             return false;
-        fresh->from += got;
+        fresh->offset += got;
         fresh->bytes += (uint64_t)got;
     }
     if (got < 0 || rename(fresh->path, autosave->path) != 0)
@@ -240,7 +240,7 @@ static void fresh_end(struct autosave *autosave)
 /* Signals are for the thread that owns the session. */
 static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 {
-    sigset_t all, before;
+    sigset_t all, saved;
     const int64_t now = clock_ns();
     const bool waits = autosave->fresh.fd < 0 && !is_bloated(autosave);
     if (autosave->fd < 0 || !autosave->unsynced || (waits && now < autosave->sync_due))
@@ -254,10 +254,10 @@ static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
         fresh_begin(autosave, cancel);
     atomic_store(&autosave->synced, false);
     sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
+    pthread_sigmask(SIG_BLOCK, &all, &saved);
     autosave->syncing = pthread_create(&autosave->thread, NULL, sync_file, autosave) == 0;
     autosave->unsynced = !autosave->syncing || autosave->fresh.fd >= 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_sigmask(SIG_SETMASK, &saved, NULL);
 }
 
 /* ---- when ---- */

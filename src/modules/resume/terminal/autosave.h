@@ -38,7 +38,7 @@ bool saved_lock(int fd);
 struct fresh_file {
     char *path;
     int fd;         /* -1 if there is none */
-    int64_t from;   /* of the file, the first byte that it has not got */
+    int64_t offset; /* of the file, the first byte that it has not got */
     uint64_t bytes; /* that it has */
 };
 

@@ -100,7 +100,8 @@ bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value)
     return ok;
 }
 
-bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue near, double *re, double *im)
+bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate, double *re,
+                        double *im)
 {
     gsl_vector_complex *value = gsl_vector_complex_alloc((size_t)n);
     gsl_matrix_complex *vector = gsl_matrix_complex_alloc((size_t)n, (size_t)n);
@@ -109,7 +110,7 @@ bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue near, dou
     double least = HUGE_VAL;
     for (size_t k = 0; ok && k < (size_t)n; k++) {
         const gsl_complex z = gsl_vector_complex_get(value, k);
-        const double apart = hypot(GSL_REAL(z) - near.re, GSL_IMAG(z) - near.im);
+        const double apart = hypot(GSL_REAL(z) - estimate.re, GSL_IMAG(z) - estimate.im);
         if (apart < least) {
             least = apart;
             nearest = k;
@@ -138,13 +139,13 @@ bool matrix_second_null(int n, const double *a, const double *known, double *vec
         memcpy(left->data, a, size * (size - 1) * sizeof *a);
         ok = gsl_linalg_SV_decomp_jacobi(left, right, singular) == GSL_SUCCESS;
     }
-    double along[2] = {0}, length = 0;
+    double projection[2] = {0}, length = 0;
     for (size_t i = 0; ok && i < size; i++)
         for (size_t k = 0; k < 2; k++)
-            along[k] += known[i] * gsl_matrix_get(right, i, size - 1 - k);
+            projection[k] += known[i] * gsl_matrix_get(right, i, size - 1 - k);
     for (size_t i = 0; ok && i < size; i++) {
-        vector[i] = along[1] * gsl_matrix_get(right, i, size - 1) -
-                    along[0] * gsl_matrix_get(right, i, size - 2);
+        vector[i] = projection[1] * gsl_matrix_get(right, i, size - 1) -
+                    projection[0] * gsl_matrix_get(right, i, size - 2);
         length = hypot(length, vector[i]);
     }
     for (size_t i = 0; ok && i < size; i++)

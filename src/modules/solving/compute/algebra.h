@@ -21,9 +21,9 @@ double matrix_determinant(int n, double *a);
 /* Computes the [n] eigenvalues of a matrix. Returns false if an element is not finite, out of
  * memory, or without convergence. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value);
-/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `near`; false as
- * matrix_eigenvalues(). */
-bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue near, double *re,
+/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`; false
+ * as matrix_eigenvalues(). */
+bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate, double *re,
                         double *im);
 /* Finds the vector of length 1 across `known`, both [n], that a [n - 1][n] takes nearest to 0, as
  * it takes `known`. Returns false if an element is not finite, or out of memory. */

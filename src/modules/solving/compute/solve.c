@@ -100,24 +100,24 @@ static double grid_time(const struct solver *solver, int k)
 
 /* A multistep method without an output of its own leaves the grid time out: an interpolation would
  * be the error. */
-static void sample_inside(const struct solver *s, const double *before, double from, double h,
+static void sample_inside(const struct solver *s, const double *y_begin, double t_begin, double h,
                           double t, double *y)
 {
     const int n = s->system->n;
     if (s->method->dense && !s->turns) {
-        method_dense(s->method, &s->step, before, (t - from) / h, y);
+        method_dense(s->method, &s->step, y_begin, (t - t_begin) / h, y);
         return;
     }
     if (s->method->flags & METHOD_MULTISTEP)
         return;
     struct step step = s->step;
-    step.t = from;
-    step.h = t - from;
+    step.t = t_begin;
+    step.h = t - t_begin;
     step.y = y;
     step.work = s->side;
     step.error = step.low = NULL;
     step.warm = step.again = false;
-    memcpy(y, before, (size_t)n * sizeof *y);
+    memcpy(y, y_begin, (size_t)n * sizeof *y);
     if (method_turning_step(s->method, &step) != STEP_OK)
         for (int i = 0; i < n; i++)
             y[i] = NAN;
@@ -125,40 +125,40 @@ static void sample_inside(const struct solver *s, const double *before, double f
 
 /* All times inside the step, a variable after the other: each is prepared once. The same bits as by
  * method_dense(). */
-static void sample_whole(struct sampler *sampler, double from, double h, double near)
+static void sample_whole(struct sampler *sampler, double t_begin, double h, double tolerance)
 {
     const struct solver *s = sampler->solver;
     const int n = s->system->n;
     struct dense_polynomial polynomial;
     int end = sampler->next;
-    while (end < STUDY_TIMES && (grid_time(s, end) - s->step.t) * copysign(1, h) < -near)
+    while (end < STUDY_TIMES && (grid_time(s, end) - s->step.t) * copysign(1, h) < -tolerance)
         end++;
     for (int i = 0; i < n && end > sampler->next; i++) {
         method_polynomial(s->method, &s->step, i, &polynomial);
         for (int k = sampler->next; k < end; k++)
             sampler->grid[k * n + i] =
-                dense_polynomial_at(&polynomial, (grid_time(s, k) - from) / h);
+                dense_polynomial_at(&polynomial, (grid_time(s, k) - t_begin) / h);
     }
     sampler->next = end;
 }
 
-/* After a step of h from `from`, where the state was `before`. */
-static void sample(struct sampler *sampler, const double *before, double from, double h)
+/* After a step of h from `t_begin`, where the state was `y_begin`. */
+static void sample(struct sampler *sampler, const double *y_begin, double t_begin, double h)
 {
     struct solver *s = sampler->solver;
     const int n = s->system->n;
-    const double to = s->step.t, near = 1e-9 * fabs(h);
+    const double t_end = s->step.t, tolerance = 1e-9 * fabs(h);
     if (s->method->dense && s->method->tableau && !s->turns)
-        sample_whole(sampler, from, h, near);
+        sample_whole(sampler, t_begin, h, tolerance);
     for (; sampler->next < STUDY_TIMES; sampler->next++) {
         const double t = grid_time(s, sampler->next);
         double *y = sampler->grid + sampler->next * n;
-        if ((t - to) * copysign(1, h) > near)
+        if ((t - t_end) * copysign(1, h) > tolerance)
             return;
-        if (fabs(t - to) <= near)
+        if (fabs(t - t_end) <= tolerance)
             memcpy(y, s->y, (size_t)n * sizeof *y);
         else
-            sample_inside(s, before, from, h, t, y);
+            sample_inside(s, y_begin, t_begin, h, t, y);
     }
 }
 
@@ -171,15 +171,15 @@ static bool spent(const struct solver *s)
 static enum step_status solver_step(struct solver *s, struct controller *controller, double end,
                                     struct sampler *sampler)
 {
-    double before[LIMIT_VARIABLES];
-    const double from = s->step.t;
+    double y_begin[LIMIT_VARIABLES];
+    const double t_begin = s->step.t;
     if (sampler->grid)
-        memcpy(before, s->y, (size_t)s->system->n * sizeof *before);
+        memcpy(y_begin, s->y, (size_t)s->system->n * sizeof *y_begin);
     const enum step_status status = controller ? method_adapt(s->method, &s->step, controller, end)
                                                : method_turning_step(s->method, &s->step);
     s->steps += status == STEP_OK;
     if (status == STEP_OK && sampler->grid)
-        sample(sampler, before, from, s->step.h);
+        sample(sampler, y_begin, t_begin, s->step.h);
     return status;
 }
 
@@ -213,8 +213,8 @@ static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struc
     const int64_t max = ROW_DOUBLES / n;
     double row[ROW_DOUBLES];
     for (int64_t i = 0; i < steps;) {
-        const int64_t to = each > 0 ? each * sampler->next : steps;
-        const struct march march = {&s->step, s->system->t0, i, to - i < max ? to - i : max, row};
+        const int64_t end = each > 0 ? each * sampler->next : steps;
+        const struct march march = {&s->step, s->system->t0, i, end - i < max ? end - i : max, row};
         enum step_status status;
         if (method_turning_march(s->method, s->kernel, &march, &status) < march.count)
             return solver_stop(status);
@@ -223,7 +223,7 @@ static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struc
                 return STOP_DIVERGED;
         i += march.count;
         s->steps += march.count;
-        if (each > 0 && i == to)
+        if (each > 0 && i == end)
             memcpy(sampler->grid + sampler->next++ * n, s->y, (size_t)n * sizeof *s->y);
         if (spent(s) || cancelled(cancel))
             return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;

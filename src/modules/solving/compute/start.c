@@ -23,8 +23,8 @@ static double start_slope(const struct scene *scene, const struct system *system
     struct scene other = *scene;
     struct system moved;
     struct error ignored;
-    const double by = 0.125 * fmax(fabs(scene->value[param]), 1e-3);
-    other.value[param] += scene->value[param] > 0 ? -by : by;
+    const double increment = 0.125 * fmax(fabs(scene->value[param]), 1e-3);
+    other.value[param] += scene->value[param] > 0 ? -increment : increment;
     if (!scene_bind_motion(&other, &moved, &ignored) || moved.terms != system->terms ||
         moved.mass != system->mass || moved.t0 != system->t0)
         return 0;
@@ -54,7 +54,7 @@ static bool start_inside(struct scene *scene, const double *state, struct error 
 
 bool scene_start_at(struct scene *scene, const double *state, struct error *error)
 {
-    const struct scene before = *scene;
+    const struct scene original = *scene;
     struct system system;
     if (!scene_bind_motion(scene, &system, error))
         return start_inside(scene, state, error);
@@ -63,13 +63,13 @@ bool scene_start_at(struct scene *scene, const double *state, struct error *erro
         int param = -1;
         double slope = 0;
         while (slope == 0 && ++param < (int)scene_params(scene)->count)
-            slope = start_slope(&before, &system, param, i);
+            slope = start_slope(&original, &system, param, i);
         if (slope == 0)
             return error_set(error, ERROR_COMMAND, "no parameter is the start of %s", name);
-        const double off = state[i] - system.start[i];
+        const double difference = state[i] - system.start[i];
         const struct measured value = {
-            fabs(slope - 1) < 1e-6 ? state[i] : scene->value[param] + off / slope, 0};
-        if (off != 0 && !scene_set(scene, param, value, error))
+            fabs(slope - 1) < 1e-6 ? state[i] : scene->value[param] + difference / slope, 0};
+        if (difference != 0 && !scene_set(scene, param, value, error))
             return false;
     }
     return true;

@@ -35,10 +35,10 @@ static void find_changes(const struct system side[2], struct parameter_change *d
                 continue;
             struct term_change *change = &d->change[d->changes++];
             *change = (struct term_change){.row = term->row};
-            change->in[s] = true;
+            change->is_present[s] = true;
             memcpy(change->c[s], term->c, sizeof term->c);
             if (other) {
-                change->in[1 - s] = true;
+                change->is_present[1 - s] = true;
                 memcpy(change->c[1 - s], other->c, sizeof other->c);
             }
         }
@@ -54,16 +54,17 @@ static bool find_between(const struct scene *scene, int index, struct system sid
                      fmax(fabs(value), row->min_excluded ? INITIAL_FRACTION_MIN * fabs(row->initial)
                                                          : PARAMETER_SIZE_MIN);
     struct scene trial = *scene;
-    double at[2];
+    double point[2];
     for (int s = 0; s < 2; s++) {
-        trial.value[index] = at[s] = value + (s == 0 ? DIFFERENCE_STEP : -DIFFERENCE_STEP) * size;
+        trial.value[index] = point[s] =
+            value + (s == 0 ? DIFFERENCE_STEP : -DIFFERENCE_STEP) * size;
         if (scene_bind_rates(&trial, &side[s]))
             continue;
-        trial.value[index] = at[s] = value; /* beyond a bound: a difference to one side */
+        trial.value[index] = point[s] = value; /* beyond a bound: a difference to one side */
         if (!scene_bind_rates(&trial, &side[s]))
             return false;
     }
-    *d = (struct parameter_change){.apart = at[0] - at[1]};
+    *d = (struct parameter_change){.apart = point[0] - point[1]};
     if (!(d->apart > 0))
         return false;
     find_changes(side, d);
@@ -90,51 +91,51 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
 {
     const struct system *base = &v->base;
     double sum[2][LIMIT_VARIABLES / 2];
-    const int rows = base->order == 2 ? base->n / 2 : base->n, above = base->n - rows;
+    const int rows = base->order == 2 ? base->n / 2 : base->n, positions = base->n - rows;
     int row = 0;
     do /* there is at least one */
         sum[0][row] = sum[1][row] = 0;
     while (++row < rows);
     for (int k = 0; k < d->changes; k++)
         for (int s = 0; s < 2; s++)
-            if (d->change[k].in[s] && v->dry != 0 && d->change[k].row->flags & TERM_DRY)
+            if (d->change[k].is_present[s] && v->dry != 0 && d->change[k].row->flags & TERM_DRY)
                 sum[s][0] -= v->dry * d->change[k].c[s][0];
-            else if (d->change[k].in[s])
+            else if (d->change[k].is_present[s])
                 d->change[k].row->add(d->change[k].c[s], t, y, sum[s]);
-    for (int i = 0; i < above; i++)
+    for (int i = 0; i < positions; i++)
         slope[i] = 0;
     for (int i = 0; i < rows; i++)
-        slope[above + i] = (sum[0][i] - sum[1][i]) / d->apart;
+        slope[positions + i] = (sum[0][i] - sum[1][i]) / d->apart;
 }
 
 /* out += df/dy s */
 static inline __attribute__((always_inline)) void add_product(int n, const double *jacobian,
-                                                              const double *s, double *out)
+                                                              const double *s, double *result)
 {
     for (int i = 0; i < n; i++) {
         double sum = 0;
         for (int j = 0; j < n; j++)
             sum += jacobian[i * n + j] * s[j];
-        out[i] += sum;
+        result[i] += sum;
     }
 }
 
 /* S' of one direction. */
-static void vary(const struct variation *v, const struct parameter_change *d, double t,
-                 const double *y, const double *jacobian, const double *s, double *out)
+static void variation_rate(const struct variation *v, const struct parameter_change *d, double t,
+                           const double *y, const double *jacobian, const double *s, double *result)
 {
     const int n = v->base.n;
     if (d->changes > 0)
-        slope_by_parameter(v, d, t, y, out);
+        slope_by_parameter(v, d, t, y, result);
     else
         for (int i = 0; i < n; i++)
-            out[i] = 0;
+            result[i] = 0;
     if (n == 2)
-        add_product(2, jacobian, s, out);
+        add_product(2, jacobian, s, result);
     else if (n == 3)
-        add_product(3, jacobian, s, out);
+        add_product(3, jacobian, s, result);
     else
-        add_product(n, jacobian, s, out);
+        add_product(n, jacobian, s, result);
 }
 
 /* ---- as a term of a system ----
@@ -160,7 +161,7 @@ static void variation_add(const double *c, double t, const double *y, double *a)
     system_derivative(&v->base, t, y, rate);
     system_jacobian(&v->base, t, y, jacobian);
     for (int j = 0; j < v->directions; j++)
-        vary(v, &v->direction[j], t, y, jacobian, y + n * (j + 1), rate + n * (j + 1));
+        variation_rate(v, &v->direction[j], t, y, jacobian, y + n * (j + 1), rate + n * (j + 1));
     if (v->trace) {
         rate[v->whole.n - 1] = 0;
         for (int i = 0; i < n; i++)
@@ -176,29 +177,30 @@ static void variation_jacobian(const double *c, double t, const double *y, doubl
 {
     const struct variation *v = variation_of(c);
     const int n = v->base.n, all = v->whole.n;
-    double jacobian[2][BASE_MAX * BASE_MAX], at[BASE_MAX], out[2][BASE_MAX];
+    double jacobian[2][BASE_MAX * BASE_MAX], state[BASE_MAX], rate[2][BASE_MAX];
     system_jacobian(&v->base, t, y, jacobian[0]);
     for (int block = 0; block <= v->directions; block++)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++)
                 jac[(block * n + i) * all + block * n + j] += jacobian[0][i * n + j];
-    memcpy(at, y, (size_t)n * sizeof *at);
+    memcpy(state, y, (size_t)n * sizeof *state);
     for (int l = 0; l < n; l++) {
         const double delta =
             DIFFERENCE_STEP * fmax(fabs(y[l]), PARAMETER_SIZE_MIN * v->base.scale[l]);
         for (int s = 0; s < 2; s++) {
-            at[l] = s == 0 ? y[l] + delta : y[l] - delta;
-            system_jacobian(&v->base, t, at, jacobian[s]);
+            state[l] = s == 0 ? y[l] + delta : y[l] - delta;
+            system_jacobian(&v->base, t, state, jacobian[s]);
         }
         for (int j = 0; j < v->directions; j++) {
             for (int s = 0; s < 2; s++) {
-                at[l] = s == 0 ? y[l] + delta : y[l] - delta;
-                vary(v, &v->direction[j], t, at, jacobian[s], y + n * (j + 1), out[s]);
+                state[l] = s == 0 ? y[l] + delta : y[l] - delta;
+                variation_rate(v, &v->direction[j], t, state, jacobian[s], y + n * (j + 1),
+                               rate[s]);
             }
             for (int i = 0; i < n; i++)
-                jac[((j + 1) * n + i) * all + l] += (out[0][i] - out[1][i]) / (2 * delta);
+                jac[((j + 1) * n + i) * all + l] += (rate[0][i] - rate[1][i]) / (2 * delta);
         }
-        at[l] = y[l];
+        state[l] = y[l];
     }
 }
 

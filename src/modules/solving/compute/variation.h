@@ -11,7 +11,7 @@
 /* A term that a parameter changes: its coefficients at p + delta and p - delta. */
 struct term_change {
     const struct term_row *row;
-    bool in[2];
+    bool is_present[2];
     double c[2][TERM_VALUES];
 };
 

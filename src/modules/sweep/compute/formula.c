@@ -27,38 +27,38 @@ static double load_number(const void *context, int slot)
     return slot < SWEEP_SLOT_PARAM ? numbers->value[slot] : sweep_scene_value(numbers->scene, slot);
 }
 
-static bool slot_column(const struct run *run, int slot, double *out)
+static bool slot_column(const struct run *run, int slot, double *result)
 {
     const size_t n = trace_count(run->trace);
-    const int above = slot - run->system.n - model_observed(run->system.model);
+    const int observable = slot - run->system.n - model_observed(run->system.model);
     const struct moving moving = run_scope_moving(run, slot);
     struct error ignored = {0};
-    if (moving.kind == MOVING_OTHER && above >= 0)
-        return run_column(run, observable_at((size_t)above), out, &ignored);
+    if (moving.kind == MOVING_OTHER && observable >= 0)
+        return run_column(run, observable_at((size_t)observable), result, &ignored);
     if (moving.kind == MOVING_OTHER)
-        run_observed_column(run, slot - run->system.n, out);
+        run_observed_column(run, slot - run->system.n, result);
     else if (moving.kind == MOVING_STATE)
-        run_variable_column(run, moving.index, out);
+        run_variable_column(run, moving.index, result);
     for (size_t i = 0; i < n && moving.kind == MOVING_TIME; i++)
-        out[i] = trace_time(run->trace, i);
+        result[i] = trace_time(run->trace, i);
     return true;
 }
 
-bool expression_column(const struct run *run, const struct sweep_expression *of,
-                       const struct scene *scene, double *out)
+bool expression_column(const struct run *run, const struct sweep_expression *expression,
+                       const struct scene *scene, double *result)
 {
     const size_t n = trace_count(run->trace);
-    double *column = calloc(n * (size_t)of->columns + 1, sizeof *column);
+    double *column = calloc(n * (size_t)expression->columns + 1, sizeof *column);
     double value[SWEEP_COLUMNS] = {0};
     const struct numbers numbers = {value, scene};
     const struct expr_scope scope = {.context = &numbers, .load = load_number};
     bool ok = column;
-    for (int c = 0; ok && c < of->columns; c++)
-        ok = slot_column(run, of->column[c], column + (size_t)c * n);
+    for (int c = 0; ok && c < expression->columns; c++)
+        ok = slot_column(run, expression->column[c], column + (size_t)c * n);
     for (size_t i = 0; ok && i < n; i++) {
-        for (int c = 0; c < of->columns; c++)
+        for (int c = 0; c < expression->columns; c++)
             value[c] = column[(size_t)c * n + i];
-        out[i] = expr_value(of->expr, &scope);
+        result[i] = expr_value(expression->expr, &scope);
     }
     free(column);
     return ok;
@@ -79,9 +79,9 @@ void sweep_combine(struct sweep_worker *worker, int64_t i)
     const struct numbers numbers = {worker->part, &worker->scene};
     const struct expr_scope scope = {.context = &numbers, .load = load_measure};
     struct error ignored;
-    double *out = worker->job->sweep->value + i * worker->job->sweep->measures;
+    double *result = worker->job->sweep->value + i * worker->job->sweep->measures;
     sweep_point(request, worker->job->sweep, i, &worker->scene, &worker->settings, &ignored);
     for (int c = 0; c < request->columns; c++)
-        out[c] = request->shown[c].formula ? expr_value(request->shown[c].formula->expr, &scope)
-                                           : worker->part[request->place[c]];
+        result[c] = request->shown[c].formula ? expr_value(request->shown[c].formula->expr, &scope)
+                                              : worker->part[request->place[c]];
 }

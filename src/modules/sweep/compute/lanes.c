@@ -71,7 +71,7 @@ static bool all_suspicious(const struct sweep_worker *worker)
     return true;
 }
 
-CLONES static unsigned turning_groups(const double *before, const double *row)
+CLONES static unsigned turning_groups(const double *previous, const double *row)
 {
     unsigned groups = 0;
     for (int group = 0; group < LANE_COUNT / TURN_GROUP; group++) {
@@ -79,7 +79,7 @@ CLONES static unsigned turning_groups(const double *before, const double *row)
         for (int i = 0; i < TURN_GROUP; i++) {
             const int lane = group * TURN_GROUP + i;
             uint64_t a, b;
-            memcpy(&a, before + LANE_COUNT + lane, sizeof a);
+            memcpy(&a, previous + LANE_COUNT + lane, sizeof a);
             memcpy(&b, row + LANE_COUNT + lane, sizeof b);
             turned |= a ^ b;
         }
@@ -88,41 +88,41 @@ CLONES static unsigned turning_groups(const double *before, const double *row)
     return groups;
 }
 
-unsigned lanes_turning_groups(const double *before, const double *row)
+unsigned lanes_turning_groups(const double *previous, const double *row)
 {
-    return turning_groups(before, row);
+    return turning_groups(previous, row);
 }
 
 /* ---- stretches of steps in which no lane comes to its end and no window begins ---- */
 
 struct stretch_watch {
     int64_t first, count;
-    bool alike;                                           /* all lanes step by one clock */
-    double open[LANE_COUNT];                              /* not 0 inside the window */
-    double t0[LANE_COUNT], h[LANE_COUNT], to[LANE_COUNT]; /* to: the time after the last step */
+    bool alike;                                              /* all lanes step by one clock */
+    double open[LANE_COUNT];                                 /* not 0 inside the window */
+    double t0[LANE_COUNT], h[LANE_COUNT], t_end[LANE_COUNT]; /* to: the time after the last step */
 };
 
-CLONES static void add_areas(double h, const double *restrict before, const double *restrict row,
+CLONES static void add_areas(double h, const double *restrict previous, const double *restrict row,
                              double *restrict area)
 {
     for (int lane = 0; lane < LANE_COUNT; lane++)
-        area[lane] += watch_area(h, before[lane], before[LANE_COUNT + lane], row[lane],
+        area[lane] += watch_area(h, previous[lane], previous[LANE_COUNT + lane], row[lane],
                                  row[LANE_COUNT + lane]);
 }
 
 /* The same where lanes have their own steps and windows. */
-CLONES static void add_own_areas(const struct stretch_watch *of, double number, bool last,
-                                 const double *restrict before, const double *restrict row,
+CLONES static void add_own_areas(const struct stretch_watch *stretch, double number, bool last,
+                                 const double *restrict previous, const double *restrict row,
                                  double *restrict area, double *restrict span)
 {
     for (int lane = 0; lane < LANE_COUNT; lane++) {
-        const double from = of->t0[lane] + number * of->h[lane],
-                     next = of->t0[lane] + (number + 1) * of->h[lane],
-                     h = (last ? of->to[lane] : next) - from,
-                     more = watch_area(h, before[lane], before[LANE_COUNT + lane], row[lane],
+        const double t_begin = stretch->t0[lane] + number * stretch->h[lane],
+                     next = stretch->t0[lane] + (number + 1) * stretch->h[lane],
+                     h = (last ? stretch->t_end[lane] : next) - t_begin,
+                     more = watch_area(h, previous[lane], previous[LANE_COUNT + lane], row[lane],
                                        row[LANE_COUNT + lane]);
-        area[lane] += of->open[lane] != 0 ? more : 0;
-        span[lane] += of->open[lane] != 0 ? h : 0;
+        area[lane] += stretch->open[lane] != 0 ? more : 0;
+        span[lane] += stretch->open[lane] != 0 ? h : 0;
     }
 }
 
@@ -132,40 +132,45 @@ static bool ends_after(const struct lane_clock *clock, int64_t steps)
     return clock->whole == steps && clock->rest == 0;
 }
 
-/* Finds, row after row, the lanes whose velocity has changed its sign; `before` is the row before
+/* Finds, row after row, the lanes whose velocity has changed its sign; `previous` is the row before
  * these. */
-static void watch_lanes(struct sweep_worker *worker, const double *before,
-                        const struct stretch_watch *of)
+static void watch_lanes(struct sweep_worker *worker, const double *previous,
+                        const struct stretch_watch *stretch)
 {
-    double *const row_end = worker->row + 2 * (of->count - 1) * LANE_COUNT;
+    double *const row_end = worker->row + 2 * (stretch->count - 1) * LANE_COUNT;
     for (int lane = 0; lane < worker->used; lane++)
         if (worker->system[0].order == 1 &&
-            ends_after(&worker->clock[lane], of->first + of->count)) { /* its time is the end's */
+            ends_after(&worker->clock[lane],
+                       stretch->first + stretch->count)) { /* its time is the end's */
             double y[LIMIT_VARIABLES];
             lanes_state(worker->lanes, lane, y);
-            row_end[LANE_COUNT + lane] = watch_speed(&worker->system[lane], 0, of->to[lane], y);
+            row_end[LANE_COUNT + lane] =
+                watch_speed(&worker->system[lane], 0, stretch->t_end[lane], y);
         }
     const double *row = worker->row;
-    for (int64_t i = 0; i < of->count; i++, before = row, row += 2 * LANE_COUNT) {
-        const unsigned groups = turning_groups(before, row);
-        const bool last = i == of->count - 1;
-        const double number = (double)(of->first + i);
+    for (int64_t i = 0; i < stretch->count; i++, previous = row, row += 2 * LANE_COUNT) {
+        const unsigned groups = turning_groups(previous, row);
+        const bool last = i == stretch->count - 1;
+        const double number = (double)(stretch->first + i);
         for (int lane = next_turning(groups, 0); lane < worker->used;
              lane = next_turning(groups, lane + 1))
-            if (watch_turns(before[LANE_COUNT + lane], row[LANE_COUNT + lane]) &&
-                of->first < worker->clock[lane].whole)
-                watch_turn(&worker->watch[lane], of->t0[lane] + number * of->h[lane], before[lane],
-                           before[LANE_COUNT + lane],
-                           last ? of->to[lane] : of->t0[lane] + (number + 1) * of->h[lane],
+            if (watch_turns(previous[LANE_COUNT + lane], row[LANE_COUNT + lane]) &&
+                stretch->first < worker->clock[lane].whole)
+                watch_turn(&worker->watch[lane], stretch->t0[lane] + number * stretch->h[lane],
+                           previous[lane], previous[LANE_COUNT + lane],
+                           last ? stretch->t_end[lane]
+                                : stretch->t0[lane] + (number + 1) * stretch->h[lane],
                            row[lane], row[LANE_COUNT + lane]);
         if (!worker->job->means)
             continue;
-        if (!of->alike) {
-            add_own_areas(of, number, last, before, row, worker->area, worker->span);
-        } else if (of->open[0] != 0) {
-            const double from = of->t0[0] + number * of->h[0],
-                         h = (last ? of->to[0] : of->t0[0] + (number + 1) * of->h[0]) - from;
-            add_areas(h, before, row, worker->area);
+        if (!stretch->alike) {
+            add_own_areas(stretch, number, last, previous, row, worker->area, worker->span);
+        } else if (stretch->open[0] != 0) {
+            const double t_begin = stretch->t0[0] + number * stretch->h[0],
+                         h = (last ? stretch->t_end[0]
+                                   : stretch->t0[0] + (number + 1) * stretch->h[0]) -
+                             t_begin;
+            add_areas(h, previous, row, worker->area);
             worker->span[0] += h;
         }
     }
@@ -189,18 +194,18 @@ static int64_t min_steps(int64_t a, int64_t b)
 }
 
 /* Before the first step. */
-static void begin_watching(struct sweep_worker *worker, struct stretch_watch *of)
+static void begin_watching(struct sweep_worker *worker, struct stretch_watch *stretch)
 {
     const struct sweep_job *job = worker->job;
-    *of = (struct stretch_watch){.alike = true};
+    *stretch = (struct stretch_watch){.alike = true};
     for (int lane = 0; lane < LANE_COUNT; lane++) {
         struct lane_clock *clock = &worker->clock[lane];
         const double t0 = worker->system[lane < worker->used ? lane : worker->used - 1].t0;
         if (lane >= worker->used)
             *clock = worker->clock[worker->used - 1];
-        of->t0[lane] = t0;
-        of->h[lane] = clock->h;
-        of->alike &= t0 == of->t0[0] && clock->h == of->h[0];
+        stretch->t0[lane] = t0;
+        stretch->h[lane] = clock->h;
+        stretch->alike &= t0 == stretch->t0[0] && clock->h == stretch->h[0];
         if (job->clocks || lane == 0)
             clock->opening =
                 job->watches && !job->replays ? opening_step(job, t0, clock) : clock->whole;
@@ -244,10 +249,10 @@ static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
 static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
-    struct stretch_watch of;
-    double before[2 * LANE_COUNT];
+    struct stretch_watch stretch;
+    double previous[2 * LANE_COUNT];
     bool open;
-    begin_watching(worker, &of);
+    begin_watching(worker, &stretch);
     if (job->replays)
         replay_begin(worker);
     take_ends(worker, 0, false);
@@ -256,23 +261,23 @@ static bool march(struct sweep_worker *worker)
         const int64_t count =
             min_steps(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
-            lanes_row(worker->lanes, before);
+            lanes_row(worker->lanes, previous);
         for (int lane = 0; lane < LANE_COUNT; lane++) {
             const struct lane_clock *clock = &worker->clock[lane];
-            of.open[lane] = clock->opening <= i && i < clock->whole;
-            of.to[lane] = ends_after(clock, i + count)
-                              ? of.t0[lane] + job->request->duration
-                              : of.t0[lane] + (double)(i + count) * of.h[lane];
+            stretch.open[lane] = clock->opening <= i && i < clock->whole;
+            stretch.t_end[lane] = ends_after(clock, i + count)
+                                      ? stretch.t0[lane] + job->request->duration
+                                      : stretch.t0[lane] + (double)(i + count) * stretch.h[lane];
             if (watching && lane < worker->used && i == clock->opening && i < clock->whole)
-                watch_open(&worker->watch[lane], before[lane]);
+                watch_open(&worker->watch[lane], previous[lane]);
         }
         lanes_march(worker->lanes, count, watching ? worker->row : NULL);
-        of.first = i;
-        of.count = count;
+        stretch.first = i;
+        stretch.count = count;
         if (job->replays)
             replay_keep(worker, i, count);
         else if (watching)
-            watch_lanes(worker, before, &of);
+            watch_lanes(worker, previous, &stretch);
         i += count;
         take_ends(worker, i, false);
         if (cancelled(job->request->cancel))
@@ -282,7 +287,7 @@ static bool march(struct sweep_worker *worker)
             break;
         }
     }
-    for (int lane = 1; lane < worker->used && of.alike; lane++)
+    for (int lane = 1; lane < worker->used && stretch.alike; lane++)
         worker->span[lane] = worker->span[0];
     return true;
 }
@@ -307,22 +312,22 @@ static void finish_watch(struct sweep_worker *worker, int lane, const double *wa
     const struct lane_clock *clock = &worker->clock[lane];
     const struct system *system = &worker->system[lane];
     struct extremes *watch = &worker->watch[lane];
-    const double from = system->t0 + (double)clock->whole * clock->h,
+    const double t_begin = system->t0 + (double)clock->whole * clock->h,
                  end = system->t0 + worker->job->request->duration;
-    if (!watch->open && (clock->rest == 0 ? end : from) >= system->t0 + worker->job->opens)
+    if (!watch->open && (clock->rest == 0 ? end : t_begin) >= system->t0 + worker->job->opens)
         watch_open(watch, was[0]);
     const bool stepped = clock->rest != 0;
-    const double speed0 = stepped ? watch_speed(system, 0, from, was) : 0,
+    const double speed0 = stepped ? watch_speed(system, 0, t_begin, was) : 0,
                  speed1 = stepped ? watch_speed(system, 0, end, y) : 0;
     if (watch_turns(speed0, speed1))
-        watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
+        watch_turn(watch, t_begin, was[0], speed0, end, y[0], speed1);
     watch->area = worker->area[lane];
     watch->span = worker->span[lane];
     if (!watch->open) {
         watch_open(watch, y[0]);
     } else if (stepped) {
-        watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
-        watch->span += end - from;
+        watch->area += watch_area(end - t_begin, was[0], speed0, y[0], speed1);
+        watch->span += end - t_begin;
     }
     watch_end(watch, y[0]);
 }
@@ -351,7 +356,7 @@ static void finish_lanes(struct sweep_worker *worker)
 
 /* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go
  * one by one, who steps by its own control waits for the slowest. */
-static int few(const struct sweep_worker *worker)
+static int lanes_points_min(const struct sweep_worker *worker)
 {
     const struct model *model = worker->system[0].model;
     const int points = model->typed ? 5 : model == &oscillator_model ? SWEEP_FEW : 20;
@@ -365,11 +370,11 @@ void sweep_flush(struct sweep_worker *worker)
     if (worker->used == 0)
         return;
     const bool begun =
-        worker->used > few(worker) &&
+        worker->used > lanes_points_min(worker) &&
         lanes_begin(worker->lanes, request->method, worker->drag, first, worker->clock[0].h);
     for (int lane = 0; begun && lane < LANE_COUNT; lane++) {
-        const int from = lane < worker->used ? lane : worker->used - 1;
-        lanes_set_step(worker->lanes, lane, &worker->system[from], worker->clock[from].h);
+        const int source = lane < worker->used ? lane : worker->used - 1;
+        lanes_set_step(worker->lanes, lane, &worker->system[source], worker->clock[source].h);
     }
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
         sweep_alone(worker, worker->point[lane]);

@@ -12,60 +12,61 @@ struct adaptive_watch {
     int closed;              /* windows that have not */
 };
 
-CLONES static void add_own_areas(const double *restrict before, const double *restrict row,
+CLONES static void add_own_areas(const double *restrict previous, const double *restrict row,
                                  const double *restrict open, double *restrict area,
                                  double *restrict span)
 {
     for (int lane = 0; lane < LANE_COUNT; lane++) {
-        const double h = row[lane] - before[lane];
-        const double more = watch_area(h, before[LANE_COUNT + lane], before[2 * LANE_COUNT + lane],
-                                       row[LANE_COUNT + lane], row[2 * LANE_COUNT + lane]);
+        const double h = row[lane] - previous[lane];
+        const double more =
+            watch_area(h, previous[LANE_COUNT + lane], previous[2 * LANE_COUNT + lane],
+                       row[LANE_COUNT + lane], row[2 * LANE_COUNT + lane]);
         area[lane] += open[lane] != 0 ? more : 0;
         span[lane] += open[lane] != 0 ? h : 0;
     }
 }
 
 /* Rows of t, y, v after attempts; before: the row before these. */
-static void watch_attempts(struct sweep_worker *worker, const double *before, int64_t count,
-                           struct adaptive_watch *of)
+static void watch_attempts(struct sweep_worker *worker, const double *previous, int64_t count,
+                           struct adaptive_watch *adaptive)
 {
     const double opens = worker->system[0].t0 + worker->job->opens;
     const double *row = worker->row;
-    for (int64_t i = 0; i < count; i++, before = row, row += 3 * LANE_COUNT) {
-        const unsigned groups = lanes_turning_groups(before + LANE_COUNT, row + LANE_COUNT);
+    for (int64_t i = 0; i < count; i++, previous = row, row += 3 * LANE_COUNT) {
+        const unsigned groups = lanes_turning_groups(previous + LANE_COUNT, row + LANE_COUNT);
         for (int lane = next_turning(groups, 0); lane < worker->used;
              lane = next_turning(groups, lane + 1))
-            if (watch_turns(before[2 * LANE_COUNT + lane], row[2 * LANE_COUNT + lane]))
-                watch_turn(&worker->watch[lane], before[lane], before[LANE_COUNT + lane],
-                           before[2 * LANE_COUNT + lane], row[lane], row[LANE_COUNT + lane],
+            if (watch_turns(previous[2 * LANE_COUNT + lane], row[2 * LANE_COUNT + lane]))
+                watch_turn(&worker->watch[lane], previous[lane], previous[LANE_COUNT + lane],
+                           previous[2 * LANE_COUNT + lane], row[lane], row[LANE_COUNT + lane],
                            row[2 * LANE_COUNT + lane]);
         if (worker->job->means)
-            add_own_areas(before, row, of->open, worker->area, worker->span);
-        for (int lane = 0; lane < worker->used && of->closed > 0; lane++)
-            if (of->open[lane] == 0 && row[lane] >= opens) {
+            add_own_areas(previous, row, adaptive->open, worker->area, worker->span);
+        for (int lane = 0; lane < worker->used && adaptive->closed > 0; lane++)
+            if (adaptive->open[lane] == 0 && row[lane] >= opens) {
                 watch_open(&worker->watch[lane], row[LANE_COUNT + lane]);
-                of->open[lane] = 1;
-                of->closed--;
+                adaptive->open[lane] = 1;
+                adaptive->closed--;
             }
     }
 }
 
 /* Returns false if cancelled. */
-static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *of)
+static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *adaptive)
 {
     const struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
     const double t0 = worker->system[0].t0;
-    double before[3 * LANE_COUNT] = {0};
-    *of = (struct adaptive_watch){.closed = worker->used};
+    double previous[3 * LANE_COUNT] = {0};
+    *adaptive = (struct adaptive_watch){.closed = worker->used};
     memset(worker->area, 0, sizeof worker->area);
     memset(worker->span, 0, sizeof worker->span);
     for (int lane = 0; lane < worker->used; lane++) {
         const double *start = worker->system[lane].start;
         watch_begin(&worker->watch[lane], start[0]);
-        before[lane] = t0;
-        before[LANE_COUNT + lane] = start[0];
-        before[2 * LANE_COUNT + lane] = start[1];
+        previous[lane] = t0;
+        previous[LANE_COUNT + lane] = start[0];
+        previous[2 * LANE_COUNT + lane] = start[1];
     }
     lanes_control(worker->lanes, worker->used, worker->tol, t0 + request->duration, RUN_CREEP);
     lanes_adapted_row(worker->lanes, worker->row);
@@ -73,8 +74,8 @@ static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *o
         if (count > 1)
             more = lanes_adapt(worker->lanes, count, job->watches ? worker->row : NULL);
         if (job->watches) {
-            watch_attempts(worker, before, count, of);
-            memcpy(before, worker->row + 3 * (count - 1) * LANE_COUNT, sizeof before);
+            watch_attempts(worker, previous, count, adaptive);
+            memcpy(previous, worker->row + 3 * (count - 1) * LANE_COUNT, sizeof previous);
         }
         if (cancelled(request->cancel))
             return false;

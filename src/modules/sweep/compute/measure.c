@@ -31,19 +31,19 @@ bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_a
     } else {
         return false;
     }
-    snprintf(axis->name, sizeof axis->name, "%.*s", (int)name.len, name.at);
+    snprintf(axis->name, sizeof axis->name, "%.*s", (int)name.len, name.data);
     return true;
 }
 
 double sweep_axis_value(const struct sweep_axis *axis, int i)
 {
     if (i == 0 || axis->count < 2)
-        return axis->from;
+        return axis->begin;
     const double fraction = (double)i / (axis->count - 1);
     if (i == axis->count - 1)
-        return axis->to;
-    return axis->log ? axis->from * pow(axis->to / axis->from, fraction)
-                     : axis->from + (axis->to - axis->from) * fraction;
+        return axis->end;
+    return axis->log ? axis->begin * pow(axis->end / axis->begin, fraction)
+                     : axis->begin + (axis->end - axis->begin) * fraction;
 }
 
 /* ---- measures ---- */
@@ -91,18 +91,18 @@ static bool measured_column_find(const struct model *model, struct text name,
 
 static bool unknown(const struct model *model, struct text name, bool column, struct error *error)
 {
-    struct suggestion near = {.wanted = name};
+    struct suggestion suggestion = {.wanted = name};
     for (size_t i = 0; i < COUNT_OF(rows) && !column; i++)
-        suggestion_offer(&near, rows[i].name);
+        suggestion_offer(&suggestion, rows[i].name);
     for (size_t i = 0; i < observable_catalog.count; i++)
-        suggestion_offer(&near, catalog_row(&observable_catalog, i)->name);
+        suggestion_offer(&suggestion, catalog_row(&observable_catalog, i)->name);
     for (int i = 0; i < model->n; i++)
-        suggestion_offer(&near, model->variable[i].name);
+        suggestion_offer(&suggestion, model->variable[i].name);
     for (int i = 0; i < model_observed(model); i++)
-        suggestion_offer(&near, model_observed_variable(model, i).name);
+        suggestion_offer(&suggestion, model_observed_variable(model, i).name);
     error_at(error, name, "'%.*s' is nothing that a sweep measures",
-             (int)(name.len < 64 ? name.len : 64), name.at);
-    suggestion_hint(&near, error);
+             (int)(name.len < 64 ? name.len : 64), name.data);
+    suggestion_hint(&suggestion, error);
     if (column)
         return error_hint(error,
                           "in parentheses stands what 'print' knows of a run: y, energy ...");
@@ -113,16 +113,16 @@ static bool unknown(const struct model *model, struct text name, bool column, st
 }
 
 /* max(z): the name before the parenthesis is a row that is watched. */
-static bool split_watched(struct text name, const struct row **row, struct text *of)
+static bool split_watched(struct text name, const struct row **row, struct text *column)
 {
-    const char *paren = memchr(name.at, '(', name.len);
-    if (!paren || name.at[name.len - 1] != ')')
+    const char *paren = memchr(name.data, '(', name.len);
+    if (!paren || name.data[name.len - 1] != ')')
         return false;
-    const struct text first = {name.at, (size_t)(paren - name.at)};
+    const struct text first = {name.data, (size_t)(paren - name.data)};
     *row = catalog_find(&sweep_measure_catalog, text_trim(first));
     if (!*row || *row - rows > SWEEP_MIN)
         return false;
-    *of = text_trim((struct text){paren + 1, name.len - first.len - 2});
+    *column = text_trim((struct text){paren + 1, name.len - first.len - 2});
     return true;
 }
 
@@ -130,28 +130,29 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
                         struct error *error)
 {
     const struct row *own = catalog_find(&sweep_measure_catalog, name);
-    struct text of = name;
+    struct text column = name;
     *measure = (struct sweep_measure){.column = SWEEP_VARIABLE};
     if (own) {
         measure->kind = (enum sweep_kind)(own - rows);
         snprintf(measure->name, sizeof measure->name, "%s", own->name);
         return true;
     }
-    const bool watched = split_watched(name, &own, &of);
-    if (!measured_column_find(model, of, measure))
-        return unknown(model, of, watched, error);
+    const bool watched = split_watched(name, &own, &column);
+    if (!measured_column_find(model, column, measure))
+        return unknown(model, column, watched, error);
     if (measure->column == SWEEP_OBSERVABLE && model->order != 2 &&
         measure->observable->needs & NEED_MECHANICS)
-        return error_at(error, of, "%.*s needs a scene with positions and velocities", (int)of.len,
-                        of.at);
+        return error_at(error, column, "%.*s needs a scene with positions and velocities",
+                        (int)column.len, column.data);
     measure->kind = watched ? (enum sweep_kind)(own - rows) : measure->column;
     if (watched)
-        snprintf(measure->name, sizeof measure->name, "%s(%.*s)", own->name, (int)of.len, of.at);
+        snprintf(measure->name, sizeof measure->name, "%s(%.*s)", own->name, (int)column.len,
+                 column.data);
     else
         snprintf(measure->name, sizeof measure->name, "%s",
                  measure->column == SWEEP_OBSERVABLE ? measure->observable->row.name : "");
     if (measure->name[0] == 0)
-        snprintf(measure->name, sizeof measure->name, "%.*s", (int)of.len, of.at);
+        snprintf(measure->name, sizeof measure->name, "%.*s", (int)column.len, column.data);
     return true;
 }
 
@@ -181,7 +182,7 @@ enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const 
         return QUANTITY_NUMBER;
     switch (measure->column) {
     case SWEEP_FORMULA:
-        return measure->of->quantity;
+        return measure->expression->quantity;
     case SWEEP_OBSERVED:
         return model_observed_variable(model, measure->variable).quantity;
     case SWEEP_OBSERVABLE:

@@ -180,7 +180,8 @@ static bool needs_work(const struct sweep_job *job)
         const struct sweep_measure *measure = &job->request->measure[m];
         const bool observes =
             measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
-        needed |= measure->kind == SWEEP_ENERGY_ERROR || (measure->of && measure->of->works) ||
+        needed |= measure->kind == SWEEP_ENERGY_ERROR ||
+                  (measure->expression && measure->expression->works) ||
                   (observes && measure->observable->needs & NEED_WORK);
     }
     return needed;
@@ -250,12 +251,12 @@ int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
     int64_t computed = 0;
     const struct sweep_job *job = worker->job;
     const struct sweep *sweep = job->sweep;
-    const int64_t along = sweep->axis[job->along].count,
+    const int64_t axis_count = sweep->axis[job->lane_axis].count,
                   last = sweep->axes > 1 ? sweep->axis[1].count : 1;
-    for (int64_t k = block * job->width; k < along && k < (block + 1) * job->width; k++) {
-        const int64_t number = sweep->axes < 2   ? k
-                               : job->along == 1 ? line * last + k
-                                                 : k * last + line;
+    for (int64_t k = block * job->width; k < axis_count && k < (block + 1) * job->width; k++) {
+        const int64_t number = sweep->axes < 2       ? k
+                               : job->lane_axis == 1 ? line * last + k
+                                                     : k * last + line;
         const int64_t i = number - sweep->first;
         if (i < 0 || i >= sweep->count || sweep->status[i] != SWEEP_MISSING)
             continue;

@@ -18,7 +18,7 @@ void replay_begin(struct sweep_worker *worker)
 }
 
 /* What has been kept of the steps from `first` on. */
-static void feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
+static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;
     struct run *run = worker->run[lane];
@@ -48,7 +48,7 @@ void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
         }
     for (int lane = 0; lane < worker->used && worker->job->in_pieces; lane++)
         if (end % room == 0 || end == worker->clock[lane].whole)
-            feed(worker, lane, first - place, end - (first - place));
+            replay_feed(worker, lane, first - place, end - (first - place));
 }
 
 void replay_lane(struct sweep_worker *worker, int lane, int64_t evals)

@@ -168,19 +168,19 @@ static double turned(const struct crossings *crossings, int variable, double val
 
 /* The moment and the state of a record, angles in their first turn; returns false if it is not
  * there. */
-static bool state_at(const struct crossings *crossings, int64_t at, int64_t period, double *t,
+static bool state_at(const struct crossings *crossings, int64_t index, int64_t period, double *t,
                      double *y)
 {
     const struct run *run = crossings->run;
     if (crossings->period > 0) { /* the first row is the start */
-        if (!crossings_strobed(crossings, (size_t)at + 1, period))
+        if (!crossings_strobed(crossings, (size_t)index + 1, period))
             return false;
-        *t = trace_time(run->trace, (size_t)at + 1);
+        *t = trace_time(run->trace, (size_t)index + 1);
     } else {
-        *t = run_event_record(run, (size_t)at)->t;
+        *t = run_event_record(run, (size_t)index)->t;
     }
-    const double *state = crossings->period > 0 ? trace_state(run->trace, (size_t)at + 1)
-                                                : run_event_record_state(run, (size_t)at);
+    const double *state = crossings->period > 0 ? trace_state(run->trace, (size_t)index + 1)
+                                                : run_event_record_state(run, (size_t)index);
     for (int k = 0; k < run->system.n; k++)
         y[k] = turned(crossings, k, state[k]);
     return true;
@@ -204,12 +204,12 @@ static bool comes_again(const struct crossings *crossings, const double *state, 
 
 /* How far state k is from that so many events on, in sizes. */
 static double apart_by(const struct crossings *crossings, const double *state, int64_t k,
-                       int64_t by)
+                       int64_t lag)
 {
     const struct system *system = &crossings->run->system;
     double apart = 0;
     for (int i = 0; i < system->n; i++) {
-        const double a = state[k * system->n + i], b = state[(k + by) * system->n + i];
+        const double a = state[k * system->n + i], b = state[(k + lag) * system->n + i];
         apart = fmax(apart, fabs(turned(crossings, i, a - b)) / system->scale[i]);
     }
     return apart;
@@ -235,19 +235,19 @@ static double repeats(const struct crossings *crossings, const double *state, in
 }
 
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
-                    int64_t before, int64_t count)
+                    int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;
     const struct sweep_section *section = &request->section;
     const struct system *system = &crossings->run->system;
-    const int64_t keep = count - before < section->keep ? count - before : section->keep;
+    const int64_t keep = count - first < section->keep ? count - first : section->keep;
     double *values = sweep_values(worker, i), *value = values + 1,
            *state = arena_array(&worker->section->arena, (size_t)(keep > 0 ? keep : 0) + 1,
                                 (size_t)system->n * sizeof *state);
     int64_t k = 0;
     for (double t; state && k < keep; k++) {
         double *y = state + k * system->n;
-        if (!state_at(crossings, before + k, section->skip + k + 1, &t, y))
+        if (!state_at(crossings, first + k, section->skip + k + 1, &t, y))
             break;
         *value++ = t;
         for (int m = 0; m < request->measures; m++)

@@ -36,8 +36,8 @@ bool crossings_end(const struct sweep_request *request, const struct run *run, i
                    double time);
 /* Returns true if that row of its run is the state after this many periods. */
 bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t period);
-/* What the run has recorded becomes the point's; `before`: so many of its records are not kept. */
+/* What the run has recorded becomes the point's; `first`: so many of its records are not kept. */
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
-                    int64_t before, int64_t count);
+                    int64_t first, int64_t count);
 
 #endif

@@ -45,14 +45,14 @@ static bool settle_lane(struct arena *arena, struct crossings *p)
 }
 
 struct lane_state {
-    const double *at; /* [n][LANE_COUNT] */
+    const double *value; /* [n][LANE_COUNT] */
     int lane;
 };
 
 static double load_state(const void *context, int slot)
 {
     const struct lane_state *state = context;
-    return state->at[(size_t)slot * LANE_COUNT + (size_t)state->lane];
+    return state->value[(size_t)slot * LANE_COUNT + (size_t)state->lane];
 }
 
 static double lane_value(const struct crossings *p, const double *row, int lane)
@@ -141,7 +141,7 @@ static bool take_again(const struct sweep_worker *worker, struct crossings *p, i
     return section->strobe || run_event_records(run) == events + 1;
 }
 
-static bool wild(const double *y, int n)
+static bool is_state_diverged(const double *y, int n)
 {
     for (int k = 0; k < n; k++)
         if (!(fabs(y[k]) <= DIVERGENCE_MIN))
@@ -179,7 +179,7 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
         if (p->done || p->step != step)
             continue;
         lanes_state(worker->lanes, lane, y);
-        p->alone = wild(y, worker->system[0].n) || !strobe_lane(worker, p, y);
+        p->alone = is_state_diverged(y, worker->system[0].n) || !strobe_lane(worker, p, y);
         p->seen++;
         p->step = strobe_step(worker, p);
         p->done = p->alone || p->seen == section->keep;
@@ -189,7 +189,7 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
 static void march_strobe(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
-    int64_t at = 0;
+    int64_t step = 0;
     while (!cancelled(job->request->cancel)) {
         int64_t next = INT64_MAX;
         for (int lane = 0; lane < worker->used; lane++) {
@@ -198,10 +198,10 @@ static void march_strobe(struct sweep_worker *worker)
         }
         if (next == INT64_MAX)
             return;
-        for (int64_t steps; (steps = next - at) > 0 && !cancelled(job->request->cancel);) {
+        for (int64_t steps; (steps = next - step) > 0 && !cancelled(job->request->cancel);) {
             steps = steps < 16 * SWEEP_ROWS ? steps : 16 * SWEEP_ROWS;
             lanes_march(worker->lanes, steps, NULL);
-            at += steps;
+            step += steps;
         }
         strobe_lanes(worker, next);
     }
@@ -239,7 +239,7 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
         for (int k = 0; k < worker->system[0].n; k++)
             y[k] = row[(size_t)k * LANE_COUNT + (size_t)lane];
         p->last = step + 1;
-        p->alone = wild(y, worker->system[0].n) ||
+        p->alone = is_state_diverged(y, worker->system[0].n) ||
                    (++p->seen > section->skip && !take_again(worker, p, step, y));
     }
     p->done = p->alone || p->seen == section->skip + section->keep;
@@ -279,9 +279,9 @@ static void march_events(struct sweep_worker *worker)
                 worker->system[lane < worker->used ? lane : 0].start[k];
     fill_values(s, linear, n, worker->used, s->state, s->value[1]);
     memcpy(s->value[0], s->value[1], sizeof s->value[0]);
-    for (int64_t at = 0; !cancelled(worker->job->request->cancel); at += SWEEP_ROWS) {
+    for (int64_t row = 0; !cancelled(worker->job->request->cancel); row += SWEEP_ROWS) {
         march(worker, SWEEP_ROWS);
-        if (!look_rows(worker, linear, at, SWEEP_ROWS))
+        if (!look_rows(worker, linear, row, SWEEP_ROWS))
             return;
     }
 }

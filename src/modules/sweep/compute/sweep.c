@@ -46,13 +46,13 @@ int64_t sweep_cell(int64_t total)
 }
 
 /* Multiplied in double: cells * shards may be more than an int64_t holds. */
-static int64_t shard_begin(const struct sweep_request *request, int64_t total, int64_t before)
+static int64_t shard_begin(const struct sweep_request *request, int64_t total, int64_t shard)
 {
     const int64_t cell = sweep_cell(total), cells = (total + cell - 1) / cell,
-                  begin = before == request->shards
+                  begin = shard == request->shards
                               ? cells
                               : (int64_t)floor((double)cells *
-                                               ((double)before / (double)request->shards));
+                                               ((double)shard / (double)request->shards));
     return begin * cell < total ? begin * cell : total;
 }
 
@@ -104,18 +104,18 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
 }
 
 /* What is finished already. */
-static void take_before(const struct sweep *before, struct sweep *sweep)
+static void take_before(const struct sweep *previous, struct sweep *sweep)
 {
-    const int64_t shift = sweep->first - before->first;
+    const int64_t shift = sweep->first - previous->first;
     for (int64_t i = 0; i < sweep->count; i++) {
         const int64_t k = i + shift;
-        if (k < 0 || k >= before->count)
+        if (k < 0 || k >= previous->count)
             continue;
-        sweep->status[i] = before->status[k];
-        memcpy(sweep->value + i * sweep->measures, before->value + k * sweep->measures,
+        sweep->status[i] = previous->status[k];
+        memcpy(sweep->value + i * sweep->measures, previous->value + k * sweep->measures,
                (size_t)sweep->measures * sizeof *sweep->value);
     }
-    memcpy(sweep->reason, before->reason, sizeof sweep->reason);
+    memcpy(sweep->reason, previous->reason, sizeof sweep->reason);
 }
 
 /* Whether lanes can measure this: what they show on the way is the first variable where its
@@ -210,26 +210,27 @@ static void lay_out(struct sweep_job *job)
     const struct sweep *sweep = job->sweep;
     const int64_t last = request->axes > 1 ? request->axis[1].count : 1, row = sweep->first / last,
                   rows = (sweep->first + sweep->count - 1) / last - row + 1;
-    job->along = choose_along(request, sweep);
-    if (job->along == 0 && request->axes > 1 && rows < LANE_COUNT && rows < request->axis[0].count)
-        job->along = 1; /* the others' rows are not here */
+    job->lane_axis = choose_along(request, sweep);
+    if (job->lane_axis == 0 && request->axes > 1 && rows < LANE_COUNT &&
+        rows < request->axis[0].count)
+        job->lane_axis = 1; /* the others' rows are not here */
     if (sweep->count == 0) {
         job->lines = job->blocks = job->width = 1; /* with nothing to do */
         return;
     }
     job->width = job->in_lanes && lanes_go(job) ? LANE_COUNT : 1;
-    if (job->along == 0) {
+    if (job->lane_axis == 0) {
         job->lines = last;
         job->block = row / job->width;
         job->blocks = (row + rows - 1) / job->width - job->block + 1;
         return;
     }
-    const int64_t from = rows > 1 ? 0 : sweep->first % last,
-                  to = rows > 1 ? last - 1 : (sweep->first + sweep->count - 1) % last;
+    const int64_t first_column = rows > 1 ? 0 : sweep->first % last,
+                  last_column = rows > 1 ? last - 1 : (sweep->first + sweep->count - 1) % last;
     job->line = row;
     job->lines = rows;
-    job->block = from / job->width;
-    job->blocks = to / job->width - job->block + 1;
+    job->block = first_column / job->width;
+    job->blocks = last_column / job->width - job->block + 1;
 }
 
 static void choose_lanes(struct sweep_job *job, struct plan *plan)
@@ -433,8 +434,8 @@ bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struc
     if (!results_create(sweep, request->cancel, error))
         return false;
     struct sweep_job job = job_of(request, sweep, &plan);
-    if (request->before)
-        take_before(request->before, sweep);
+    if (request->previous)
+        take_before(request->previous, sweep);
     lay_out(&job);
     const bool ok = run_workers(&job, error);
     sweep->seconds = clock_seconds(begin);

@@ -24,7 +24,7 @@ struct sweep_axis {
     enum sweep_role target;
     int index; /* of the parameter or the derived quantity */
     enum quantity quantity;
-    double from, to; /* SI */
+    double begin, end; /* SI */
     int count;
     bool log;
 };
@@ -80,11 +80,11 @@ struct sweep_measure {
     enum sweep_kind kind;
     enum sweep_kind column; /* what is watched: one of the last four, else the first variable */
     int variable;           /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
-    const struct observable *observable; /* SWEEP_OBSERVABLE */
-    const struct sweep_expression *of;   /* column SWEEP_FORMULA */
-    const struct sweep_formula *formula; /* kind SWEEP_FORMULA */
-    char name[LIMIT_SYMBOL + 16];        /* max(z) */
-    find_attractor *attractor;           /* of SWEEP_ATTRACTOR */
+    const struct observable *observable;       /* SWEEP_OBSERVABLE */
+    const struct sweep_expression *expression; /* column SWEEP_FORMULA */
+    const struct sweep_formula *formula;       /* kind SWEEP_FORMULA */
+    char name[LIMIT_SYMBOL + 16];              /* max(z) */
+    find_attractor *attractor;                 /* of SWEEP_ATTRACTOR */
 };
 
 static inline bool sweep_watches(const struct sweep_measure *measure)
@@ -144,7 +144,7 @@ struct sweep_request {
     int64_t shard, shards;        /* 1 … shards */
     int64_t first, count;         /* count > 0: only these points, as numbers of the whole sweep */
     int threads;                  /* 0: as many as there are processors */
-    const struct sweep *before;   /* what is finished there is taken; NULL */
+    const struct sweep *previous; /* what is finished there is taken; NULL */
     const struct cancel *cancel;
     /* from the calling thread, ten times a second; NULL */
     void (*progress)(void *context, double fraction);

@@ -84,14 +84,15 @@ double watch_speed(const struct system *system, int variable, double t, const do
 static double column_speed(const struct trace *trace, const double *column, size_t n, size_t i)
 {
     const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
-    const double before = trace_time(trace, i) - trace_time(trace, a),
-                 behind = trace_time(trace, b) - trace_time(trace, i);
-    const double rise = i > a ? (column[i] - column[a]) / before : 0,
-                 next = b > i ? (column[b] - column[i]) / behind : 0;
-    return before + behind > 0 ? i == a   ? next
-                                 : i == b ? rise
-                                          : (rise * behind + next * before) / (before + behind)
-                               : 0;
+    const double left_step = trace_time(trace, i) - trace_time(trace, a),
+                 right_step = trace_time(trace, b) - trace_time(trace, i);
+    const double rise = i > a ? (column[i] - column[a]) / left_step : 0,
+                 next = b > i ? (column[b] - column[i]) / right_step : 0;
+    return left_step + right_step > 0
+               ? i == a   ? next
+                 : i == b ? rise
+                          : (rise * right_step + next * left_step) / (left_step + right_step)
+               : 0;
 }
 
 /* Sets *column, which the caller frees, to the values at all rows of what is no state variable, or
@@ -106,7 +107,7 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
     if (!(*column = malloc(trace_count(run->trace) * sizeof **column)))
         return false;
     if (measure->column == SWEEP_FORMULA)
-        return expression_column(run, measure->of, scene, *column);
+        return expression_column(run, measure->expression, scene, *column);
     if (measure->column == SWEEP_OBSERVED)
         run_observed_column(run, measure->variable, *column);
     else if (!run_column(run, measure->observable, *column, &ignored))

@@ -69,7 +69,7 @@ struct sweep_job {
     double rest;
     int64_t room;                /* steps of which states are kept to be replayed */
     bool in_pieces;              /* of longer runs, which go on by so many at a time */
-    int along;                   /* the axis along which lanes lie */
+    int lane_axis;               /* the axis along which lanes lie */
     int64_t width;               /* points of a block */
     int64_t line, block;         /* the first that hold points of this sweep */
     int64_t lines, blocks;       /* and how many; tasks: lines times blocks */
@@ -137,8 +137,8 @@ double *sweep_values(struct sweep_worker *worker, int64_t i);
 /* Of a slot from SWEEP_SLOT_PARAM on. */
 double sweep_scene_value(const struct scene *scene, int slot);
 /* At all recorded rows; false: no memory, or it is not defined. */
-bool expression_column(const struct run *run, const struct sweep_expression *of,
-                       const struct scene *scene, double *out);
+bool expression_column(const struct run *run, const struct sweep_expression *expression,
+                       const struct scene *scene, double *result);
 /* Its measures become the columns of point i. */
 void sweep_combine(struct sweep_worker *worker, int64_t i);
 /* What depends on the state at the end only; of other kinds NAN. */
@@ -167,7 +167,7 @@ void sweep_adapt(struct sweep_worker *worker);
 /* Lanes are looked at in groups of so many for velocities that change their sign. */
 enum { TURN_GROUP = LANE_COUNT / 4 };
 /* Returns a bit for each group in which one does from one row of y, v [LANE_COUNT] to the next. */
-unsigned lanes_turning_groups(const double *before, const double *row);
+unsigned lanes_turning_groups(const double *previous, const double *row);
 /* Returns the first lane from that one on whose group has its bit, or one past the last. */
 static inline int next_turning(unsigned groups, int lane)
 {

@@ -46,7 +46,7 @@ static int slope_two(struct graph *g, double (*function)(double, double), int X,
 }
 
 /* Sums and products of derivatives: node 0, the number 0, is what is not there. */
-static int sum(struct graph *g, int a, int b)
+static int sum_node(struct graph *g, int a, int b)
 {
     return a && b ? ADD(a, b) : a ? a : b;
 }
@@ -76,11 +76,11 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     case NODE_SQRT:
         return da ? product(g, slope_one(g, sqrt, a, i), da) : 0;
     case NODE_ADD:
-        return sum(g, da, db);
+        return sum_node(g, da, db);
     case NODE_SUB:
         return difference(g, da, db);
     case NODE_MUL:
-        return sum(g, product(g, b, da), product(g, a, db));
+        return sum_node(g, product(g, b, da), product(g, a, db));
     case NODE_DIV: /* (a/b)' = (a' - (a/b) b')/b */
         return da || db ? DIV(difference(g, da, product(g, i, db)), b) : 0;
     case NODE_IF:
@@ -88,8 +88,8 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     case NODE_ONE:
         return da ? product(g, slope_one(g, node->one, a, i), da) : 0;
     case NODE_TWO:
-        return sum(g, da ? product(g, slope_two(g, node->two, a, b, i, false), da) : 0,
-                   db ? product(g, slope_two(g, node->two, a, b, i, true), db) : 0);
+        return sum_node(g, da ? product(g, slope_two(g, node->two, a, b, i, false), da) : 0,
+                        db ? product(g, slope_two(g, node->two, a, b, i, true), db) : 0);
     default: /* numbers and comparisons; names are seen to */
         return 0;
     }

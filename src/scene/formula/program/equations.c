@@ -146,20 +146,20 @@ int equations_count(const struct equations *e)
 bool equations_derive(struct equations *e, int first, int count, const int *name, int names,
                       struct error *error)
 {
-    const int before = e->graph.count;
+    const int node_count = e->graph.count;
     if (names > 0 && count > PROGRAM_SIZE / names)
         e->graph.failed = GRAPH_FULL;
     if (!graph_check(&e->graph, error))
         return false;
-    bool *mark = calloc((size_t)before, sizeof *mark);
-    int *slope = malloc((size_t)before * sizeof *slope);
+    bool *mark = calloc((size_t)node_count, sizeof *mark);
+    int *slope = malloc((size_t)node_count * sizeof *slope);
     const bool fine = mark && slope && equations_reserve(e, count * names);
     for (int i = 0; fine && i < count; i++)
         mark[e->output[first + i]] = true;
     if (fine)
-        graph_reach(e->graph.node, before, mark);
+        graph_reach(e->graph.node, node_count, mark);
     for (int j = 0; fine && j < names && !e->graph.failed; j++) {
-        graph_derive(&e->graph, name[j], mark, before, slope);
+        graph_derive(&e->graph, name[j], mark, node_count, slope);
         for (int i = 0; i < count; i++)
             e->output[e->outputs + i * names + j] = slope[e->output[first + i]];
     }

@@ -53,13 +53,13 @@ static bool node_equal(const struct node *a, const struct node *b)
 
 static void table_put(int *table, unsigned slots, const struct node *node, int i)
 {
-    unsigned at = node_hash(&node[i]) & (slots - 1);
-    while (table[at])
-        at = (at + 1) & (slots - 1);
-    table[at] = i;
+    unsigned slot = node_hash(&node[i]) & (slots - 1);
+    while (table[slot])
+        slot = (slot + 1) & (slots - 1);
+    table[slot] = i;
 }
 
-static bool grow(struct graph *g)
+static bool graph_grow(struct graph *g)
 {
     int capacity = g->capacity ? 2 * g->capacity : 64;
     unsigned slots = 2 * (unsigned)capacity; /* so that the table is at most half full */
@@ -82,22 +82,22 @@ static int intern(struct graph *g, struct node node)
 {
     if (g->failed)
         return 0;
-    unsigned at = node_hash(&node) & (g->slots - 1);
-    for (; g->table[at]; at = (at + 1) & (g->slots - 1))
-        if (node_equal(&g->node[g->table[at]], &node))
-            return g->table[at];
+    unsigned slot = node_hash(&node) & (g->slots - 1);
+    for (; g->table[slot]; slot = (slot + 1) & (g->slots - 1))
+        if (node_equal(&g->node[g->table[slot]], &node))
+            return g->table[slot];
     if (g->count == PROGRAM_SIZE) {
         g->failed = GRAPH_FULL;
         return 0;
     }
     if (g->count == g->capacity) {
-        if (!grow(g)) {
+        if (!graph_grow(g)) {
             g->failed = GRAPH_NO_MEMORY;
             return 0;
         }
         return intern(g, node);
     }
-    g->table[at] = g->count;
+    g->table[slot] = g->count;
     g->node[g->count] = node;
     return g->count++;
 }
@@ -105,7 +105,7 @@ static int intern(struct graph *g, struct node node)
 void graph_init(struct graph *g, struct arena *arena, bool binds)
 {
     *g = (struct graph){.arena = arena, .binds = binds, .has_terms = binds};
-    if (!grow(g)) {
+    if (!graph_grow(g)) {
         g->failed = GRAPH_NO_MEMORY;
         return;
     }
@@ -161,7 +161,7 @@ static bool node_is_number(const struct graph *g, int i)
     return !g->failed && g->node[i].kind == NODE_NUMBER;
 }
 
-static bool is(const struct graph *g, int i, double number)
+static bool is_node_value(const struct graph *g, int i, double number)
 {
     return node_is_number(g, i) && g->node[i].number == number;
 }
@@ -179,7 +179,7 @@ static bool is_absent(const struct graph *g, int i)
 /* A product with it is absent. */
 static bool is_coefficient_zero(const struct graph *g, int i)
 {
-    return g->has_terms && is(g, i, 0);
+    return g->has_terms && is_node_value(g, i, 0);
 }
 
 /* Returns the mark of a result that is the number 0, as its operands give it. */
@@ -249,16 +249,16 @@ static int simpler(struct graph *g, struct node node)
     case NODE_SUB:
         if (is_absent(g, a) || is_absent(g, b))
             return is_absent(g, b) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
-        if (g->binds && is(g, b, 0) && !signbit(g->node[b].number))
+        if (g->binds && is_node_value(g, b, 0) && !signbit(g->node[b].number))
             return a; /* also -0 */
         return negated(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negated(g, b), 0) : -1;
     case NODE_MUL:
         if (is_coefficient_zero(g, a) || is_coefficient_zero(g, b))
             return zero_node(g, ZERO_TERM, 0);
-        if (is(g, a, 1) || is(g, b, 1))
-            return is(g, a, 1) ? b : a;
-        if (is(g, a, -1) || is(g, b, -1))
-            return graph_apply(g, NODE_NEG, is(g, a, -1) ? b : a, 0, 0);
+        if (is_node_value(g, a, 1) || is_node_value(g, b, 1))
+            return is_node_value(g, a, 1) ? b : a;
+        if (is_node_value(g, a, -1) || is_node_value(g, b, -1))
+            return graph_apply(g, NODE_NEG, is_node_value(g, a, -1) ? b : a, 0, 0);
         if (g->binds &&
             (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
             const bool first = negated(g, a) >= 0;
@@ -271,7 +271,7 @@ static int simpler(struct graph *g, struct node node)
     case NODE_DIV:
         if (mark_of(g, a) != ZERO_NUMBER)
             return zero_node(g, ZERO_TERM, 0);
-        if (is(g, b, 1))
+        if (is_node_value(g, b, 1))
             return a;
         if (node_is_number(g, b) && inverts(g->node[b].number))
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
@@ -286,15 +286,15 @@ static int simpler(struct graph *g, struct node node)
     case NODE_TWO:
         if (node.two != function_power || !node_is_number(g, b))
             return -1;
-        if (is(g, b, 0) || is(g, b, 1))
-            return is(g, b, 1) ? a : graph_number(g, 1);
+        if (is_node_value(g, b, 0) || is_node_value(g, b, 1))
+            return is_node_value(g, b, 1) ? a : graph_number(g, 1);
         return g->binds && power_is_short(g->node[b].number) ? power(g, a, g->node[b].number) : -1;
     default:
         return -1;
     }
 }
 
-static int make(struct graph *g, struct node node)
+static int graph_node_make(struct graph *g, struct node node)
 {
     if (g->failed)
         return 0;
@@ -325,7 +325,7 @@ static int make(struct graph *g, struct node node)
 
 int graph_apply(struct graph *g, enum node_kind kind, int a, int b, int c)
 {
-    return make(g, (struct node){.kind = kind, .operand = {a, b, c}});
+    return graph_node_make(g, (struct node){.kind = kind, .operand = {a, b, c}});
 }
 
 int graph_one(struct graph *g, double (*one)(double), int a)
@@ -337,7 +337,7 @@ int graph_one(struct graph *g, double (*one)(double), int a)
                            graph_apply(g, NODE_LESS, a, 0, 0), 0);
     if (one == function_step)
         return graph_apply(g, NODE_LESS_EQUAL, 0, a, 0);
-    return make(g, (struct node){.kind = NODE_ONE, .operand = {a}, .one = one});
+    return graph_node_make(g, (struct node){.kind = NODE_ONE, .operand = {a}, .one = one});
 }
 
 int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
@@ -346,7 +346,7 @@ int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
         return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, a, b, 0), a, b);
     if (two == function_max)
         return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, b, a, 0), a, b);
-    return make(g, (struct node){.kind = NODE_TWO, .operand = {a, b}, .two = two});
+    return graph_node_make(g, (struct node){.kind = NODE_TWO, .operand = {a, b}, .two = two});
 }
 
 int graph_copy(struct graph *g, const struct node *node, const int *map)
@@ -354,5 +354,5 @@ int graph_copy(struct graph *g, const struct node *node, const int *map)
     struct node copy = *node;
     for (int k = 0; k < node_arity(node->kind); k++)
         copy.operand[k] = map[node->operand[k]];
-    return make(g, copy);
+    return graph_node_make(g, copy);
 }

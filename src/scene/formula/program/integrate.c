@@ -54,74 +54,75 @@ struct product {
     struct factor factor[FACTORS_MAX];
 };
 
-static bool is_full(const struct integration *in)
+static bool is_full(const struct integration *integration)
 {
-    return in->g->failed || in->g->count > GRAPH_MAX - 256;
+    return integration->g->failed || integration->g->count > GRAPH_MAX - 256;
 }
 
-static bool depends(struct integration *in, int i)
+static bool depends(struct integration *integration, int i)
 {
-    for (; in->known <= i; in->known++) {
-        const struct node *node = &in->g->node[in->known];
-        in->has[in->known] = node->kind == NODE_NAME && node->operand[0] == in->name;
+    for (; integration->known <= i; integration->known++) {
+        const struct node *node = &integration->g->node[integration->known];
+        integration->has[integration->known] =
+            node->kind == NODE_NAME && node->operand[0] == integration->name;
         for (int k = 0; k < node_arity(node->kind); k++)
-            in->has[in->known] |= in->has[node->operand[k]];
+            integration->has[integration->known] |= integration->has[node->operand[k]];
     }
-    return in->has[i];
+    return integration->has[i];
 }
 
-static void mark_reach(struct integration *in, int i)
+static void mark_reach(struct integration *integration, int i)
 {
-    memset(in->mark, 0, (size_t)i + 1);
-    in->mark[i] = true;
-    graph_reach(in->g->node, i + 1, in->mark);
+    memset(integration->mark, 0, (size_t)i + 1);
+    integration->mark[i] = true;
+    graph_reach(integration->g->node, i + 1, integration->mark);
 }
 
 /* Returns the node with numbers in the place of `count` names. */
-static int substitute(struct integration *in, int i, const int *name, const double *number,
+static int substitute(struct integration *integration, int i, const int *name, const double *number,
                       int count)
 {
-    struct graph *g = in->g;
-    mark_reach(in, i);
+    struct graph *g = integration->g;
+    mark_reach(integration, i);
     for (int k = 0; k <= i; k++) {
         const struct node node = g->node[k];
-        in->map[k] = k;
-        if (!in->mark[k])
+        integration->map[k] = k;
+        if (!integration->mark[k])
             continue;
         for (int j = 0; j < count && node.kind == NODE_NAME; j++)
             if (node.operand[0] == name[j])
-                in->map[k] = NUMBER(number[j]);
+                integration->map[k] = NUMBER(number[j]);
         bool changed = false;
         for (int j = 0; j < node_arity(node.kind); j++)
-            changed |= in->map[node.operand[j]] != node.operand[j];
+            changed |= integration->map[node.operand[j]] != node.operand[j];
         if (changed)
-            in->map[k] = graph_copy(g, &node, in->map);
+            integration->map[k] = graph_copy(g, &node, integration->map);
     }
-    return in->map[i];
+    return integration->map[i];
 }
 
-static int derivative(struct integration *in, int i)
+static int derivative(struct integration *integration, int i)
 {
-    mark_reach(in, i);
-    graph_derive(in->g, in->name, in->mark, i + 1, in->map);
-    return in->map[i];
+    mark_reach(integration, i);
+    graph_derive(integration->g, integration->name, integration->mark, i + 1, integration->map);
+    return integration->map[i];
 }
 
 /* ---- ratios that do not depend on x ---- */
 
 /* Returns true if all operations of the node on x are analytic, so that a value that is constant at
  * some x is constant everywhere. */
-static bool is_analytic(struct integration *in, int i)
+static bool is_analytic(struct integration *integration, int i)
 {
     static double (*const steps[])(double) = {floor, ceil, round, function_sign, function_step};
-    depends(in, i);
-    mark_reach(in, i);
+    depends(integration, i);
+    mark_reach(integration, i);
     for (int k = 0; k <= i; k++) {
-        const struct node *node = &in->g->node[k];
-        if (!in->mark[k] || !in->has[k])
+        const struct node *node = &integration->g->node[k];
+        if (!integration->mark[k] || !integration->has[k])
             continue;
         if (node->kind == NODE_ABS || node->kind == NODE_LESS || node->kind == NODE_LESS_EQUAL ||
-            (node->kind == NODE_IF && in->has[node->operand[0]]) ||
+            (node->kind == NODE_IF && integration->has[node->operand[0]]) ||
             (node->kind == NODE_TWO && node->two != function_power && node->two != fixed_hypot))
             return false;
         for (size_t s = 0; s < COUNT_OF(steps) && node->kind == NODE_ONE; s++)
@@ -133,25 +134,25 @@ static bool is_analytic(struct integration *in, int i)
 
 /* The quotient of two nodes where names have values that the trial chooses: 1 in trial 0, else
  * spread; names other than x change with each third trial. */
-static double quotient(struct integration *in, int a, int b, int trial)
+static double quotient(struct integration *integration, int a, int b, int trial)
 {
     static const double spread[] = {-1.37, 0.83, 2.19, -0.41, 1.7, 0.29, -2.6, 0.57, 1.13};
     const int last = a > b ? a : b;
     for (int k = 0; k <= last; k++) {
-        const struct node *node = &in->g->node[k];
-        const bool x = node->kind == NODE_NAME && node->operand[0] == in->name;
-        const double *value = in->value;
+        const struct node *node = &integration->g->node[k];
+        const bool x = node->kind == NODE_NAME && node->operand[0] == integration->name;
+        const double *value = integration->value;
         if (node->kind == NODE_NAME && trial == 0)
-            in->value[k] = 1;
+            integration->value[k] = 1;
         else if (node->kind == NODE_NAME)
-            in->value[k] =
+            integration->value[k] =
                 x ? spread[trial - 1]
                   : 0.6 + 0.7 * fmod((node->operand[0] + 1) * 0.618 + 0.377 * ((trial - 1) / 3), 1);
         else
-            in->value[k] = node_value(node->kind, node, value[node->operand[0]],
-                                      value[node->operand[1]], value[node->operand[2]]);
+            integration->value[k] = node_value(node->kind, node, value[node->operand[0]],
+                                               value[node->operand[1]], value[node->operand[2]]);
     }
-    return in->value[a] / in->value[b];
+    return integration->value[a] / integration->value[b];
 }
 
 static bool is_near(double a, double b)
@@ -160,19 +161,19 @@ static bool is_near(double a, double b)
 }
 
 /* Returns a/b as a node without x; -1 if it depends on x, or is not known to be constant. */
-static int constant_quotient(struct integration *in, int a, int b)
+static int constant_quotient(struct integration *integration, int a, int b)
 {
-    struct graph *g = in->g;
-    if (b == 0 || is_full(in))
+    struct graph *g = integration->g;
+    if (b == 0 || is_full(integration))
         return -1;
-    if (!depends(in, a) && !depends(in, b))
+    if (!depends(integration, a) && !depends(integration, b))
         return DIV(a, b);
-    if (!is_analytic(in, a) || !is_analytic(in, b))
+    if (!is_analytic(integration, a) || !is_analytic(integration, b))
         return -1;
     double q[10];
     bool by_x = true, all = true;
     for (int trial = 0; trial < 10; trial++) {
-        q[trial] = quotient(in, a, b, trial);
+        q[trial] = quotient(integration, a, b, trial);
         const double *first = &q[trial < 2 ? 0 : 1 + (trial - 1) / 3 * 3];
         by_x &= trial == 0 || (isfinite(q[trial]) && (trial < 2 || is_near(q[trial], *first)));
         all &= trial < 2 || is_near(q[trial], q[1]);
@@ -182,8 +183,8 @@ static int constant_quotient(struct integration *in, int a, int b)
     if (all)
         return NUMBER(is_near(q[0], q[1]) ? q[0] : q[1]);
     const double some = 0.75;
-    const int top = substitute(in, a, &in->name, &some, 1);
-    return DIV(top, substitute(in, b, &in->name, &some, 1));
+    const int top = substitute(integration, a, &integration->name, &some, 1);
+    return DIV(top, substitute(integration, b, &integration->name, &some, 1));
 }
 
 /* ---- products ---- */
@@ -206,13 +207,14 @@ static bool add_factor(struct product *p, int base, double power, int exponent)
 }
 
 /* Multiplies the product by node^power. Returns false if it has too many factors. */
-static bool product_multiply(struct integration *in, int i, double power, struct product *p)
+static bool product_multiply(struct integration *integration, int i, double power,
+                             struct product *p)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     const struct node node = g->node[i];
     const int a = node.operand[0], b = node.operand[1];
     const bool whole = power == floor(power);
-    if (!depends(in, i)) {
+    if (!depends(integration, i)) {
         if (node.kind == NODE_NUMBER)
             p->number *= function_power(node.number, power);
         else if (fabs(power) == 1)
@@ -223,18 +225,18 @@ static bool product_multiply(struct integration *in, int i, double power, struct
     }
     if (whole && node.kind == NODE_NEG) {
         p->number *= fmod(power, 2) != 0 ? -1 : 1;
-        return product_multiply(in, a, power, p);
+        return product_multiply(integration, a, power, p);
     }
     if (whole && (node.kind == NODE_MUL || node.kind == NODE_DIV))
-        return product_multiply(in, a, power, p) &&
-               product_multiply(in, b, node.kind == NODE_MUL ? power : -power, p);
+        return product_multiply(integration, a, power, p) &&
+               product_multiply(integration, b, node.kind == NODE_MUL ? power : -power, p);
     if (node.kind == NODE_SQRT)
-        return product_multiply(in, a, power / 2, p);
+        return product_multiply(integration, a, power / 2, p);
     if (node.kind == NODE_TWO && node.two == fixed_hypot)
         return add_factor(p, ADD(MUL(a, a), MUL(b, b)), power / 2, 0);
-    if (node.kind == NODE_TWO && node.two == function_power && !depends(in, b)) {
+    if (node.kind == NODE_TWO && node.two == function_power && !depends(integration, b)) {
         if (g->node[b].kind == NODE_NUMBER)
-            return product_multiply(in, a, power * g->node[b].number, p);
+            return product_multiply(integration, a, power * g->node[b].number, p);
         if (fabs(power) == 1)
             return add_factor(p, a, 1, power > 0 ? b : graph_apply(g, NODE_NEG, b, 0, 0));
     }
@@ -302,32 +304,32 @@ static int power_integral(struct graph *g, const struct factor *f, double *numbe
     return POWER(f->base, NUMBER(f->power + 1));
 }
 
-static bool put_summand(struct integration *in, double number, int constant, int node)
+static bool put_summand(struct integration *integration, double number, int constant, int node)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     if (g->node[constant].kind == NODE_NUMBER) {
         number *= g->node[constant].number;
         constant = NUMBER(1);
     }
     const int made = MUL(NUMBER(number), MUL(constant, node));
-    for (int k = 0; k < in->earlier && in->distinct; k++)
-        if (in->summand[k] == made)
+    for (int k = 0; k < integration->earlier && integration->distinct; k++)
+        if (integration->summand[k] == made)
             return true;
-    if (in->summands == SUMMANDS_MAX || is_full(in))
+    if (integration->summands == SUMMANDS_MAX || is_full(integration))
         return false;
-    in->summand[in->summands++] = made;
+    integration->summand[integration->summands++] = made;
     return true;
 }
 
 /* ---- sums ---- */
 
-static bool integrate(struct integration *in, int i, double sign);
+static bool integrate(struct integration *integration, int i, double sign);
 
 /* Substitutes one of the factors, if the others are a multiple of the derivative of its
  * argument. */
-static bool substitute_factor(struct integration *in, const struct product *p)
+static bool substitute_factor(struct integration *integration, const struct product *p)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     for (int k = 0; k < 2 * p->count; k++) { /* calls first */
         const struct factor *f = &p->factor[k % p->count];
         const struct node node = g->node[f->base];
@@ -336,105 +338,110 @@ static bool substitute_factor(struct integration *in, const struct product *p)
         if (call && (f->exponent || f->power != 1))
             continue;
         const int argument = call ? node.operand[0] : f->base;
-        if (!is_analytic(in, argument)) /* it may jump, which its derivative does not say */
+        if (!is_analytic(integration,
+                         argument)) /* it may jump, which its derivative does not say */
             continue;
         const int made = call ? call_integral(g, &node) : power_integral(g, f, &number);
         if (made < 0)
             continue;
-        const int slope = derivative(in, argument);
-        const int ratio = constant_quotient(in, other_factors(g, p, k % p->count), slope);
+        const int slope = derivative(integration, argument);
+        const int ratio = constant_quotient(integration, other_factors(g, p, k % p->count), slope);
         if (ratio < 0)
             continue;
         if (g->node[ratio].kind == NODE_NUMBER)
-            return put_summand(in, number * g->node[ratio].number, p->constant, made);
-        return put_summand(in, number, MUL(p->constant, ratio), made);
+            return put_summand(integration, number * g->node[ratio].number, p->constant, made);
+        return put_summand(integration, number, MUL(p->constant, ratio), made);
     }
     return false;
 }
 
 /* Multiplies out a factor that is a sum. */
-static bool expand(struct integration *in, struct product *p, double sign)
+static bool expand(struct integration *integration, struct product *p, double sign)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     for (int k = 0; k < p->count; k++) {
         struct factor *f = &p->factor[k];
         const struct node sum = g->node[f->base];
         if ((sum.kind != NODE_ADD && sum.kind != NODE_SUB) || f->exponent || f->power < 1 ||
-            f->power != floor(f->power) || ++in->expansions > EXPANSIONS_MAX || is_full(in))
+            f->power != floor(f->power) || ++integration->expansions > EXPANSIONS_MAX ||
+            is_full(integration))
             continue;
         const int fewer = f->power > 1 ? POWER(f->base, NUMBER(f->power - 1)) : NUMBER(1);
         const int others =
             MUL(MUL(NUMBER(p->number), p->constant), MUL(other_factors(g, p, k), fewer));
-        return integrate(in, MUL(others, sum.operand[0]), sign) &&
-               integrate(in, MUL(others, sum.operand[1]), sum.kind == NODE_ADD ? sign : -sign);
+        return integrate(integration, MUL(others, sum.operand[0]), sign) &&
+               integrate(integration, MUL(others, sum.operand[1]),
+                         sum.kind == NODE_ADD ? sign : -sign);
     }
     return false;
 }
 
-static bool integrate(struct integration *in, int i, double sign)
+static bool integrate(struct integration *integration, int i, double sign)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     const struct node node = g->node[i];
-    if (is_full(in))
+    if (is_full(integration))
         return false;
     if (node.kind == NODE_NEG)
-        return integrate(in, node.operand[0], -sign);
-    if (depends(in, i) && (node.kind == NODE_ADD || node.kind == NODE_SUB))
-        return integrate(in, node.operand[0], sign) &&
-               integrate(in, node.operand[1], node.kind == NODE_ADD ? sign : -sign);
+        return integrate(integration, node.operand[0], -sign);
+    if (depends(integration, i) && (node.kind == NODE_ADD || node.kind == NODE_SUB))
+        return integrate(integration, node.operand[0], sign) &&
+               integrate(integration, node.operand[1], node.kind == NODE_ADD ? sign : -sign);
     if (i == 0)
         return true;
     struct product p = {.number = 1, .constant = NUMBER(1)};
-    if (!product_multiply(in, i, 1, &p))
+    if (!product_multiply(integration, i, 1, &p))
         return false;
     struct product signed_product = p;
     signed_product.number *= sign;
     if (p.count == 0)
-        return put_summand(in, signed_product.number, p.constant, graph_name(g, in->name));
-    return substitute_factor(in, &signed_product) || expand(in, &p, sign);
+        return put_summand(integration, signed_product.number, p.constant,
+                           graph_name(g, integration->name));
+    return substitute_factor(integration, &signed_product) || expand(integration, &p, sign);
 }
 
 /* Minus the sum of the summands from `first` on. */
-static int minus_sum(const struct integration *in, int first)
+static int minus_sum(const struct integration *integration, int first)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     int sum = 0;
-    for (int k = first; k < in->summands; k++)
-        sum = sum ? ADD(sum, in->summand[k]) : in->summand[k];
+    for (int k = first; k < integration->summands; k++)
+        sum = sum ? ADD(sum, integration->summand[k]) : integration->summand[k];
     return sum ? graph_apply(g, NODE_NEG, sum, 0, 0) : 0;
 }
 
 static const double zeros[LIMIT_VARIABLES];
 
-/* Integrates the outputs at `from` to the potential's parts [3][count], or to [count] along the
- * axes. */
-static bool integrate_rows(struct integration *in, const int *from, const int *name, int count,
-                           bool along_axes, int *made)
+/* Integrates the outputs at `integrand` to the potential's parts [3][count], or to [count] along
+ * the axes. */
+static bool integrate_rows(struct integration *integration, const int *integrand, const int *name,
+                           int count, bool along_axes, int *made)
 {
-    struct graph *g = in->g;
+    struct graph *g = integration->g;
     double unit[LIMIT_VARIABLES] = {1};
-    in->distinct = !along_axes;
+    integration->distinct = !along_axes;
     for (int i = 0; i < count; i++) {
-        in->name = name[i];
-        in->known = 0;
-        const int first = in->earlier = in->summands;
+        integration->name = name[i];
+        integration->known = 0;
+        const int first = integration->earlier = integration->summands;
         const int row =
-            along_axes ? substitute(in, from[i], name + i + 1, zeros, count - i - 1) : from[i];
-        if (!integrate(in, row, 1))
+            along_axes ? substitute(integration, integrand[i], name + i + 1, zeros, count - i - 1)
+                       : integrand[i];
+        if (!integrate(integration, row, 1))
             return false;
-        const int part = made[i] = minus_sum(in, first);
+        const int part = made[i] = minus_sum(integration, first);
         if (along_axes) {
-            made[i] = SUB(part, substitute(in, part, name + i, zeros, 1));
+            made[i] = SUB(part, substitute(integration, part, name + i, zeros, 1));
             continue;
         }
-        made[count + i] = substitute(in, part, name, zeros, count);
-        made[2 * count + i] = substitute(in, part, name, unit, count);
+        made[count + i] = substitute(integration, part, name, zeros, count);
+        made[2 * count + i] = substitute(integration, part, name, unit, count);
         if (count == 1) {
             const double other = -1;
-            made[2] =
-                IF(LESS(graph_name(g, name[0]), 0), substitute(in, part, name, &other, 1), made[2]);
+            made[2] = IF(LESS(graph_name(g, name[0]), 0),
+                         substitute(integration, part, name, &other, 1), made[2]);
         }
-        if (is_full(in))
+        if (is_full(integration))
             return false;
     }
     return true;
@@ -443,22 +450,23 @@ static bool integrate_rows(struct integration *in, const int *from, const int *n
 bool equations_integrate(struct equations *e, int first, int count, const int *name,
                          bool along_axes, struct error *error)
 {
-    struct integration in = {.g = &e->graph};
+    struct integration integration = {.g = &e->graph};
     const int outputs = along_axes ? count : 3 * count;
     int made[3 * LIMIT_VARIABLES];
-    in.has = malloc(GRAPH_MAX * sizeof *in.has);
-    in.mark = malloc(GRAPH_MAX * sizeof *in.mark);
-    in.map = malloc(GRAPH_MAX * sizeof *in.map);
-    in.value = malloc(GRAPH_MAX * sizeof *in.value);
-    in.summand = malloc(SUMMANDS_MAX * sizeof *in.summand);
-    bool fine = in.has && in.mark && in.map && in.value && in.summand && !is_full(&in) &&
-                integrate_rows(&in, e->output + first, name, count, along_axes, made) &&
+    integration.has = malloc(GRAPH_MAX * sizeof *integration.has);
+    integration.mark = malloc(GRAPH_MAX * sizeof *integration.mark);
+    integration.map = malloc(GRAPH_MAX * sizeof *integration.map);
+    integration.value = malloc(GRAPH_MAX * sizeof *integration.value);
+    integration.summand = malloc(SUMMANDS_MAX * sizeof *integration.summand);
+    bool fine = integration.has && integration.mark && integration.map && integration.value &&
+                integration.summand && !is_full(&integration) &&
+                integrate_rows(&integration, e->output + first, name, count, along_axes, made) &&
                 equations_reserve(e, outputs);
-    free(in.has);
-    free(in.mark);
-    free(in.map);
-    free(in.value);
-    free(in.summand);
+    free(integration.has);
+    free(integration.mark);
+    free(integration.map);
+    free(integration.value);
+    free(integration.summand);
     if (!graph_check(&e->graph, error) || !fine)
         return false;
     memcpy(e->output + e->outputs, made, (size_t)outputs * sizeof *made);

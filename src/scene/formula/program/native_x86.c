@@ -40,20 +40,20 @@ static void with_memory(struct emitter *e, int code, int reg, int slot)
 /* An operation on a register and the value of a place, wherever it is. immediate < 0: none. */
 static void with_slot(struct emitter *e, int code, int reg, int slot, int immediate)
 {
-    const int behind = immediate >= 0;
+    const int trailing_bytes = immediate >= 0;
     if (e->where[slot] != NOTHING) {
         e->used[e->where[slot]] = ++e->clock;
         with_register(e, DOUBLE, code, reg, e->where[slot]);
     } else if (slot >= e->program->names && slot < e->program->names + e->program->numbers) {
-        with_pool(e, DOUBLE, code, reg, pool_offset(e, slot), behind);
+        with_pool(e, DOUBLE, code, reg, pool_offset(e, slot), trailing_bytes);
     } else {
         with_memory(e, code, reg, slot);
     }
-    if (behind)
-        byte(e, immediate);
+    if (trailing_bytes)
+        emitter_byte(e, immediate);
 }
 
-static void save(struct emitter *e, int reg)
+static void register_save(struct emitter *e, int reg)
 {
     if (e->dirty[reg])
         with_address(e, DOUBLE, STORE, reg, e->frame, e->holds[reg]);
@@ -80,7 +80,7 @@ static int register_take(struct emitter *e)
         if (e->holds[r] >= 0 && (best == NOTHING || e->used[r] < e->used[best]))
             best = r;
     }
-    save(e, best);
+    register_save(e, best);
     forget(e, best);
     e->holds[best] = TAKEN;
     return best;
@@ -137,7 +137,7 @@ static int choice(struct emitter *e, const struct instruction *i)
     with_register(e, PACKED, XOR, positive, positive);
     with_slot(e, COMPARE, positive, slot[0], LESS_THAN);
     with_register(e, DOUBLE, COMPARE, unordered, unordered);
-    byte(e, UNORDERED);
+    emitter_byte(e, UNORDERED);
     const int yes = take_value(e, slot[1], i->last[1]), no = take_value(e, slot[2], i->last[2]);
     with_register(e, PACKED, AND, yes, positive);
     with_register(e, PACKED, AND_NOT, positive, no);
@@ -153,9 +153,9 @@ enum { REMEMBERED_MAX = 8 };
 static void with_remembered(struct emitter *e, uint32_t code, int bytes, int value)
 {
     const int slot = e->program->slots + 2 * e->remembered + value;
-    word(e, code, bytes);
-    byte(e, 0x87);
-    word(e, 8 * (uint64_t)slot, 4);
+    emitter_word(e, code, bytes);
+    emitter_byte(e, 0x87);
+    emitter_word(e, 8 * (uint64_t)slot, 4);
 }
 
 /* Writes the look-up before a call that depends on t only. Stages at the same time, and steps that
@@ -163,21 +163,21 @@ static void with_remembered(struct emitter *e, uint32_t code, int bytes, int val
  * code and is 21 bytes long, with the move of its value into its slot. */
 static void write_remembered(struct emitter *e)
 {
-    word(e, 0xC07E0F4866, 5);              /* movq rax, xmm0 */
+    emitter_word(e, 0xC07E0F4866, 5);      /* movq rax, xmm0 */
     with_remembered(e, 0x3B49, 2, 0);      /* cmp rax, [argument] */
-    word(e, 0x0B75, 2);                    /* jne over the next two */
+    emitter_word(e, 0x0B75, 2);            /* jne over the next two */
     with_remembered(e, 0x100F41F2u, 4, 1); /* movsd xmm0, [value] */
-    word(e, 0x1CEB, 2);                    /* jmp over the call */
+    emitter_word(e, 0x1CEB, 2);            /* jmp over the call */
     with_remembered(e, 0x8949, 2, 0);      /* mov [argument], rax */
 }
 
 /* A call keeps no register: what is still needed goes into the frame. */
-static int call(struct emitter *e, const struct instruction *i)
+static int call_emit(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand, arity = node_arity(i->node.kind);
     for (int r = 0; r < REGISTERS; r++)
         if (e->holds[r] >= 0 && !(e->holds[r] == slot[0] && i->last[0]))
-            save(e, r);
+            register_save(e, r);
     const int first = e->where[slot[0]];
     if (first > 0)
         with_register(e, PACKED, MOVE, 0, first);
@@ -193,9 +193,9 @@ static int call(struct emitter *e, const struct instruction *i)
                            e->remembered < REMEMBERED_MAX;
     if (remembers)
         write_remembered(e);
-    word(e, 0xB848, 2); /* mov rax, address; call rax */
-    word(e, address, 8);
-    word(e, 0xD0FF, 2);
+    emitter_word(e, 0xB848, 2); /* mov rax, address; call rax */
+    emitter_word(e, address, 8);
+    emitter_word(e, 0xD0FF, 2);
     if (remembers)
         with_remembered(e, 0x110F41F2u, 4, 1); /* movsd [value], xmm0 */
     e->remembered += remembers;
@@ -249,7 +249,7 @@ static int operation(struct emitter *e, const struct instruction *i)
         with_register(e, DOUBLE, MINUS, reg, other);
         return reg;
     default: /* NODE_ONE, NODE_TWO */
-        return call(e, i);
+        return call_emit(e, i);
     }
 }
 
@@ -265,9 +265,9 @@ static void instruction(struct emitter *e, const struct instruction *i)
     bool by_state = false;
     for (int k = 0; k < node_arity(i->node.kind); k++)
         by_state = by_state || e->by_state[i->node.operand[k]];
-    e->by_state[i->out] = by_state;
-    e->holds[result] = i->out;
-    e->where[i->out] = result;
+    e->by_state[i->target_slot] = by_state;
+    e->holds[result] = i->target_slot;
+    e->where[i->target_slot] = result;
     e->dirty[result] = true;
     e->used[result] = ++e->clock;
 }
@@ -278,11 +278,11 @@ static void write_pool(struct emitter *e)
 {
     const uint64_t constants[] = {1ull << 63, 0, ~0ull >> 1, 0, 0x3FFull << 52, 0};
     for (size_t i = 0; i < COUNT_OF(constants); i++)
-        word(e, constants[i], 8);
+        emitter_word(e, constants[i], 8);
     for (int i = 0; i < e->program->numbers; i++) {
         uint64_t bits;
         memcpy(&bits, &e->program->number[i], sizeof bits);
-        word(e, bits, 8);
+        emitter_word(e, bits, 8);
     }
 }
 
@@ -317,13 +317,13 @@ static void write_leading(struct emitter *e)
 static void write_code(struct emitter *e, bool calls)
 {
     const struct program *p = e->program;
-    word(e, 0xFA1E0FF3u, 4); /* endbr64 marks a target of jumps */
+    emitter_word(e, 0xFA1E0FF3u, 4); /* endbr64 marks a target of jumps */
     if (calls) {
-        word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
-        word(e, 0xF38948, 3);         /* mov rbx, rsi */
-        word(e, 0xD58948, 3);         /* mov rbp, rdx */
-        word(e, 0xCE8949, 3);         /* mov r14, rcx */
-        word(e, 0xC7894D, 3);         /* mov r15, r8 */
+        emitter_word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
+        emitter_word(e, 0xF38948, 3);         /* mov rbx, rsi */
+        emitter_word(e, 0xD58948, 3);         /* mov rbp, rdx */
+        emitter_word(e, 0xCE8949, 3);         /* mov r14, rcx */
+        emitter_word(e, 0xC7894D, 3);         /* mov r15, r8 */
     }
     e->state = calls ? RBX : RSI;
     e->steady = calls ? RBP : RDX;
@@ -348,8 +348,8 @@ static void write_code(struct emitter *e, bool calls)
     write_leading(e);
     /* pop r15; pop r14; pop rbp; pop rbx; pop rcx */
     if (calls)
-        word(e, 0x595B5D5E415F41, 7);
-    byte(e, 0xC3);
+        emitter_word(e, 0x595B5D5E415F41, 7);
+    emitter_byte(e, 0xC3);
 }
 
 struct native *native_create(const struct program *p, program_function **run, int *remembered)
@@ -377,7 +377,7 @@ struct native *native_create(const struct program *p, program_function **run, in
             e.by_state[i] = true;
         e.page = page;
         write_pool(&e);
-        uint8_t *const begin = e.page + e.at;
+        uint8_t *const begin = e.page + e.position;
         write_code(&e, calls);
         if (!e.full && mprotect(page, e.size, PROT_READ | PROT_EXEC) == 0) {
             memcpy(run, &begin, sizeof begin);

@@ -10,8 +10,8 @@
 
 /* All that the outputs need, of known names their value. result [outputs]: where the outputs are.
  */
-static bool bind(const struct equations *e, int first, const bool *bound, const double *value,
-                 struct graph *g, int *result, int outputs)
+static bool outputs_bind(const struct equations *e, int first, const bool *bound,
+                         const double *value, struct graph *g, int *result, int outputs)
 {
     bool *mark = calloc((size_t)e->graph.count, sizeof *mark);
     int *map = calloc((size_t)e->graph.count, sizeof *map);
@@ -58,7 +58,7 @@ struct schedule {
 };
 
 /* A product that is used once, by a sum, a difference or a minus sign, becomes part of it. */
-static void fuse(struct node *node, const struct node *all, struct usage *usage)
+static void product_fuse(struct node *node, const struct node *all, struct usage *usage)
 {
     if (node->kind != NODE_ADD && node->kind != NODE_SUB && node->kind != NODE_NEG)
         return;
@@ -91,7 +91,7 @@ static void release(struct schedule *s, const struct node *node, struct instruct
     }
 }
 
-static void emit(struct schedule *s, const struct node *node, int i)
+static void instruction_emit(struct schedule *s, const struct node *node, int i)
 {
     struct program *p = s->program;
     struct instruction *instruction = &p->code[p->count++];
@@ -102,8 +102,8 @@ static void emit(struct schedule *s, const struct node *node, int i)
     for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
         instruction->node.operand[k] =
             s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].slot;
-    instruction->out = s->free_slots > 0 ? s->free_slot[--s->free_slots] : p->slots++;
-    s->usage[i].slot = instruction->out;
+    instruction->target_slot = s->free_slots > 0 ? s->free_slot[--s->free_slots] : p->slots++;
+    s->usage[i].slot = instruction->target_slot;
     release(s, node, instruction);
 }
 
@@ -127,7 +127,7 @@ static bool prepare(struct schedule *s)
     for (int i = 0; i < p->nodes; i++) {
         if (usage[i].uses == 0)
             continue;
-        fuse(&node[i], node, usage);
+        product_fuse(&node[i], node, usage);
         p->numbers += node[i].kind == NODE_NUMBER;
         p->uses += node[i].kind == NODE_NAME;
         operations += node[i].kind > NODE_NAME;
@@ -166,7 +166,7 @@ static bool schedule(struct program *p, const int *retained)
     fine = fine && prepare(&s);
     for (int i = 0; fine && i < p->nodes; i++)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
-            emit(&s, &s.node[i], i);
+            instruction_emit(&s, &s.node[i], i);
     for (int i = 0; fine && i < p->outputs; i++) {
         p->output[i] = s.usage[p->result[i]].slot;
         p->copies += !p->written[i];
@@ -192,7 +192,7 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
     }
 #define CASE(kind)                                                                                 \
     case kind:                                                                                     \
-        frame[i->out] =                                                                            \
+        frame[i->target_slot] =                                                                    \
             node_value(kind, &i->node, frame[slot[0]], frame[slot[1]], frame[slot[2]]);            \
         break;
     for (const struct instruction *i = p->code, *end = i + p->count; i < end; i++) {
@@ -321,7 +321,8 @@ struct program *program_create_keeping(const struct equations *e, int first, int
     struct graph graph;
     graph_init(&graph, &p->arena, true);
     graph.has_terms = !e->exact;
-    bool fine = p->output && p->written && bind(e, first, bound, value, &graph, p->result, count);
+    bool fine =
+        p->output && p->written && outputs_bind(e, first, bound, value, &graph, p->result, count);
     if (!fine)
         error_memory(error);
     fine = fine && graph_check(&graph, error);

@@ -104,7 +104,7 @@ node_value(enum node_kind kind, const struct node *node, double a, double b, dou
     case NODE_DIV:
         return a / b;
     case NODE_LESS:
-        return less(a, b);
+        return less_than(a, b);
     case NODE_LESS_EQUAL:
         return less_equal(a, b);
     case NODE_IF:
@@ -208,7 +208,7 @@ bool expr_switches(const struct expr *expr); /* false for NULL */
  */
 struct instruction {
     struct node node; /* the operands are places in the frame */
-    int out;
+    int target_slot;
     /* index of the output that this computes in lanes, which no operation reads; -1 if there is
      * none */
     int output;

@@ -150,13 +150,13 @@ static bool wants_positive(const struct freezing *f, const struct node *node)
  */
 static void go_on_beyond(struct freezing *f, int node, const struct node *kind, int *map)
 {
-    const int from = kind->operand[0];
+    const int operand = kind->operand[0];
     const bool power = kind->kind == NODE_TWO && kind->two == function_power;
-    const bool inside = never_below(f, from) && (power || wants_positive(f, kind));
+    const bool inside = never_below(f, operand) && (power || wants_positive(f, kind));
     if (!inside && (f->always[node] || !wants_positive(f, kind)))
         return;
     f->found->extended = f->found->extended || !inside;
-    map[from] = frozen_node(f, NODE_ABS, map[from], 0, 0);
+    map[operand] = frozen_node(f, NODE_ABS, map[operand], 0, 0);
 }
 
 /* Marks what is wanted on all branches of if(). */
@@ -188,11 +188,11 @@ static void freeze_nodes(struct freezing *f, int count, const bool *reached)
         if (frozen >= 0) /* a switch moves no more where it is only a number on each branch */
             moving = node.kind == NODE_ABS || node.kind == NODE_IF || node.kind == NODE_TWO;
         else if (arity > 0) {
-            const int from = f->map[node.operand[0]];
+            const int operand = f->map[node.operand[0]];
             if (moving)
                 go_on_beyond(f, i, &node, f->map);
             frozen = graph_copy(&f->e->graph, &node, f->map);
-            f->map[node.operand[0]] = from;
+            f->map[node.operand[0]] = operand;
         }
         f->moving[i] = moving;
         f->map[i] = frozen >= 0 ? frozen : i;

@@ -28,7 +28,7 @@ enum { LESS_THAN = 1, AT_MOST = 2, UNORDERED = 3 }; /* predicates of COMPARE */
 struct emitter {
     const struct program *program;
     uint8_t *page;
-    size_t at, size; /* [byte] next, of the page */
+    size_t position, size; /* [byte] next, of the page */
     bool full;
     int state, steady, output, frame; /* the registers that hold these addresses */
     int holds[REGISTERS];  /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
@@ -40,32 +40,32 @@ struct emitter {
     int remembered; /* calls that remember their last argument */
 };
 
-static inline void byte(struct emitter *e, int value)
+static inline void emitter_byte(struct emitter *e, int value)
 {
-    e->full = e->full || e->at == e->size;
+    e->full = e->full || e->position == e->size;
     if (!e->full)
-        e->page[e->at++] = (uint8_t)value;
+        e->page[e->position++] = (uint8_t)value;
 }
 
-static inline void word(struct emitter *e, uint64_t value, int bytes)
+static inline void emitter_word(struct emitter *e, uint64_t value, int bytes)
 {
     for (int i = 0; i < bytes; i++)
-        byte(e, (int)(value >> 8 * i & 0xFF));
+        emitter_byte(e, (int)(value >> 8 * i & 0xFF));
 }
 
 static inline void opcode(struct emitter *e, int prefix, int code, int reg, int base)
 {
-    byte(e, prefix);
+    emitter_byte(e, prefix);
     if (reg >= 8 || base >= 8)
-        byte(e, 0x40 | reg >> 3 << 2 | base >> 3);
-    byte(e, 0x0F);
-    byte(e, code);
+        emitter_byte(e, 0x40 | reg >> 3 << 2 | base >> 3);
+    emitter_byte(e, 0x0F);
+    emitter_byte(e, code);
 }
 
 static inline void with_register(struct emitter *e, int prefix, int code, int reg, int other)
 {
     opcode(e, prefix, code, reg, other);
-    byte(e, 0xC0 | (reg & 7) << 3 | (other & 7));
+    emitter_byte(e, 0xC0 | (reg & 7) << 3 | (other & 7));
 }
 
 static inline void with_address(struct emitter *e, int prefix, int code, int reg, int base,
@@ -73,17 +73,17 @@ static inline void with_address(struct emitter *e, int prefix, int code, int reg
 {
     const int64_t offset = 8 * (int64_t)slot;
     opcode(e, prefix, code, reg, base);
-    byte(e, (offset < 128 ? 0x40 : 0x80) | (reg & 7) << 3 | (base & 7));
-    word(e, (uint64_t)offset, offset < 128 ? 1 : 4);
+    emitter_byte(e, (offset < 128 ? 0x40 : 0x80) | (reg & 7) << 3 | (base & 7));
+    emitter_word(e, (uint64_t)offset, offset < 128 ? 1 : 4);
 }
 
-/* Relative to the next instruction, which begins `behind` bytes after the address. */
+/* Relative to the next instruction, which begins `trailing_bytes` bytes after the address. */
 static inline void with_pool(struct emitter *e, int prefix, int code, int reg, size_t offset,
-                             int behind)
+                             int trailing_bytes)
 {
     opcode(e, prefix, code, reg, 0);
-    byte(e, 0x05 | (reg & 7) << 3);
-    word(e, offset - (e->at + 4 + (size_t)behind), 4);
+    emitter_byte(e, 0x05 | (reg & 7) << 3);
+    emitter_word(e, offset - (e->position + 4 + (size_t)trailing_bytes), 4);
 }
 
 #endif

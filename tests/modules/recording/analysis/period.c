@@ -32,7 +32,7 @@ TEST(crossings_are_as_good_as_promised)
         size_t n = series_crossings(&s.series, &overview, overview.mean, c, COUNT_OF(c));
         assert_in_range(n, 19, 22);
         for (size_t i = 1; i < n; i++) {
-            assert_true(c[i].t > c[i - 1].t && c[i].up != c[i - 1].up);
+            assert_true(c[i].t > c[i - 1].t && c[i].rising != c[i - 1].rising);
             double phase = TWO_PI / 1.9373 * c[i].t + truth.phase,
                    off = remainder(phase - TWO_PI / 4, TWO_PI / 2);
             pull += pow(off / (TWO_PI / 1.9373) / c[i].uncertainty, 2);
@@ -104,7 +104,7 @@ TEST(noise_makes_no_extra_crossings)
     /* another level: where the sine passes it, not where it passes its middle */
     assert_int_equal(series_crossings(&s.series, &overview, 3.2, c, COUNT_OF(c)), 20);
     double expected = (TWO_PI - acos(0.2) - 0.3) / TWO_PI * 2;
-    assert_true(c[1].up && close_to(c[1].t, expected, 4 * c[1].uncertainty));
+    assert_true(c[1].rising && close_to(c[1].t, expected, 4 * c[1].uncertainty));
     arena_reset(&arena);
     synthetic_free(&s);
 }

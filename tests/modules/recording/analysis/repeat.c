@@ -67,7 +67,7 @@ TEST(closed_forms)
     assert_true(close_to(r.birge, sqrt(7.0 / 3), 1e-14));
     assert_true(close_to(r.weighted.uncertainty, 1 / sqrt(3.0), 1e-14));
     assert_true(close_to(r.chance, exp(-7.0 / 3), 1e-12)); /* chi2 of 2 degrees */
-    assert_true(close_to(r.between, sqrt(7.0 / 3 - 1), 1e-12));
+    assert_true(close_to(r.excess_scatter, sqrt(7.0 / 3 - 1), 1e-12));
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-12));
     /* Student, 2 degrees */
     assert_true(close_to(r.interval, 4.302652729911275 * sqrt(7.0 / 9), 1e-9));

@@ -16,7 +16,7 @@ static inline uint32_t crc32(struct text bytes)
 {
     uint32_t crc = 0xFFFFFFFFu;
     for (size_t i = 0; i < bytes.len; i++) {
-        crc ^= (unsigned char)bytes.at[i];
+        crc ^= (unsigned char)bytes.data[i];
         for (int k = 0; k < 8; k++)
             crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320u : 0);
     }
@@ -37,7 +37,7 @@ static inline void put_gzip(struct buffer *out, struct text bytes)
         buffer_char(out, at + len == bytes.len);
         put_number(out, (uint32_t)len, 2);
         put_number(out, ~(uint32_t)len, 2);
-        buffer_put(out, (struct text){bytes.at + at, len});
+        buffer_put(out, (struct text){bytes.data + at, len});
         at += len;
     }
     put_number(out, crc32(bytes), 4);

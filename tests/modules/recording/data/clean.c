@@ -54,10 +54,10 @@ static const struct findings *inspected(struct recording *recording)
 static void assert_only(const struct findings *f, int expected, const char *what)
 {
     for (int k = 0; k < FINDINGS; k++)
-        if (k != expected && f->of[k].count > 0)
+        if (k != expected && f->finding[k].count > 0)
             fail_msg("%s: %s found in %zu samples at %g s, size %g", what,
-                     catalog_row(&finding_catalog, (size_t)k)->name, f->of[k].count,
-                     f->of[k].first[0], f->of[k].size);
+                     catalog_row(&finding_catalog, (size_t)k)->name, f->finding[k].count,
+                     f->finding[k].first[0], f->finding[k].size);
 }
 
 TEST(nothing_is_found_where_nothing_is_wrong)
@@ -110,11 +110,11 @@ TEST(bad_echoes_are_masked_and_nothing_else)
     }
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);
-    assert_int_equal(f->of[FINDING_SPIKES].count, spikes);
-    assert_int_equal(f->of[FINDING_SHOULDERS].count, shoulders);
-    assert_int_equal(f->of[FINDING_SHOULDERS].stretches, shoulders / 6);
-    assert_true(near(f->of[FINDING_SPIKES].size, 0.025, 0.001) &&
-                near(f->of[FINDING_SPIKES].first[0], 1.47, 1e-9));
+    assert_int_equal(f->finding[FINDING_SPIKES].count, spikes);
+    assert_int_equal(f->finding[FINDING_SHOULDERS].count, shoulders);
+    assert_int_equal(f->finding[FINDING_SHOULDERS].stretches, shoulders / 6);
+    assert_true(near(f->finding[FINDING_SPIKES].size, 0.025, 0.001) &&
+                near(f->finding[FINDING_SPIKES].first[0], 1.47, 1e-9));
     for (size_t i = 0; i < m.n; i++)
         assert_int_equal(f->mask[i] != 0, bad[i]);
 
@@ -159,10 +159,12 @@ TEST(flat_tops_are_found_and_kept)
         }
         struct recording *recording = recorded(&m, 0.001);
         const struct findings *f = inspected(recording);
-        if (!near((double)f->of[FINDING_CLIPPED].count, (double)clipped, 0.35 * (double)clipped) ||
-            !near(f->of[FINDING_CLIPPED].size, 0.25, 0.0015) || f->masked > 0)
+        if (!near((double)f->finding[FINDING_CLIPPED].count, (double)clipped,
+                  0.35 * (double)clipped) ||
+            !near(f->finding[FINDING_CLIPPED].size, 0.25, 0.0015) || f->masked > 0)
             fail_msg("noise %g: %zu of %zu clipped at %g m, %zu masked", noises[k],
-                     f->of[FINDING_CLIPPED].count, clipped, f->of[FINDING_CLIPPED].size, f->masked);
+                     f->finding[FINDING_CLIPPED].count, clipped, f->finding[FINDING_CLIPPED].size,
+                     f->masked);
         recording_destroy(recording);
     }
 }
@@ -183,9 +185,9 @@ TEST(noise_is_no_flat_top)
             m.y[i] = 21.6 + m.noise * normal_from(&m.seed);
         struct recording *recording = recorded(&m, 0.001);
         const struct findings *f = inspected(recording);
-        if (f->of[FINDING_CLIPPED].count > 0)
-            fail_msg("%zu: %zu of %zu clipped at %g m", k, f->of[FINDING_CLIPPED].count, m.n,
-                     f->of[FINDING_CLIPPED].size);
+        if (f->finding[FINDING_CLIPPED].count > 0)
+            fail_msg("%zu: %zu of %zu clipped at %g m", k, f->finding[FINDING_CLIPPED].count, m.n,
+                     f->finding[FINDING_CLIPPED].size);
         recording_destroy(recording);
     }
 }
@@ -202,10 +204,10 @@ TEST(a_stuck_sensor_is_masked)
         m.y[i] = m.y[1199];
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);
-    assert_int_equal(f->of[FINDING_STUCK].count, 112);
-    assert_int_equal(f->of[FINDING_STUCK].stretches, 2);
-    assert_true(near(f->of[FINDING_STUCK].first[0], 7, 1e-9) &&
-                near(f->of[FINDING_STUCK].first[1], 12, 1e-9));
+    assert_int_equal(f->finding[FINDING_STUCK].count, 112);
+    assert_int_equal(f->finding[FINDING_STUCK].stretches, 2);
+    assert_true(near(f->finding[FINDING_STUCK].first[0], 7, 1e-9) &&
+                near(f->finding[FINDING_STUCK].first[1], 12, 1e-9));
     assert_only(f, FINDING_STUCK, "stuck");
     recording_destroy(recording);
 }
@@ -220,7 +222,7 @@ TEST(coarse_steps_are_not_stuck)
         make(&m);
         struct recording *recording = recorded(&m, 1);
         const struct findings *f = inspected(recording);
-        assert_int_equal(f->of[FINDING_STUCK].count, 0);
+        assert_int_equal(f->finding[FINDING_STUCK].count, 0);
         assert_int_equal(f->masked, 0);
         recording_destroy(recording);
     }
@@ -241,14 +243,14 @@ TEST(steps_gaps_and_empty_cells_are_said)
             m.y[i] = 21.6 + 5.2 * exp(-0.01 * m.t[i]) * cos(6.283185307179586 / PERIOD * m.t[i]);
     struct recording *recording = recorded(&m, 1);
     const struct findings *f = inspected(recording);
-    assert_true(near(f->of[FINDING_QUANTISED].size, 0.01, 1e-9));
-    assert_int_equal(f->of[FINDING_GAPS].count, 1);
-    assert_true(near(f->of[FINDING_GAPS].size, 0.42, 1e-9) &&
-                near(f->of[FINDING_GAPS].first[0], 9.98, 1e-9));
-    assert_int_equal(f->of[FINDING_MISSING].count, 3);
-    assert_int_equal(f->of[FINDING_MISSING].stretches, 2);
+    assert_true(near(f->finding[FINDING_QUANTISED].size, 0.01, 1e-9));
+    assert_int_equal(f->finding[FINDING_GAPS].count, 1);
+    assert_true(near(f->finding[FINDING_GAPS].size, 0.42, 1e-9) &&
+                near(f->finding[FINDING_GAPS].first[0], 9.98, 1e-9));
+    assert_int_equal(f->finding[FINDING_MISSING].count, 3);
+    assert_int_equal(f->finding[FINDING_MISSING].stretches, 2);
     assert_int_equal(f->masked, 0);
-    assert_int_equal(f->of[FINDING_START].count + f->of[FINDING_END].count, 0);
+    assert_int_equal(f->finding[FINDING_START].count + f->finding[FINDING_END].count, 0);
     recording_destroy(recording);
 
     m.n = 60;
@@ -256,8 +258,8 @@ TEST(steps_gaps_and_empty_cells_are_said)
     m.t[40] = m.t[38] - 0.01;
     recording = recorded(&m, 0.001);
     f = inspected(recording);
-    assert_int_equal(f->of[FINDING_REPEATED].count, 1);
-    assert_int_equal(f->of[FINDING_BACKWARD].count, 1);
+    assert_int_equal(f->finding[FINDING_REPEATED].count, 1);
+    assert_int_equal(f->finding[FINDING_BACKWARD].count, 1);
     recording_destroy(recording);
 }
 
@@ -281,7 +283,7 @@ TEST(ends_of_exact_motions_are_theirs)
         }
         struct recording *recording = recorded(&m, 1e-3);
         const struct findings *f = inspected(recording);
-        if (f->of[FINDING_START].count + f->of[FINDING_END].count > 0)
+        if (f->finding[FINDING_START].count + f->finding[FINDING_END].count > 0)
             fail_msg("motion %d: window %g .. %g s", i, f->window[0], f->window[1]);
         recording_destroy(recording);
     }
@@ -351,7 +353,7 @@ TEST(sway_is_said_and_left)
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);
     assert_only(f, FINDING_SWAY, "sway");
-    assert_true(near(f->of[FINDING_SWAY].size, 0.06 / sqrt(2), 0.006));
+    assert_true(near(f->finding[FINDING_SWAY].size, 0.06 / sqrt(2), 0.006));
     assert_true(near(f->sway_period, 5, 0.5));
     assert_int_equal(f->masked, 0);
     recording_destroy(recording);

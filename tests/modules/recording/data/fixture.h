@@ -83,11 +83,11 @@ static struct load_options fixture_options(const char *written)
         else if (text_is(key, "rate"))
             assert_int_equal(real_parse(value, &options.rate), REAL_OK);
         else if (text_is(key, "decimal"))
-            options.decimal = value.at[0];
+            options.decimal = value.data[0];
         else if (text_is(key, "sep"))
             options.separator = text_is(value, "tab")     ? '\t'
                                 : text_is(value, "blank") ? ' '
-                                                          : value.at[0];
+                                                          : value.data[0];
         else
             fail_msg("unknown option in %s", written);
     }

@@ -143,7 +143,7 @@ static void encode(const struct dialect *d, const struct buffer *plain, struct b
         buffer_put(out, TEXT("\xFF\xFE"));
     if (d->encoding == UTF16_BIG)
         buffer_put(out, TEXT("\xFE\xFF"));
-    for (size_t used; rest.len > 0; rest.at += used, rest.len -= used) {
+    for (size_t used; rest.len > 0; rest.data += used, rest.len -= used) {
         uint32_t c = text_codepoint(rest, &used);
         if (c == '\n' && d->crlf) {
             if (d->encoding == UTF16_LITTLE)
@@ -161,7 +161,7 @@ static void encode(const struct dialect *d, const struct buffer *plain, struct b
         else if (d->encoding == LATIN1)
             buffer_char(out, low);
         else
-            buffer_put(out, (struct text){rest.at, used});
+            buffer_put(out, (struct text){rest.data, used});
     }
 }
 

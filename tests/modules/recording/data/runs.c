@@ -74,7 +74,7 @@ TEST(the_run_said_is_read)
         struct recording *r =
             fixture_load(cases[i].text, strlen(cases[i].text), cases[i].options, &error);
         if (!cases[i].value) {
-            if (r || error.code != ERROR_COMMAND || !error.hint[0] || !error.where.at)
+            if (r || error.code != ERROR_COMMAND || !error.hint[0] || !error.where.data)
                 fail_msg("%s in\n%s", r ? "read" : error.text, cases[i].text);
             continue;
         }

@@ -67,7 +67,7 @@ TEST(known_truths_are_found)
         struct text rest = text_of(c->found), name;
         while (text_split(&rest, ' ', &name) && name.len) {
             char word[LIMIT_NAME + 1] = "";
-            memcpy(word, name.at, name.len);
+            memcpy(word, name.data, name.len);
             assert_found(&f, word, truth.value[scene_param(&truth, word)], 0.2);
         }
         close_to(f.fit.curve.sigma, c->noise, 0.1 * c->noise);

@@ -67,7 +67,7 @@ static inline struct fitted fit_to(const struct scene *scene, const struct serie
         count = scene_fit_usual(scene, index, fixed, &fixed_count);
     while (names && text_split(&rest, ' ', &name) && name.len) {
         char word[LIMIT_NAME + 1] = "";
-        memcpy(word, name.at, name.len);
+        memcpy(word, name.data, name.len);
         index[count] = scene_param(scene, word);
         assert_true(index[count++] >= 0);
     }
