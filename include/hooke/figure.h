@@ -99,10 +99,22 @@ struct heat {
     const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
 };
 
-/* The smallest and the largest value of a map that are shown: first_value[0] > first_value[1] if
- * there is none.
- */
-void heat_range(const struct heat *heat, double range[2]);
+/* The range of values that the shades of a map stand for. low > high if there is no value. */
+struct heat_scale {
+    double low, high; /* of the values that are finite */
+    bool log;         /* positive values of very different size */
+};
+/* Returns the scale of a map. */
+struct heat_scale heat_scale_of(const struct heat *heat);
+/* Returns where a value lies on the scale, from 0 to 1. */
+double heat_share(const struct heat_scale *scale, double value);
+/* Returns the largest value of the places [x0, x1) and [y0, y1), or NAN if none has one. */
+double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1);
+/* Returns the character of a value, or 'x' for NAN. */
+uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
+                    const struct charset *charset, double value);
+/* The shades of a character set, from the lowest to the highest value; returns how many. */
+int heat_shades(const struct charset *charset, const uint32_t **shade);
 
 /* ---- figures ---- */
 

@@ -64,7 +64,7 @@ struct study_layer {
     bool guide;        /* a thin straight line from the first to the last row with numbers */
 };
 
-/* How the table of a study is drawn. */
+/* The figure of a study, described by the columns of its table. */
 enum { STUDY_LAYERS_MAX = 4 };
 struct study_picture {
     const char *table, *made_by; /* kind of the table, and what makes one */
@@ -101,7 +101,7 @@ struct plot_row {
     bool of_study; /* of what a study has found, not of runs; its figure fails without one */
     /* Command whose `> FILE.svg` writes it, or NULL for the one of its own name, if any. */
     const char *command;
-    /* How the table of its study is drawn, in place of `figure`, or NULL. */
+    /* Describes the figure by the table of its study, in place of `figure`; or NULL. */
     const struct study_picture *picture;
     /* Makes that table, for methods (rows of the catalog; none: those that were studied last, or
      * the present one), as records of the reply; NULL if no words may follow the plot's name. */
@@ -197,7 +197,7 @@ struct figure_request {
     int runs;
     int recording;                   /* place, -1 if there is none */
     const struct row *const *method; /* [methods] of a study's plot: rows of the catalog */
-    int methods;
+    int methods;                     /* 0 where none was named */
     /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;

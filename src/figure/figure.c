@@ -186,6 +186,23 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
     canvas_text(sheet->canvas, x, y, caption, STYLE_PLAIN);
 }
 
+/* Appends "0.1 [ .:-=+*%@#] 2.3 cm": what the shades of a map stand for. */
+static void put_heat_scale(const struct heat *heat, const struct charset *charset,
+                           struct buffer *out)
+{
+    const struct heat_scale scale = heat_scale_of(heat);
+    const double factor = heat->factor > 0 ? heat->factor : 1;
+    const uint32_t *shade;
+    const int shades = heat_shades(charset, &shade);
+    if (!(scale.low <= scale.high) || heat->letters)
+        return;
+    buffer_format(out, "%.4g [", scale.low / factor);
+    for (int i = 0; i < shades; i++)
+        buffer_codepoint(out, shade[i]);
+    buffer_format(out, "] %.4g%s%s%s", scale.high / factor, *heat->unit ? " " : "", heat->unit,
+                  scale.log ? ", logarithmic" : "");
+}
+
 static void draw_titles(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -217,7 +234,10 @@ static void draw_titles(const struct text_sheet *sheet)
     axis_title(&figure->x, &sheet->layout->x_ticks, "", text, sizeof text);
     int start = right - text_width(text_of(text)) - 2;
     frame_text(sheet, start < left ? left : start, right, bottom, text_of(text), STYLE_PLAIN);
-    figure_note(figure, sheet->layout, start - left - 3, &note);
+    if (figure->heat)
+        put_heat_scale(figure->heat, sheet->layout->charset, &note);
+    else
+        figure_note(figure, sheet->layout, start - left - 3, &note);
     frame_text(sheet, left, start - 1, bottom, buffer_text(&note), STYLE_PLAIN);
     buffer_free(&note);
 }
@@ -301,6 +321,45 @@ static void draw_labels(const struct text_sheet *sheet)
     }
 }
 
+/* Sets the places of an axis that a cell of the plot shows: [*first, *end), at least one. Returns
+ * false if the cell is beyond the map. */
+static bool heat_places(const struct heat_axis *axis, const struct scale *scale, int cell,
+                        int cells, int *first, int *end)
+{
+    const double low = (double)cell / cells, high = (double)(cell + 1) / cells;
+    *first = *end = -1;
+    for (int i = 0; i < axis->count; i++) {
+        const double begin = fraction_of(scale, heat_edge(axis, i)),
+                     finish = fraction_of(scale, heat_edge(axis, i + 1)),
+                     middle = (begin + finish) / 2;
+        const bool covers = begin <= (low + high) / 2 && finish > (low + high) / 2;
+        if (!covers && !(middle >= low && middle < high))
+            continue;
+        *first = *first < 0 ? i : *first;
+        *end = i + 1;
+    }
+    return *first >= 0;
+}
+
+/* Shades of a map, the largest value of the places in each cell. */
+static void draw_heat(const struct text_sheet *sheet)
+{
+    const struct heat *heat = sheet->figure->heat;
+    const struct figure_layout *layout = sheet->layout;
+    const struct heat_scale scale = heat_scale_of(heat);
+    int x0, x1, y0, y1;
+    for (int row = 0; row < layout->rows; row++) {
+        if (!heat_places(&heat->y, &layout->y, layout->rows - 1 - row, layout->rows, &y0, &y1))
+            continue;
+        for (int column = 0; column < layout->columns; column++)
+            if (heat_places(&heat->x, &layout->x, column, layout->columns, &x0, &x1))
+                canvas_put(
+                    sheet->canvas, sheet->x + layout->left + column, sheet->y + layout->top + row,
+                    heat_glyph(heat, &scale, layout->charset, heat_largest(heat, x0, x1, y0, y1)),
+                    STYLE_PLAIN);
+    }
+}
+
 static void draw_curves(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -309,6 +368,8 @@ static void draw_curves(const struct text_sheet *sheet)
                             STYLE_DIM,     0,      sheet->strokes->band};
     int column, row, lines = 0;
 
+    if (figure->heat)
+        draw_heat(sheet);
     for (int i = 0; i < figure->guides; i++)
         raster_guide(&raster, &figure->guide[i]);
     for (int i = 0; i < figure->curves; i++)

@@ -160,6 +160,17 @@ static bool typed_column(const struct session *session, struct text name)
     return known;
 }
 
+/* Returns true if a table that a study has left has such a column. */
+static bool is_found_column(const struct session *session, struct text name)
+{
+    const struct table_store *found = &session->studies.found;
+    for (int i = 0; i < found->count; i++)
+        for (int c = 0; c < found->table[i]->table.columns; c++)
+            if (text_is(name, found->table[i]->table.column[c].name))
+                return true;
+    return false;
+}
+
 /* Returns true if the rest of the statement contains the word `of`. */
 static bool is_of_table(struct text rest)
 {
@@ -201,7 +212,7 @@ READ_ITEM(read_column)
         return true;
     if (argument->flags & ARG_OF && argument->choices) { /* METHOD of a study's plot */
         item->row = catalog_find(&method_catalog, item->text);
-        if (item->row)
+        if (item->row || is_found_column(parser->session, item->text))
             return true;
     }
     if (argument->choices)

@@ -165,7 +165,7 @@ bool legend_place(struct page *page, const struct page *panel, double box[4])
     const double gap = style->edge, from_x = panel->left + gap, from_y = panel->top + gap,
                  room_x = panel->right - gap - width - from_x,
                  room_y = panel->bottom - gap - height - from_y;
-    if (entries > LEGEND_ENTRIES_MAX || room_x < width || room_y < height)
+    if (entries == 0 || entries > LEGEND_ENTRIES_MAX || room_x < width || room_y < height)
         return false;
     for (size_t i = 0; i < COUNT_OF(places); i++) {
         const double x = from_x + places[i][0] * room_x, y = from_y + places[i][1] * room_y;

@@ -17,8 +17,10 @@ static void place_panels(struct picture_sheet *sheet, double top, double bottom)
 {
     struct page *page = sheet->page;
     const struct picture_style *style = &page->style;
-    double left = style->edge, right = page->width - 2 * style->edge, width = right - left,
-           height = bottom - top;
+    const bool bar = sheet->figure->heat && !sheet->figure->heat->letters;
+    double left = style->edge,
+           right = page->width - 2 * style->edge - (bar ? page_bar_width(style) : 0),
+           width = right - left, height = bottom - top;
     const bool plane = sheet->figure->plane;
     const bool is_horizontal = plane && planes_across(sheet->figure, (int)(width / style->digit),
                                                       (int)(height / style->row));
@@ -126,6 +128,8 @@ static void draw_panel(struct page *page)
     const struct figure *figure = page->figure;
     double zero = fraction_of(&page->layout.y, 0);
 
+    if (figure->heat)
+        page_heat(page);
     for (int vertical = 0; vertical < 2 && figure->grid; vertical++)
         page_grid(page, vertical);
     if (figure->zero_line && zero > 0 && zero < 1) {
@@ -136,6 +140,8 @@ static void draw_panel(struct page *page)
     surface_box(page->surface, page->left, page->top, page->right, page->bottom);
     surface_paint(page->surface, &(struct brush){.color = style_black, .width = style->frame_line});
     page_axes(page);
+    if (figure->heat)
+        page_bar(page);
 }
 
 /* Divides what is below `top`, the foot left out. */

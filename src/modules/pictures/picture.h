@@ -83,6 +83,12 @@ double page_fit(const struct page *page, struct buffer *text, const char *end, d
                 double room);
 
 void page_curves(struct page *page);
+/* Draws the coloured places of a map, which lie below everything. */
+void page_heat(const struct page *page);
+/* Draws the bar that says what the colours of a map stand for, right of the plot. */
+void page_bar(const struct page *page);
+/* [pt] Width of that bar with its numbers. */
+double page_bar_width(const struct picture_style *style);
 /* Draws areas and thin lines, which lie below all curves. */
 void page_guides(const struct page *page);
 /* Draws words on paper, so that they can be read above curves. */

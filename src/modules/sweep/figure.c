@@ -30,9 +30,20 @@ bool sweep_figure(struct drawing *d, struct figure *figure)
         request->column = name;
         request->columns = 1;
     }
-    if (!section && found->table.rows > 1 && column[1].value[0] == column[1].value[1]) {
-        error_set(d->error, ERROR_COMMAND, "a sweep over two parameters is a map");
+    const bool map = !section && found->table.rows > 1 && column[1].value[0] == column[1].value[1];
+    if (map && text_is(text_of(column[3].name), "event")) {
+        error_set(d->error, ERROR_COMMAND, "a section over two parameters is no map");
         return error_hint(d->error, "'plot COLUMN against COLUMN of sweep' draws its columns");
+    }
+    if (map) {
+        const char *shade =
+            d->request->columns ? arena_text(d->arena, d->request->column[0]) : column[3].name;
+        const struct study_picture picture = {.table = "sweep",
+                                              .made_by = "sweep NAME=FROM:TO NAME=FROM:TO",
+                                              .x = column[1].name,
+                                              .layer = {{.y = column[2].name}},
+                                              .shade = shade};
+        return shade ? drawing_study(d, &picture, figure) : error_memory(d->error);
     }
     d->request = request;
     return drawing_table(d, figure);

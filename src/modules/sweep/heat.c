@@ -8,49 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t ascii_shades[] = {' ', '.', ':', '-', '=', '+', '*', '%', '@', '#'};
-/* space, dot, light .. full */
-static const uint32_t block_shades[] = {' ', 0xB7, 0x2591, 0x2592, 0x2593, 0x2588};
-
-enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40, NO_VALUE = 'x' };
-
-struct shades {
-    const uint32_t *shade;
-    int count;
-    double low, high;
-};
-
-static int shade_of(const struct shades *shades, double value)
-{
-    const double span = shades->high - shades->low;
-    const int i = span > 0 ? (int)floor((value - shades->low) / span * shades->count) : 0;
-    return i < 0 ? 0 : i >= shades->count ? shades->count - 1 : i;
-}
-
-static struct shades shades_of(const struct heat *heat, const struct charset *charset)
-{
-    struct shades shades = {.shade = charset->plain ? ascii_shades : block_shades,
-                            .count = charset->plain ? (int)COUNT_OF(ascii_shades)
-                                                    : (int)COUNT_OF(block_shades),
-                            .low = HUGE_VAL,
-                            .high = -HUGE_VAL};
-    for (size_t i = 0; i < (size_t)heat->x.count * (size_t)heat->y.count; i++)
-        if (isfinite(heat->value[i])) {
-            shades.low = fmin(shades.low, heat->value[i]);
-            shades.high = fmax(shades.high, heat->value[i]);
-        }
-    return shades;
-}
-
-static uint32_t sign_of(const struct heat *heat, const struct shades *shades, double value)
-{
-    if (isnan(value))
-        return NO_VALUE;
-    if (!heat->letters)
-        return shades->shade[shade_of(shades, value)];
-    const double last = (double)strlen(heat->letters) - 1;
-    return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];
-}
+enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40 };
 
 /* As many cells as there is room for, a whole number for each point where that is possible. */
 static int cells_for(int points, int available)
@@ -69,15 +27,9 @@ static void points_of(int i, int cells, int points, int *first, int *end)
 static double cell_value(const struct heat *heat, int column, int columns, int row, int rows)
 {
     int x0, x1, y0, y1;
-    double max = NAN;
     points_of(column, columns, heat->x.count, &x0, &x1);
     points_of(row, rows, heat->y.count, &y0, &y1);
-    for (int x = x0; x < x1; x++)
-        for (int y = y0; y < y1; y++) {
-            const double value = heat->value[(size_t)x * (size_t)heat->y.count + (size_t)y];
-            max = isfinite(value) && !(value <= max) ? value : max;
-        }
-    return max;
+    return heat_largest(heat, x0, x1, y0, y1);
 }
 
 static void label(double value, double factor, char output[LABEL_SIZE])
@@ -125,22 +77,28 @@ static void put_x_labels(const struct heat *heat, int gutter, int columns, struc
     buffer_char(output, '\n');
 }
 
-static void put_legend(const struct heat *heat, const struct shades *shades, bool gaps, int width,
-                       struct buffer *output)
+static void put_legend(const struct heat *heat, const struct heat_scale *scale,
+                       const struct charset *charset, bool gaps, int width, struct buffer *output)
 {
+    const uint32_t *shade;
+    const int shades = heat_shades(charset, &shade);
+    const double ratio = scale->log ? scale->high / scale->low : 1;
     char text[LABEL_SIZE];
     int cursor = 0;
-    for (int i = 0; i <= shades->count; i++) {
-        label(shades->low + (shades->high - shades->low) * i / shades->count, heat->factor, text);
-        const int len = (int)strlen(text) + (i < shades->count ? 5 : 0);
+    for (int i = 0; i <= shades; i++) {
+        const double share = (double)i / shades;
+        label(scale->log ? scale->low * pow(ratio, share)
+                         : scale->low + (scale->high - scale->low) * i / shades,
+              heat->factor, text);
+        const int len = (int)strlen(text) + (i < shades ? 5 : 0);
         if (cursor + len > width) {
             buffer_char(output, '\n');
             cursor = 0;
         }
         buffer_put(output, text_of(text));
-        if (i < shades->count) {
+        if (i < shades) {
             buffer_put(output, TEXT(" ["));
-            buffer_codepoint(output, shades->shade[i]);
+            buffer_codepoint(output, shade[i]);
             buffer_put(output, TEXT("] "));
         }
         cursor += len;
@@ -153,7 +111,7 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
 {
     if (charset->words)
         return charset->words->print_heat(heat, width, output);
-    const struct shades shades = shades_of(heat, charset);
+    const struct heat_scale scale = heat_scale_of(heat);
     char text[LABEL_SIZE];
     int gutter = 0;
     for (int y = 0; y < heat->y.count; y++) {
@@ -188,7 +146,7 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
         for (int column = 0; column < columns; column++) {
             const double value = cell_value(heat, column, columns, line, rows);
             gaps |= isnan(value);
-            buffer_codepoint(output, sign_of(heat, &shades, value));
+            buffer_codepoint(output, heat_glyph(heat, &scale, charset, value));
         }
         while (output->len > 0 && !output->failed && output->data[output->len - 1] == ' ')
             output->data[--output->len] = '\0';
@@ -199,10 +157,10 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
     put_times(output, '-', columns);
     buffer_char(output, '\n');
     put_x_labels(heat, gutter, columns, output);
-    if (shades.low <= shades.high && heat->letters)
+    if (scale.low <= scale.high && heat->letters)
         buffer_put(output, gaps ? TEXT("x: none\n") : TEXT(""));
-    else if (shades.low <= shades.high)
-        put_legend(heat, &shades, gaps, width, output);
+    else if (scale.low <= scale.high)
+        put_legend(heat, &scale, charset, gaps, width, output);
     else
         buffer_put(output, TEXT("no point has a value\n"));
     return !output->failed;

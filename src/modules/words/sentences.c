@@ -469,6 +469,8 @@ bool describe_figure(const struct figure *figure, struct buffer *output)
 {
     struct arena arena = {0};
     struct figure_reading reading;
+    if (figure->heat && !figure->curves)
+        return describe_heat(figure->heat, output);
     const bool ok = figure_read(figure, &arena, &reading) && describe_reading(&reading, output);
     arena_reset(&arena);
     return ok;

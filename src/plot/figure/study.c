@@ -245,7 +245,6 @@ static bool draw_shades(struct study *s, struct figure *figure)
     figure->plane = true;
     figure->x = edged_axis(&heat->x, column_quantity(s->x));
     figure->y = edged_axis(&heat->y, column_quantity(y));
-    figure->title = shade->name;
     return true;
 }
 

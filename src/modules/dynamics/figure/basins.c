@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The last map of basins: a letter for each attractor, in pictures with the lines between them. */
+/* The last map of basins: a letter for each attractor, in pictures on a colour of its own. */
 #include <hooke/plot/drawing.h>
 #include "modules/dynamics/plots.h"
 
@@ -10,8 +10,7 @@
 #define FATE_KINDS (FATE_LETTERS + 2) /* and what escapes, and what is not decided */
 #define PICTURE_LETTERS_X 40          /* across a picture */
 #define PICTURE_LETTERS_Y 20
-#define TEXT_LETTERS_Y 60  /* more than any screen has rows for */
-#define LINE_CELLS_MAX 256 /* places of a side, between which lines are drawn */
+#define TEXT_LETTERS_Y 60 /* more than any screen has rows for */
 
 static const char marks[FATE_KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 
@@ -31,11 +30,6 @@ static const struct table *found_table(const struct session *session, struct tex
 bool basins_known(const struct session *session)
 {
     return found_table(session, TEXT("basins")) != NULL;
-}
-
-static size_t place_of(size_t i, size_t shown_count, size_t count)
-{
-    return shown_count > 1 ? i * (count - 1) / (shown_count - 1) : count / 2;
 }
 
 static int kind_at(const struct grid *g, size_t a, size_t b)
@@ -156,78 +150,32 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
     return true;
 }
 
-/* ---- lines between them ---- */
+/* ---- colours below them ---- */
 
-struct lines {
-    const struct grid *grid;
-    size_t count[2];       /* places of the sides that are looked at */
-    double *coordinate[2]; /* [n] */
-    size_t n;
-};
-
-static int kind_in(const struct lines *l, size_t a, size_t b)
+/* What ends in the same attractor has the same colour; what ends in none, none. */
+static const struct heat *colours_of(struct drawing *d, const struct grid *g)
 {
-    return kind_at(l->grid, place_of(a, l->count[0], l->grid->width),
-                   place_of(b, l->count[1], l->grid->height));
-}
-
-/* In the middle between two places; at the ends of the side half a step beyond. */
-static double boundary_coordinate(const struct lines *l, int axis, size_t i)
-{
-    const size_t all = axis == 0 ? l->grid->width : l->grid->height, n = l->count[axis];
-    const size_t low = i > 0 ? i - 1 : 0, high = i > 0 ? (i < n ? i : n - 1) : 1;
-    const size_t first = i < n ? low : n - 2;
-    const double x0 = value_at(l->grid, axis, place_of(first, n, all)),
-                 x1 = value_at(l->grid, axis, place_of(i < n ? high : n - 1, n, all));
-    return i == 0 ? x0 - (x1 - x0) / 2 : i == n ? x1 + (x1 - x0) / 2 : (x0 + x1) / 2;
-}
-
-static void put_place(struct lines *l, int axis, double parallel, double perpendicular)
-{
-    l->coordinate[axis][l->n] = parallel;
-    l->coordinate[!axis][l->n++] = perpendicular;
-}
-
-/* Lines along this axis: where neighbours across it end elsewhere. */
-static void put_lines(struct lines *l, int axis)
-{
-    for (size_t k = 1; k < l->count[!axis]; k++) {
-        const double perpendicular = boundary_coordinate(l, !axis, k);
-        bool drawn = false;
-        for (size_t i = 0; i < l->count[axis]; i++) {
-            const bool border = axis == 0 ? kind_in(l, i, k - 1) != kind_in(l, i, k)
-                                          : kind_in(l, k - 1, i) != kind_in(l, k, i);
-            if (border != drawn)
-                put_place(l, axis, boundary_coordinate(l, axis, i), perpendicular);
-            if (drawn && !border)
-                put_place(l, axis, NAN, NAN);
-            drawn = border;
-        }
-        if (drawn) {
-            put_place(l, axis, boundary_coordinate(l, axis, l->count[axis]), perpendicular);
-            put_place(l, axis, NAN, NAN);
-        }
+    struct heat *heat = arena_alloc(d->arena, sizeof *heat);
+    const size_t rows = g->table->rows;
+    double *value = arena_array(d->arena, rows + 1, sizeof *value),
+           *side = arena_array(d->arena, g->width + g->height, sizeof *side);
+    if (!heat || !value || !side)
+        return NULL;
+    for (size_t k = 0; k < rows; k++) {
+        const int kind = kind_at(g, k / g->height, k % g->height);
+        value[k] = kind < FATE_LETTERS ? kind : NAN;
     }
-}
-
-static bool draw_lines(struct drawing *d, const struct grid *g)
-{
-    struct lines l = {.grid = g,
-                      .count = {g->width < LINE_CELLS_MAX ? g->width : LINE_CELLS_MAX,
-                                g->height < LINE_CELLS_MAX ? g->height : LINE_CELLS_MAX}};
-    const size_t most = 4 * l.count[0] * l.count[1] + 8;
-    if (l.count[0] < 2 || l.count[1] < 2)
-        return true;
-    l.coordinate[0] = arena_array(d->arena, 2 * most, sizeof *l.coordinate[0]);
-    l.coordinate[1] = l.coordinate[0] + most;
-    if (!l.coordinate[0])
-        return error_memory(d->error);
-    put_lines(&l, 0);
-    put_lines(&l, 1);
-    if (l.n > 0)
-        d->curve[d->curves++] =
-            (struct curve){.x = l.coordinate[0], .y = l.coordinate[1], .n = l.n, .thinned = true};
-    return true;
+    for (size_t i = 0; i < g->width; i++)
+        side[i] = value_at(g, 0, i);
+    for (size_t i = 0; i < g->height; i++)
+        side[g->width + i] = value_at(g, 1, i);
+    *heat = (struct heat){.title = "basins",
+                          .unit = "",
+                          .value = value,
+                          .x = {.value = side, .count = (int)g->width},
+                          .y = {.value = side + g->width, .count = (int)g->height},
+                          .letters = marks};
+    return heat;
 }
 
 /* ---- all ---- */
@@ -288,13 +236,16 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     if (!d->curve)
         return error_memory(d->error);
     d->curves = 0;
-    if (!put_letters(d, &g, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y) ||
-        (picture && !draw_lines(d, &g)))
+    const struct heat *colours = picture ? colours_of(d, &g) : NULL;
+    if (picture && !colours)
+        return error_memory(d->error);
+    if (!put_letters(d, &g, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y))
         return false;
     *figure = (struct figure){.title = "basins",
                               .plane = true,
                               .curve = d->curve,
                               .curves = d->curves,
+                              .heat = colours,
                               .x = g.side[0],
                               .y = g.side[1],
                               .words = words_of(d, &g)};
