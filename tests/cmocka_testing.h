@@ -4,8 +4,7 @@
  * TEST(name) { ... } is a test, and RUN_TESTS(setup, teardown) as the last line of a file its
  * main(), which runs all tests in their order, or those whose names match its argument.
  */
-#ifndef HOOKE_TESTS_CMOCKA_TESTING_H
-#define HOOKE_TESTS_CMOCKA_TESTING_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -50,5 +49,3 @@ __attribute__((__unused__)) static struct test_list test_list;
             cmocka_set_test_filter(argv[1]);                                                       \
         return cmocka_run_group_tests_name("tests", test_list.test, setup, teardown);              \
     }
-
-#endif

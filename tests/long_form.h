@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tests have a quick form (make check) and a long one (LONG=1, make check-all). */
-#ifndef HOOKE_TESTS_LONG_FORM_H
-#define HOOKE_TESTS_LONG_FORM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -12,5 +11,3 @@ static inline bool is_long(void)
     const char *wanted = getenv("LONG");
     return wanted && *wanted;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * afterwards. The C library takes a part of the stack for what belongs to the thread, which
  * counts; the frames of sanitizers are others: PAINTED_STACK is 0 there, and nothing is measured.
  */
-#ifndef HOOKE_TESTS_PAINTED_STACK_H
-#define HOOKE_TESTS_PAINTED_STACK_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -48,5 +47,3 @@ static inline size_t painted_run(void *(*work)(void *context), void *context)
     work(context);
     return 0;
 }
-
-#endif

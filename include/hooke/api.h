@@ -19,8 +19,7 @@
  * Where it is said that NULL comes back, NULL may be given to the other functions, too: they find
  * nothing there.
  */
-#ifndef HOOKE_API_H
-#define HOOKE_API_H
+#pragma once
 
 #include <stddef.h>
 
@@ -100,5 +99,4 @@ HOOKE_PUBLIC const char *hooke_text(const struct hooke_table *table, const char 
 
 #ifdef __cplusplus
 }
-#endif
 #endif

@@ -6,8 +6,7 @@
  * tests all go through command_exec(). Handlers never print: they speak through a struct reply,
  * which the front end connects to streams, a log pane or a buffer.
  */
-#ifndef HOOKE_COMMAND_H
-#define HOOKE_COMMAND_H
+#pragma once
 
 #include <hooke/language.h>
 
@@ -81,5 +80,3 @@ void help_line(struct text line, size_t cursor, struct buffer *text);
 extern const struct catalog command_catalog;
 /* The command that has this flag, which one has. */
 const struct command *command_with(enum command_flag flag);
-
-#endif

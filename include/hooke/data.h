@@ -2,8 +2,7 @@
 /*
  * data: recordings from instruments (formats, units, windows) and tables written to files.
  */
-#ifndef HOOKE_DATA_H
-#define HOOKE_DATA_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/base/limit.h>
@@ -156,5 +155,3 @@ struct findings {
     double sway_period; /* [s] NAN: not known */
     char still[160];    /* why it does not oscillate; "": it does, or nobody has said */
 };
-
-#endif

@@ -6,8 +6,7 @@
  * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a
  * terminal needs to know.
  */
-#ifndef HOOKE_FIGURE_H
-#define HOOKE_FIGURE_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -294,5 +293,3 @@ bool figure_print(const struct figure *figure, int width, int height, const stru
 #define POINTS_PER_METRE (72 / 0.0254)
 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
 #define PICTURE_COLUMNS 250
-
-#endif

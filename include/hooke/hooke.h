@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The library part of hooke: base, result, scene, method, run, data, figure. */
-#ifndef HOOKE_H
-#define HOOKE_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
@@ -16,5 +15,3 @@
 #include <hooke/result.h>
 #include <hooke/run.h>
 #include <hooke/scene.h>
-
-#endif

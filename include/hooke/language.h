@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* language: what may stand after the name of a command, and how it is read. */
-#ifndef HOOKE_LANGUAGE_H
-#define HOOKE_LANGUAGE_H
+#pragma once
 
 #include <hooke/result.h>
 #include <hooke/session/subject.h>
@@ -305,5 +304,3 @@ struct list_kind {
      */
     bool (*list)(struct session *session, struct arena *arena, struct reply *reply);
 };
-
-#endif

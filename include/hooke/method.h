@@ -5,8 +5,7 @@
  * This is level 0, the specification: tables and step bodies that call the terms through pointers.
  * A faster kernel may replace a step only if it gives the same bits.
  */
-#ifndef HOOKE_METHOD_H
-#define HOOKE_METHOD_H
+#pragma once
 
 #include <hooke/method/drag.h>
 #include <hooke/scene/model.h>
@@ -363,5 +362,3 @@ double method_growth_signed(const struct method *method, enum drag drag, double 
 double method_stable_limit(const struct method *method, enum drag drag, double zeta);
 double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
                                   enum stiffness_sign sign);
-
-#endif

@@ -4,8 +4,7 @@
  * (make WITHOUT=NAME). The core finds modules in the list of those that are in and never names one.
  * How a module is written: src/modules/README.md.
  */
-#ifndef HOOKE_MODULE_H
-#define HOOKE_MODULE_H
+#pragma once
 
 #include <hooke/session.h>
 #include <hooke/session/series_tools.h>
@@ -177,5 +176,3 @@ void modules_forget_stopped(struct session *session);
 void *session_part(const struct session *session, const struct module *module);
 /* Returns the part if it has been created, else NULL. */
 void *session_part_if_made(const struct session *session, const struct module *module);
-
-#endif

@@ -2,8 +2,7 @@
 /*
  * plot: figures of a session, panes that make sense, cursors, a recording beside a run.
  */
-#ifndef HOOKE_PLOT_H
-#define HOOKE_PLOT_H
+#pragma once
 
 #include <hooke/data/series.h>
 #include <hooke/figure.h>
@@ -313,5 +312,3 @@ void put_bare(const struct recording *recording, struct buffer *text);
 int recorded_derivative(const struct recording *recording, const struct run *run);
 struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);
-
-#endif

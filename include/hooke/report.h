@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* report: tables that are written into files, studies as tables, what the lab hands in. */
-#ifndef HOOKE_REPORT_H
-#define HOOKE_REPORT_H
+#pragma once
 
 #include <hooke/run.h>
 #include <hooke/language.h>
@@ -146,5 +145,3 @@ void run_record_init(struct run_record *record, const struct session *session,
 void reply_run_record(struct run_record *record, struct reply *reply);
 /* Replies with the current run, if there is one. */
 void reply_current_run(const struct session *session, struct reply *reply);
-
-#endif

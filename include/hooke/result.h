@@ -4,8 +4,7 @@
  *
  * Nothing here knows what the numbers mean, and nothing prints: a struct sink takes what is said.
  */
-#ifndef HOOKE_RESULT_H
-#define HOOKE_RESULT_H
+#pragma once
 
 #include <hooke/base/quantity.h>
 #include <hooke/result/table.h>
@@ -283,5 +282,3 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
  * table->failed. */
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table);
-
-#endif

@@ -3,8 +3,7 @@
  * run: the plan (what this scene really needs), advancing, the trace, observables, the energy
  * ledger, stop reasons.
  */
-#ifndef HOOKE_RUN_H
-#define HOOKE_RUN_H
+#pragma once
 
 #include <hooke/method.h>
 #include <hooke/run/record.h>
@@ -495,5 +494,3 @@ struct run_errors {
     double floor;     /* conditioning floor of the exact solution */
 };
 void run_errors(const struct run *run, struct run_errors *errors);
-
-#endif

@@ -9,11 +9,8 @@
  * State vector of n variables: a second-order scene holds n/2 positions, then n/2 velocities; a
  * first-order scene holds n values. The spring is n = 2: y [m], v [m/s].
  */
-#ifndef HOOKE_SCENE_H
-#define HOOKE_SCENE_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
 #include <hooke/scene/typed.h>
-
-#endif

@@ -3,8 +3,7 @@
  * session: set-up, settings, runs, recordings, what the screen shows. It changes only by executing
  * command lines.
  */
-#ifndef HOOKE_SESSION_H
-#define HOOKE_SESSION_H
+#pragma once
 
 #include <hooke/data/calibration.h>
 #include <hooke/method/drag.h>
@@ -418,5 +417,3 @@ bool live_bind(struct session *session, int param, double *t_start, struct error
 bool live_kick(struct session *session, int variable, double value, struct error *error);
 /* " from t = 3.2 s on", nothing where `t_start` is NAN. */
 void buffer_since(struct buffer *text, double t_start);
-
-#endif

@@ -3,8 +3,7 @@
  * view: the screen as a pure function of a const session and a size. ncurses blits its cells,
  * `screenshot` and the tests print them.
  */
-#ifndef HOOKE_VIEW_H
-#define HOOKE_VIEW_H
+#pragma once
 
 #include <hooke/figure.h>
 #include <hooke/command.h>
@@ -52,5 +51,3 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
                      int height, const char *path, struct write_policy policy, struct error *error);
 /* The callbacks of front ends without a screen. */
 void screenshot_offer(struct front *front);
-
-#endif

@@ -6,8 +6,7 @@
  * m and 0 <= p <= 27, so that both directions are exact integer arithmetic for the numbers a
  * laboratory has; the rest goes through libc.
  */
-#ifndef HOOKE_BASE_DECIMAL_H
-#define HOOKE_BASE_DECIMAL_H
+#pragma once
 
 #include <hooke/base/number.h>
 
@@ -39,5 +38,3 @@ struct decimal decimal_shortest(double value);
 char *decimal_power(char *cursor, int exponent);
 /* Plain notation while low <= decade < high, else d.ddde-7. Returns the length without the NUL. */
 size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE]);
-
-#endif

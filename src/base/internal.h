@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared between the files of base only. */
-#ifndef HOOKE_BASE_INTERNAL_H
-#define HOOKE_BASE_INTERNAL_H
+#pragma once
 
 #include <hooke/base/file.h>
 
@@ -32,5 +31,3 @@ bool stray_is_held(int folder, const char *name, int fd);
 void strays_sweep(int folder);
 /* Regular files whose names are `own` go. */
 void folder_empty(int fd, folder_owns *own);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_COMMAND_FINDING_H
-#define HOOKE_COMMAND_FINDING_H
+#pragma once
 
 #include <hooke/command.h>
 
@@ -33,5 +32,3 @@ void put_named(const struct session *session, bool law, struct text name, struct
 
 /* Returns true if `where` contains the letters of the word, upper or lower case; false if NULL. */
 bool text_mentions(const char *where, struct text word);
-
-#endif

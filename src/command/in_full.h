@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A statement as a file has to say it. */
-#ifndef HOOKE_COMMAND_IN_FULL_H
-#define HOOKE_COMMAND_IN_FULL_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -10,5 +9,3 @@ bool writes_file(const struct arguments *arguments);
 /* Writes the statement without abbreviations, with the consent that was given. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
                        struct text statement, struct buffer *output);
-
-#endif

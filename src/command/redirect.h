@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* STATEMENT > FILE: the table of what the statement finds goes into a file, or its plot as a
  * picture, and nothing else is said. */
-#ifndef HOOKE_COMMAND_REDIRECT_H
-#define HOOKE_COMMAND_REDIRECT_H
+#pragma once
 
 #include <hooke/base/file.h>
 #include <hooke/command/handler.h>
@@ -36,5 +35,3 @@ void redirect_explain(const struct command *command, struct text statement, stru
 
 /* Sets an error with the possible endings of a table's file. Always returns false. */
 bool refuse_ending(struct text file, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Answers in one screen: what is longer is shown only with --full. */
-#ifndef HOOKE_COMMAND_SHORT_FORM_H
-#define HOOKE_COMMAND_SHORT_FORM_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -26,5 +25,3 @@ void short_form_begin(struct short_form *form, const struct session *session,
 /* Writes what was held. Where it is too long, rows before its last third are replaced by a line
  * that says how many they are. */
 void short_form_end(struct short_form *form, struct reply *reply);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* figure: what its files share. */
-#ifndef HOOKE_FIGURE_INTERNAL_H
-#define HOOKE_FIGURE_INTERNAL_H
+#pragma once
 
 #include <hooke/figure/layout.h>
 
@@ -41,5 +40,3 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
 /* An arrow where the curve first leaves, each side. */
 void raster_exits(const struct raster *raster, const struct figure *figure, int curve);
 void raster_put(const struct raster *raster, int column, int row, uint32_t codepoint);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations shared by the files of this layer. */
-#ifndef HOOKE_RUN_PRIVATE_H
-#define HOOKE_RUN_PRIVATE_H
+#pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/base/numeric.h>
@@ -389,5 +388,3 @@ void ledger_take(struct run *run, const double *row, const double *time, size_t 
 void ledger_inside(struct run *run, double t, const double *y);
 void ledger_back(struct run *run); /* the run went back to a recorded row, the last one */
 void ledger_rescale(struct run *run, double factor); /* run_private.factor becomes this */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Effect of a run's events and jumps on another solution. */
-#ifndef HOOKE_RUN_SALTATION_H
-#define HOOKE_RUN_SALTATION_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -69,5 +68,3 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
                     double *y);
 /* Moves it back to the time of the run, by the system that is in force then. */
 void saltation_leave(const struct saltation *saltation, const struct system *system, double *y);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations shared by the two files that store runs as bytes. */
-#ifndef HOOKE_RUN_STORE_PRIVATE_H
-#define HOOKE_RUN_STORE_PRIVATE_H
+#pragma once
 
 #include <hooke/run/store.h>
 #include "run/private.h"
@@ -13,5 +12,3 @@
 bool run_settings_take(struct text fields, struct run_settings *settings);
 /* All but its rows, of which there are so many, can be what a run has come to. */
 bool run_is_sound(const struct run *run);
-
-#endif

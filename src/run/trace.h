@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recorded rows: their times, the balance at each, their memory, which of them stay. */
-#ifndef HOOKE_RUN_TRACE_H
-#define HOOKE_RUN_TRACE_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -193,5 +192,3 @@ void trace_find_tail(struct trace *trace, int64_t begin);
  */
 bool trace_thin(struct trace *trace);
 void trace_thinned(struct trace *trace);
-
-#endif

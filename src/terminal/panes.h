@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations shared by the files of the panes front end. */
-#ifndef HOOKE_TERMINAL_PANES_H
-#define HOOKE_TERMINAL_PANES_H
+#pragma once
 
 #include "terminal/terminal.h"
 
@@ -205,5 +204,3 @@ bool keys_on_plot(void); /* they act on the cursors now */
 bool keys_on_text(void); /* they scroll what is read on the whole screen */
 
 #define READING_FIND "scroll find " /* a line that begins so is none of the session's */
-
-#endif

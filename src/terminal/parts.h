@@ -3,8 +3,7 @@
  * Parts that modules add to the terminal. Their files in src/modules/NAME/terminal belong to the
  * terminal layer and not to the library; one of them defines the row NAME_terminal.
  */
-#ifndef HOOKE_TERMINAL_PARTS_H
-#define HOOKE_TERMINAL_PARTS_H
+#pragma once
 
 #include "terminal/terminal.h"
 
@@ -49,5 +48,3 @@ const struct session_keeper *session_keeper(void);
 int64_t keeper_due(void);
 /* Returns true where nothing keeps the session. */
 bool keeper_keep(bool line, struct error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Private to the terminal layer: the only place that knows streams, signals, locales, readline and
  * curses. */
-#ifndef HOOKE_TERMINAL_TERMINAL_H
-#define HOOKE_TERMINAL_TERMINAL_H
+#pragma once
 
 #include <hooke/base/file.h>
 #include <hooke/module.h>
@@ -237,5 +236,3 @@ void history_load(void); /* readline's history from the file, the last HISTORY_L
  * cannot keep it. */
 bool history_append(const char *line, struct error *error);
 void history_keep(const char *line, struct reply *reply); /* the same; a failure is said once */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* view: what its files share. */
-#ifndef HOOKE_VIEW_INTERNAL_H
-#define HOOKE_VIEW_INTERNAL_H
+#pragma once
 
 #include <hooke/view.h>
 #include <hooke/plot.h>
@@ -107,5 +106,3 @@ static inline int smaller(int a, int b)
 {
     return a < b ? a : b;
 }
-
-#endif

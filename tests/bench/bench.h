@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the benchmarks share: contests between arms, tables of ratios, the hand-written competitors.
  */
-#ifndef BENCH_H
-#define BENCH_H
+#pragma once
 
 #include <hooke/run.h>
 #include <hooke/hooke.h>
@@ -94,5 +93,3 @@ void bench_text(void);
 void bench_sweep(void);
 void bench_forces(void);
 void bench_typed(void);
-
-#endif

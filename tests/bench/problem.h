@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What competitors are given; odeint.cpp reads it as C++. */
-#ifndef BENCH_PROBLEM_H
-#define BENCH_PROBLEM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -47,6 +46,4 @@ typedef bool solve_function(const struct problem *problem, double tol, const dou
 solve_function boost_fehlberg78, boost_dopri5, boost_rosenbrock4;
 solve_function boost_recorded; /* dopri5, with the times and states of all steps in memory */
 hand_loop *boost_loop(const char *method, const char *scene); /* NULL: none */
-#endif
-
 #endif

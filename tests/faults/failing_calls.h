@@ -4,8 +4,7 @@
  * before those of libc, and the call number fault.at fails with fault.number, is cut short, or is
  * the last one the process makes.
  */
-#ifndef HOOKE_TESTS_FAULTS_FAILING_CALLS_H
-#define HOOKE_TESTS_FAULTS_FAILING_CALLS_H
+#pragma once
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -164,5 +163,3 @@ int openat(int folder, const char *path, int flags, ...)
     afterwards();
     return result;
 }
-
-#endif

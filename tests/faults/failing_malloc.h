@@ -4,8 +4,7 @@
  * allocations of the whole process (libc's own, in strdup and others, too) and fail on request.
  * Under AddressSanitizer, which has its own, nothing is replaced: skip() when !MALLOC_CAN_FAIL.
  */
-#ifndef HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
-#define HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
+#pragma once
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -84,6 +83,4 @@ void *aligned_alloc(size_t alignment, size_t size)
         malloc_find(&real, "aligned_alloc");
     return malloc_fails_now() ? NULL : real(alignment, size);
 }
-#endif
-
 #endif

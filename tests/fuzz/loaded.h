@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Any bytes as a file that is loaded: as it is; by index; another run than the first. What loads
  * can be analysed. */
-#ifndef HOOKE_TESTS_FUZZ_LOADED_H
-#define HOOKE_TESTS_FUZZ_LOADED_H
+#pragma once
 
 #include "modules/recording/series/analysis.h"
 #include "modules/recording/table/load.h"
@@ -47,5 +46,3 @@ static void load(const void *data, size_t size)
     }
     close(fd);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file of a session that somebody has changed, checksums and all. */
-#ifndef HOOKE_TESTS_FUZZ_MEND_H
-#define HOOKE_TESTS_FUZZ_MEND_H
+#pragma once
 
 #include "modules/resume/store/reading.h"
 
@@ -32,5 +31,3 @@ static inline void mend(uint8_t *data, size_t size)
         memcpy(data + at, &head, sizeof head);
     }
 }
-
-#endif

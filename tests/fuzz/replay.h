@@ -8,8 +8,7 @@
  * target has LLVMFuzzerCustomMutator(); with FUZZ_SEEDS, fuzz_seed(): inputs that are made, not
  * kept.
  */
-#ifndef HOOKE_TESTS_FUZZ_REPLAY_H
-#define HOOKE_TESTS_FUZZ_REPLAY_H
+#pragma once
 
 #include <limits.h>
 #include <stdint.h>
@@ -271,5 +270,4 @@ int main(int argc, char **argv)
     return replay.seeds > 0 ? 0 : 1;
 }
 
-#endif
 #endif

@@ -3,8 +3,7 @@
  * Any bytes as a script in a session of its own: made, played and destroyed within the program, in
  * a folder of its own, without a way out of it (--safe), and a moment for each line.
  */
-#ifndef HOOKE_TESTS_FUZZ_SCRIPTED_H
-#define HOOKE_TESTS_FUZZ_SCRIPTED_H
+#pragma once
 
 #include "fuzz/tokens.h"
 #include <hooke/base/cancel.h>
@@ -178,5 +177,3 @@ static inline size_t scripted_seed(size_t i, uint8_t *data, size_t max)
     }
     return len;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session's file, in memory. */
-#ifndef HOOKE_TESTS_FUZZ_STORED_H
-#define HOOKE_TESTS_FUZZ_STORED_H
+#pragma once
 
 #include <hooke/report.h>
 #include "modules/resume/store.h"
@@ -35,5 +34,3 @@ static inline bool stored_take(struct session *session, struct text file, struct
         buffer_format(notes, "%s\n", error.text);
     return ok;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * are names from the rows (commands, what stands after them, settings, parameters, methods, units,
  * functions, …), numbers at the edges, and lines of the scripts that the tests have.
  */
-#ifndef HOOKE_TESTS_FUZZ_TOKENS_H
-#define HOOKE_TESTS_FUZZ_TOKENS_H
+#pragma once
 
 #include <hooke/run.h>
 #include <hooke/method.h>
@@ -260,6 +259,4 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
 {
     return tokens_mutate(data, size, max, seed);
 }
-#endif
-
 #endif

@@ -3,8 +3,7 @@
  * Oscillators and kinked systems as typed scenes, with their solutions: closed forms, or (exact
  * NULL) what two methods of different kinds agree to.
  */
-#ifndef HOOKE_TESTS_NUMERICS_BATTERY_H
-#define HOOKE_TESTS_NUMERICS_BATTERY_H
+#pragma once
 
 #include "long_form.h"
 #include "unit/run/fixture.h"
@@ -273,5 +272,3 @@ static inline double rectified(double t)
     const double whole = floor(t);
     return (2 * whole + 1 - cos(M_PI * (t - whole))) / M_PI;
 }
-
-#endif

@@ -3,8 +3,7 @@
  * The table of reference solutions, references.csv beside the recordings, and which families of
  * methods have reached each of its rows.
  */
-#ifndef HOOKE_TESTS_NUMERICS_REFERENCES_H
-#define HOOKE_TESTS_NUMERICS_REFERENCES_H
+#pragma once
 
 #include <hooke/base/file.h>
 #include <hooke/base/number.h>
@@ -334,5 +333,3 @@ static inline void assert_all_reached(const struct table_row *table, size_t coun
     }
     assert_true(seen > 200);
 }
-
-#endif

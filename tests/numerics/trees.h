@@ -8,8 +8,7 @@
  * never grow (in table order), each tree appears once. Include after cmocka and method_testing.h;
  * one static struct forest and one static struct tree_weights (1 MB) are enough for a test program.
  */
-#ifndef TESTS_TREES_H
-#define TESTS_TREES_H
+#pragma once
 
 #include "numerics/method/testing.h"
 
@@ -125,5 +124,3 @@ static inline void assert_tree_order(const char *what, const struct forest *fore
         assert_below(what, tree_violation(forest, weights, b, order, theta), TREE_HOLDS);
     assert_above(what, tree_violation(forest, weights, b, claim + 1, theta), TREE_FAILS);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A terminal in memory: what ncurses sends for xterm and its kin becomes a screen that tests can
  * look at. */
-#ifndef TEST_EMULATOR_H
-#define TEST_EMULATOR_H
+#pragma once
 
 #include <ctype.h>
 #include <stdio.h>
@@ -408,5 +407,3 @@ static inline void emulator_text(const struct emulator *e, struct buffer *text)
         buffer_char(text, '\n');
     }
 }
-
-#endif

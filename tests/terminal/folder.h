@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The folders that the tests of a terminal give the program: gone when the test program has ended.
  */
-#ifndef TEST_FOLDER_H
-#define TEST_FOLDER_H
+#pragma once
 
 #include <ftw.h>
 #include <stdio.h>
@@ -48,5 +47,3 @@ static inline char *make_folder(char *template)
     snprintf(test_folders.path[test_folders.count++], sizeof test_folders.path[0], "%s", template);
     return template;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A person at a terminal: types, looks at the screen, waits for what should appear there. Never
  * sleeps. */
-#ifndef TEST_PERSON_H
-#define TEST_PERSON_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 #include <time.h>
@@ -457,5 +456,3 @@ static inline void quit(struct person *p)
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
 }
-
-#endif

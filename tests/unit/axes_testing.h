@@ -3,8 +3,7 @@
  * Axes as a person reads them: from the numbers beside the ticks, and from nothing else. Included
  * after <cmocka.h> by tests that draw.
  */
-#ifndef AXES_TESTING_H
-#define AXES_TESTING_H
+#pragma once
 
 #include "cmocka_testing.h"
 
@@ -350,5 +349,3 @@ static inline bool reader_agrees(const struct reader *r, const struct figure *fi
     free(ink.may);
     return fine;
 }
-
-#endif

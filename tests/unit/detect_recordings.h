@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings that oscillate and recordings that do not, drawn at random. Included after <cmocka.h>.
  */
-#ifndef HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
-#define HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
+#pragma once
 
 #include "modules/recording/analysis/testing.h"
 
@@ -210,5 +209,3 @@ static const struct kind moving[] = {{"2.05 to 2.5 samples a period", few_sample
                                      {"strong harmonics", pulses},
                                      {"strong damping", strongly_damped},
                                      {"coarse steps", in_coarse_steps}};
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random numbers that are the same everywhere. */
-#ifndef HOOKE_TESTS_RANDOM_TESTING_H
-#define HOOKE_TESTS_RANDOM_TESTING_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -39,5 +38,3 @@ static inline double random_normal(void)
     const double u = 1 - random_uniform(), v = random_uniform();
     return sqrt(-2 * log(u)) * cos(6.283185307179586 * v);
 }
-
-#endif

@@ -5,8 +5,7 @@
  * Set from a signal handler or another thread; long work asks between slices of at most 50 ms:
  * make CONFIG=watch builds a program that ends where it does not.
  */
-#ifndef HOOKE_BASE_CANCEL_H
-#define HOOKE_BASE_CANCEL_H
+#pragma once
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -45,5 +44,3 @@ static inline bool cancelled_at(const struct cancel *cancel, size_t i)
 int64_t clock_ns(void);
 double clock_seconds(int64_t begin); /* returns the time [s] since `begin` [ns] */
 int64_t clock_cpu_ns(void);          /* returns the processor time of this thread */
-
-#endif

@@ -5,8 +5,7 @@
  * Every row struct starts with a struct row; find, completion, help and suggestions are written
  * once, here.
  */
-#ifndef HOOKE_BASE_CATALOG_H
-#define HOOKE_BASE_CATALOG_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/base/row.h>
@@ -63,5 +62,3 @@ struct limit {
 };
 
 extern const struct catalog limit_catalog;
-
-#endif

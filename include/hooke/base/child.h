@@ -3,8 +3,7 @@
  * base: work that runs in a process of its own, a copy of this one: what a foreign library crashes,
  * exhausts or never ends there is that copy, and nothing of it stays in this process.
  */
-#ifndef HOOKE_BASE_CHILD_H
-#define HOOKE_BASE_CHILD_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -29,5 +28,3 @@ struct child {
  * with this process. For the caller's signals: all are blocked while the process is copied.
  */
 bool child_run(const struct child *child, struct buffer *output, struct error *error);
-
-#endif

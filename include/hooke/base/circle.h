@@ -9,8 +9,7 @@
  * after another, the others found again each time): sin r = r + r^3 S(r^2) to
  * 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
  */
-#ifndef HOOKE_BASE_CIRCLE_H
-#define HOOKE_BASE_CIRCLE_H
+#pragma once
 
 #define HALF_PI_1 0x1.921fb54400000p+0 /* 33 bits each, and what follows */
 #define HALF_PI_2 0x1.0b4611a600000p-34
@@ -32,5 +31,3 @@
              (s)*GIVE(0x1.71de35552aaacp-19, -0x1.27e4f7f141083p-22)) +                            \
             (q) * (GIVE(-0x1.ae5e4b830f1f3p-26, 0x1.1ee9db8e24ed5p-29) +                           \
                    (s)*GIVE(0x1.5d8b553fce991p-33, -0x1.8fa65e88311bfp-37))))
-
-#endif

@@ -8,8 +8,7 @@
  * Within 0.9 units of the last place of the true value everywhere, with the special values of C11
  * annex F; errno and the exception flags are not theirs. For rounding to nearest.
  */
-#ifndef HOOKE_BASE_ELEMENTARY_H
-#define HOOKE_BASE_ELEMENTARY_H
+#pragma once
 
 /* Nothing but their arguments counts, and nothing is written. */
 #if defined(__GNUC__)
@@ -41,5 +40,3 @@ FIXED_FUNCTION fixed_hypot(double x, double y);
 void fixed_sines(int n, const double *x, double *results);
 void fixed_cosines(int n, const double *x, double *results);
 void fixed_exponentials(int n, const double *x, double *results);
-
-#endif

@@ -6,8 +6,7 @@
  * names the input and what is allowed. The values of the codes are the exit statuses of the
  * program.
  */
-#ifndef HOOKE_BASE_ERROR_H
-#define HOOKE_BASE_ERROR_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -47,5 +46,3 @@ bool error_usage(struct error *error, const char *usage);
 bool error_memory(struct error *error); /* sets "out of memory" */
 /* Returns the name of a code in JSON: "command", "usage", "numerical", "io" or "cancelled". */
 const char *error_name(enum error_code code);
-
-#endif

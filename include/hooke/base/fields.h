@@ -4,8 +4,7 @@
  * its members in another order, still reads it. A field is one byte length of the name, the name,
  * four bytes length of the value, the value; numbers in the byte order of the machine.
  */
-#ifndef HOOKE_BASE_FIELDS_H
-#define HOOKE_BASE_FIELDS_H
+#pragma once
 
 #include <hooke/base/limit.h>
 #include <hooke/base/text.h>
@@ -102,5 +101,3 @@ bool field_get_placed(struct text text, const char *name, const struct field_pla
 /* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
  */
 uint64_t bytes_sum(struct text bytes);
-
-#endif

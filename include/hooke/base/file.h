@@ -9,8 +9,7 @@
  * `force`; a link, a directory or a device is never written through. A killed program leaves the
  * old file or none.
  */
-#ifndef HOOKE_BASE_FILE_H
-#define HOOKE_BASE_FILE_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -113,5 +112,3 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error);
 bool folder_commit(struct folder *folder, struct error *error); /* closes in every case */
 void folder_abandon(struct folder *folder);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files of a folder that are written in parts. */
-#ifndef HOOKE_BASE_FOLDER_FILE_H
-#define HOOKE_BASE_FOLDER_FILE_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -12,5 +11,3 @@ struct writer;
  * error if it cannot be made. */
 bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
                       struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* library: shared libraries, looked up when they are needed. */
-#ifndef HOOKE_BASE_LIBRARY_H
-#define HOOKE_BASE_LIBRARY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,5 +20,3 @@ struct library_symbol {
 bool library_load(struct library *library, const char *name, const struct library_symbol *symbol,
                   size_t count, void *table, const char **missing);
 void library_unload(struct library *library);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base: limits, in one table that the man page shows. */
-#ifndef HOOKE_BASE_LIMIT_H
-#define HOOKE_BASE_LIMIT_H
+#pragma once
 
 #define LIMIT_LINE (1u << 20)          /* bytes in a command line */
 #define LIMIT_TOKENS 4096              /* words in a statement */
@@ -41,5 +40,3 @@
 #define LIMIT_BRANCHES 32              /* branches kept: the oldest go */
 #define LIMIT_BRANCH_POINTS 20000      /* points that a branch goes on for, each way */
 #define LIMIT_MODES 5                  /* damped sines fitted at once */
-
-#endif

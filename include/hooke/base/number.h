@@ -7,8 +7,7 @@
  * shortest decimal that reads back to the same double (at most 17 digits, plain for 1e-4 <= |x| <
  * 1e17, else 1.5e-7), `nan`, `inf`, `-inf` for the rest.
  */
-#ifndef HOOKE_BASE_NUMBER_H
-#define HOOKE_BASE_NUMBER_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -38,5 +37,3 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty);
 /* Appends a phase [rad] in degrees, with whole turns apart: "381 turns + 204.9 deg"; "-" if it is
  * not finite. */
 void buffer_phase(struct buffer *buffer, double radians);
-
-#endif

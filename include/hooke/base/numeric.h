@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Arithmetic that several layers need: robust statistics, interpolation, small systems. */
-#ifndef HOOKE_BASE_NUMERIC_H
-#define HOOKE_BASE_NUMERIC_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -70,5 +69,3 @@ struct eigenvalue {
 /* Appends "1.4530(4)": the uncertainty in units of the last digit. One of less than a millionth is
  * left out, as that of a simulation. */
 void buffer_parenthesis(struct buffer *output, double value, double uncertainty);
-
-#endif

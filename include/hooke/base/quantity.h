@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* quantity: kinds of numbers, as mass and length, and measured numbers. */
-#ifndef HOOKE_BASE_QUANTITY_H
-#define HOOKE_BASE_QUANTITY_H
+#pragma once
 
 enum quantity {
     QUANTITY_NUMBER,
@@ -33,5 +32,3 @@ enum quantity {
 struct measured {
     double value, uncertainty;
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* row: the beginning of each row of a table that users choose from by name. */
-#ifndef HOOKE_BASE_ROW_H
-#define HOOKE_BASE_ROW_H
+#pragma once
 
 struct row {
     const char *name;     /* word that users type */
@@ -10,5 +9,3 @@ struct row {
     const char *citation; /* author year equation, or "" */
     const char *alias;    /* other names, separated by blanks, or NULL */
 };
-
-#endif

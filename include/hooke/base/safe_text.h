@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* safe_text: text that came from outside, and how wide it is on a terminal. */
-#ifndef HOOKE_BASE_SAFE_TEXT_H
-#define HOOKE_BASE_SAFE_TEXT_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -37,5 +36,3 @@ int text_width(struct text text); /* [column] */
 struct text text_in_room(struct text text, int width, bool *cut);
 /* Appends the words of a text in lines of at most `width` columns, without the last newline. */
 void buffer_folded(struct buffer *buffer, struct text text, int width);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* statement: how a line is cut into statements, words and names. */
-#ifndef HOOKE_BASE_STATEMENT_H
-#define HOOKE_BASE_STATEMENT_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -21,5 +20,3 @@ struct text peek_name(struct text text);
 /* Returns the length [byte] of the string that starts at text.at[0], with both quotes, or 0 if it
  * does not end. */
 size_t text_quoted(struct text text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* text: slices of text, text that grows, and memory that is freed all at once. */
-#ifndef HOOKE_BASE_TEXT_H
-#define HOOKE_BASE_TEXT_H
+#pragma once
 
 #include <math.h>
 #include <stdarg.h>
@@ -84,5 +83,3 @@ void buffer_free(struct buffer *buffer);
 struct text buffer_text(const struct buffer *buffer);
 /* Returns the text NUL-terminated, "out of memory" if the buffer has failed; never NULL. */
 const char *buffer_view(const struct buffer *buffer);
-
-#endif

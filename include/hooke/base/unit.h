@@ -5,8 +5,7 @@
  * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity
  * and has a factor to SI.
  */
-#ifndef HOOKE_BASE_UNIT_H
-#define HOOKE_BASE_UNIT_H
+#pragma once
 
 #include <hooke/base/catalog.h>
 #include <hooke/base/quantity.h>
@@ -48,5 +47,3 @@ const struct unit *unit_display(enum quantity quantity, double value);
 /* Appends the value [SI] with a unit that suits it, such as "200 g", to `digits` significant
  * digits. With 0 digits it writes as many as are needed to read the same value back. */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations that the parts of completion share. */
-#ifndef HOOKE_COMMAND_COMPLETE_H
-#define HOOKE_COMMAND_COMPLETE_H
+#pragma once
 
 #include <hooke/command/handler.h>
 #include <hooke/language/complete.h>
@@ -31,5 +30,3 @@ void complete_grid(struct completion *c, const struct command *command, struct t
 /* Completes a statement that defines a scene or an event; `rest` is the text between the command
  * and the word. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest);
-
-#endif

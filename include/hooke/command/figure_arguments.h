@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The arguments of commands that draw or describe a figure. */
-#ifndef HOOKE_COMMAND_FIGURE_ARGUMENTS_H
-#define HOOKE_COMMAND_FIGURE_ARGUMENTS_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -32,5 +31,3 @@ bool label_curves(const struct session *session, const struct figure_request *re
         KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),                                          \
         KEY("NAME", TYPE_SIDE, .flags = ARG_MANY), OPTION("full", TYPE_NONE),                      \
         OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE)
-
-#endif

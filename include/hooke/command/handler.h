@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations that the handlers of commands share. */
-#ifndef HOOKE_COMMAND_HANDLER_H
-#define HOOKE_COMMAND_HANDLER_H
+#pragma once
 
 #include <hooke/run.h>
 #include <hooke/command.h>
@@ -139,5 +138,3 @@ extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, 
 
 /* A row as `list` shows it: a line, and a record of its catalog's kind. */
 void reply_listed(const struct catalog *catalog, const struct row *row, struct reply *reply);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Calibrations of sensors. */
-#ifndef HOOKE_DATA_CALIBRATION_H
-#define HOOKE_DATA_CALIBRATION_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -29,5 +28,3 @@ void calibration_put(const struct calibration *calibration, struct buffer *text)
 void calibration_take_line(struct text line, struct calibration *calibration);
 /* Returns the change of the true value per change of the reading, in their units. */
 double calibration_gain(const struct calibration *calibration);
-
-#endif

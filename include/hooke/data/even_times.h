@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Even sampling behind time stamps that were rounded when they were printed. */
-#ifndef HOOKE_DATA_EVEN_TIMES_H
-#define HOOKE_DATA_EVEN_TIMES_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -25,5 +24,3 @@ struct even_times {
  */
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
                      struct even_times *result);
-
-#endif

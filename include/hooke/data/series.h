@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Series of values over time, measured or simulated. */
-#ifndef HOOKE_DATA_SERIES_H
-#define HOOKE_DATA_SERIES_H
+#pragma once
 
 #include <hooke/base/quantity.h>
 #include <hooke/base/text.h>
@@ -88,5 +87,3 @@ double series_fill_grid(const struct series *series, double t0, double dt, size_
 /* Standard deviation of the noise, from sixth differences; scratch [n]. Returns NAN if there are
  * too few samples. */
 double samples_noise(const struct samples *samples, double *scratch);
-
-#endif

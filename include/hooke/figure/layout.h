@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* figure: ranges, ticks and panels, for whatever draws figures: cells, or a module that makes
  * pictures. */
-#ifndef HOOKE_FIGURE_LAYOUT_H
-#define HOOKE_FIGURE_LAYOUT_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 #include <hooke/figure.h>
@@ -97,5 +96,3 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
 int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX]);
 /* Returns true if two planes have more room side by side than one below the other. */
 bool planes_across(const struct figure *figure, int width, int height);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: what there is of each kind. */
-#ifndef HOOKE_LANGUAGE_COMPLETE_H
-#define HOOKE_LANGUAGE_COMPLETE_H
+#pragma once
 
 #include <hooke/language.h>
 #include <hooke/session/events.h>
@@ -44,4 +43,3 @@ bool value_is_open(struct text value);
  */
 void complete_value(struct completion *c, struct text value, enum quantity quantity,
                     void (*names)(struct completion *c));
-#endif

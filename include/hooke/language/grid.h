@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values that a statement asks for in steps: FROM:TO[:STEP]. */
-#ifndef HOOKE_LANGUAGE_GRID_H
-#define HOOKE_LANGUAGE_GRID_H
+#pragma once
 
 #include <hooke/language.h>
 
@@ -27,5 +26,3 @@ bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *er
 /* Takes the next of NAME=... or --option from the rest: up to a blank with another, or with 'at',
  * behind it. */
 struct text next_key_argument(struct text *rest);
-
-#endif

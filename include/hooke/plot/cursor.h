@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The two cursors: what they stand on and how they move. */
-#ifndef HOOKE_PLOT_CURSOR_H
-#define HOOKE_PLOT_CURSOR_H
+#pragma once
 
 #include <hooke/plot.h>
 
@@ -44,5 +43,3 @@ void cursor_spread(struct cursors *cursors, const struct ground *ground);
 void cursors_put_again(struct cursors *cursors, const struct ground *ground);
 /* What follows from the two places: periods, amplitudes. */
 void cursor_settle(struct cursors *cursors, const struct ground *ground);
-
-#endif

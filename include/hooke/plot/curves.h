@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers behind the curves of a session's figures: rows of a run, values there. */
-#ifndef HOOKE_PLOT_CURVES_H
-#define HOOKE_PLOT_CURVES_H
+#pragma once
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>
@@ -48,4 +47,3 @@ double run_position(const struct run *run, double t);
 /* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by
  * Hermite interpolation; NAN: outside of the run, or a scene of first order has none. */
 double run_motion(const struct run *run, double t, int derivative);
-#endif

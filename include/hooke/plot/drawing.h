@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A figure of the session while it is built up. */
-#ifndef HOOKE_PLOT_DRAWING_H
-#define HOOKE_PLOT_DRAWING_H
+#pragma once
 
 #include <hooke/plot/curves.h>
 
@@ -107,5 +106,3 @@ double drawing_trail(const struct drawing *d); /* periods */
 /* Returns which rows of a run are drawn in a window: where nothing but states over the time of the
  * axis is, of many rows only the extremes. */
 struct row_request drawing_rows(const struct drawing *d, const double window[2]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* result: where the text of a table goes, for functions that write one. */
-#ifndef HOOKE_RESULT_OUTLET_H
-#define HOOKE_RESULT_OUTLET_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 #include <hooke/result.h>
@@ -33,5 +32,3 @@ bool cell_is_formula(struct text cell);
 /* Appends a cell of CSV or TSV: in quotes if wanted, or if it holds a separator, a quote or a line
  * end. */
 void buffer_cell(struct buffer *output, struct text cell, char separator, bool quoted);
-
-#endif

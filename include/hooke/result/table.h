@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables of results, their files, and the last of each kind. */
-#ifndef HOOKE_RESULT_TABLE_H
-#define HOOKE_RESULT_TABLE_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -89,5 +88,3 @@ void store_cell_none(struct table_store *store, const char *name);
 void store_cell_real(struct table_store *store, const char *name, const char *unit, double value);
 void store_cell_text(struct table_store *store, const char *name, const char *text);
 void store_row_end(struct table_store *store);
-
-#endif

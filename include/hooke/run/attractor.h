@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Long-term behaviour in which a motion ends. */
-#ifndef HOOKE_RUN_ATTRACTOR_H
-#define HOOKE_RUN_ATTRACTOR_H
+#pragma once
 
 #include <hooke/scene/model.h>
 
@@ -40,5 +39,3 @@ struct basin {
 #define ATTRACTOR_IRREGULAR (-1)
 typedef double find_attractor(const struct scene *scene, const struct cancel *cancel,
                               struct basin *basin);
-
-#endif

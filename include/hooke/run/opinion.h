@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* opinion: what the second opinion of a run (struct opinion) says of its present time. */
-#ifndef HOOKE_OPINION_H
-#define HOOKE_OPINION_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -21,5 +20,3 @@ double run_opinion_sunk(const struct run *run);
 /* Returns the time [s] of an event that is met or missed by less than the error, so that everything
  * after it is unknown, or NAN if there is none. */
 double run_opinion_event(const struct run *run);
-
-#endif

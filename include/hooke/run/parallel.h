@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Items of work shared by threads, whose results are kept by item and not by thread. */
-#ifndef HOOKE_RUN_PARALLEL_H
-#define HOOKE_RUN_PARALLEL_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -28,5 +27,3 @@ int parallel_threads(const struct parallel *parallel, int64_t count);
  * thread if there are none. Returns how many threads there were. If it is cancelled some items are
  * not done. */
 int parallel_do(const struct parallel *parallel, int64_t count);
-
-#endif

@@ -4,8 +4,7 @@
  * evaluations, rows), each of which has a price in instructions; no clock is read, so that the
  * same scene always has the same prices.
  */
-#ifndef HOOKE_PRICE_H
-#define HOOKE_PRICE_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -47,5 +46,3 @@ void run_work_count(const struct run_scenario *scenario, struct run_work *work);
  * of the run. */
 void run_prices_describe(const struct run_scenario *scenario, const struct run_work *work,
                          struct buffer *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rules that select the rows of a run to be recorded. */
-#ifndef HOOKE_RUN_RECORD_H
-#define HOOKE_RUN_RECORD_H
+#pragma once
 
 #include <stdint.h>
 
@@ -14,5 +13,3 @@ struct recording_rule {
      * and at the present state. */
     double interval;
 };
-
-#endif

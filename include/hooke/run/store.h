@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run as bytes: what a session file keeps of it. */
-#ifndef HOOKE_RUN_STORE_H
-#define HOOKE_RUN_STORE_H
+#pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/run.h>
@@ -28,5 +27,3 @@ void run_set_stored(struct run *run, size_t rows);
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
                         const struct field_places *places, const struct stored_rows *piece,
                         size_t pieces, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Definition of how times are measured and shown: the setting `timing`. */
-#ifndef HOOKE_RUN_TIMING_H
-#define HOOKE_RUN_TIMING_H
+#pragma once
 
 struct catalog;
 
@@ -12,5 +11,3 @@ enum timing {
 };
 
 extern const struct catalog timing_catalog; /* struct row at the enum's place: off, quick, full */
-
-#endif

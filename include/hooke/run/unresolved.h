@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fixed steps that do not see how a force changes in time. */
-#ifndef HOOKE_RUN_UNRESOLVED_H
-#define HOOKE_RUN_UNRESOLVED_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -26,5 +25,3 @@ bool run_force_is_slow(const struct system *system, double h);
 
 /* Returns how many steps of a run are looked at for pulses, each by 3 evaluations and *probes. */
 int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t evals, int *probes);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The search of typed equations for bursts, within a number of looks. */
-#ifndef HOOKE_SCENE_BURSTS_H
-#define HOOKE_SCENE_BURSTS_H
+#pragma once
 
 #include <hooke/scene/model.h>
 
@@ -10,5 +9,3 @@
 int bursts_within(const struct system *system, const double t[2], const double *y_begin,
                   const double *y_end, bool sure, int64_t *allowed, struct burst *burst, int count,
                   int max);
-
-#endif

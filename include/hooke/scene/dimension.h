@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dimensions of expressions whose numbers carry units: powers of the base units. */
-#ifndef HOOKE_SCENE_DIMENSION_H
-#define HOOKE_SCENE_DIMENSION_H
+#pragma once
 
 #include <hooke/base/quantity.h>
 #include <hooke/base/text.h>
@@ -73,5 +72,3 @@ enum quantity dimension_quantity(const struct dimension *a);
 void dimension_put(const struct dimension *a, struct buffer *text);
 /* Appends its SI unit: "m/s", "m^2 kg"; nothing for a pure number. */
 void dimension_put_unit(const struct dimension *a, struct buffer *text);
-
-#endif

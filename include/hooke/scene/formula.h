@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Compiles and evaluates expressions that users type, computes their bounds, and makes programs. */
-#ifndef HOOKE_SCENE_FORMULA_H
-#define HOOKE_SCENE_FORMULA_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/base/quantity.h>
@@ -238,5 +237,3 @@ bool condition_compile(struct text text, const struct expr_scope *scope, struct 
 /* left - right, with the sign such that the condition holds where the value is < 0 (or <= 0). */
 double condition_value(const struct condition *condition, const struct expr_scope *scope);
 bool condition_holds(const struct condition *condition, double value);
-
-#endif

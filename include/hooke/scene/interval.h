@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Arithmetic of intervals, rounded outwards (Moore 1966, Interval Analysis). */
-#ifndef HOOKE_SCENE_INTERVAL_H
-#define HOOKE_SCENE_INTERVAL_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 
@@ -39,5 +38,3 @@ struct interval interval_mul(struct interval a, struct interval b); /* 0 times a
 struct interval interval_div(struct interval a, struct interval b); /* all, where b has 0 in it */
 struct interval interval_square(struct interval a);
 struct interval interval_power(struct interval a, int n); /* n of any sign */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Models: parameters, force terms, exact solutions. */
-#ifndef HOOKE_SCENE_MODEL_H
-#define HOOKE_SCENE_MODEL_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/base/limit.h>
@@ -385,5 +384,3 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
                                        double h);
 void exact_table_at(struct exact_table *table, double t, double *y);
 void exact_table_free(struct exact_table *table);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes whose derivatives have poles or no value at all in places. */
-#ifndef HOOKE_SCENE_POLES_H
-#define HOOKE_SCENE_POLES_H
+#pragma once
 
 #include <hooke/scene/typed.h>
 
@@ -19,5 +18,3 @@ bool system_excludes_zero(const struct system *system, const struct interval *bo
  */
 bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system,
                        struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes made of lines that a user types. */
-#ifndef HOOKE_SCENE_TYPED_H
-#define HOOKE_SCENE_TYPED_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
@@ -204,5 +203,3 @@ bool system_bounds(const struct system *system, const struct interval *box, stru
 int model_observed(const struct model *model);
 struct variable model_observed_variable(const struct model *model, int i);
 double system_observe(const struct system *system, int i, double t, const double *y);
-
-#endif

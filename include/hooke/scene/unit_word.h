@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words that follow a number, where a unit would be, and are none. */
-#ifndef HOOKE_SCENE_UNIT_WORD_H
-#define HOOKE_SCENE_UNIT_WORD_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/base/quantity.h>
@@ -16,5 +15,3 @@ struct text unit_word(struct text text);
  * quantity unless that is QUANTITY_OTHER. Returns false. */
 bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct text number,
                       enum quantity quantity, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events: what is watched for while a run goes on, and what has happened. */
-#ifndef HOOKE_SESSION_EVENTS_H
-#define HOOKE_SESSION_EVENTS_H
+#pragma once
 
 #include <hooke/session.h>
 
@@ -54,5 +53,3 @@ int events_stopped_at(const struct run_slot *slot, const struct event_line *stop
 /* Returns the commands to execute, without a `continue` at the end; *passes is set if there was
  * one, which lets the run continue. */
 struct text event_commands(struct text commands, bool *passes);
-
-#endif

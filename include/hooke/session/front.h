@@ -3,8 +3,7 @@
  * front: callbacks that a front end (batch, prompt, panes, another program) offers to a session,
  * and the lines that it reads from sensors.
  */
-#ifndef HOOKE_SESSION_FRONT_H
-#define HOOKE_SESSION_FRONT_H
+#pragma once
 
 #include <hooke/base/error.h>
 
@@ -104,5 +103,3 @@ struct front {
     /* Changes the front end itself. Returns false with the reason if this is not possible. */
     bool (*change)(void *context, enum front_change change, struct error *error);
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log of a session: what was asked of its runs, what was typed, how to go back. */
-#ifndef HOOKE_SESSION_LOG_H
-#define HOOKE_SESSION_LOG_H
+#pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/session.h>
@@ -180,5 +179,3 @@ bool checkpoint_make(struct session *session, const char *name, struct error *er
 /* The latest one where name is empty. *label: its name, owned by the session. */
 bool checkpoint_restore(struct session *session, struct text name, const char **label,
                         struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Names of everything that expressions may use: parameters, variables, observables and others. */
-#ifndef HOOKE_SESSION_NAMES_H
-#define HOOKE_SESSION_NAMES_H
+#pragma once
 
 #include <hooke/session.h>
 
@@ -79,5 +78,3 @@ void names_each(const struct session *session,
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
 /* Looks only at the scene: a parameter, a derived quantity, a variable or an observation. */
 bool scene_has_name(const struct scene *scene, struct text name, const char **kind);
-
-#endif

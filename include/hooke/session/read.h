@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session file while it is read. */
-#ifndef HOOKE_SESSION_READ_H
-#define HOOKE_SESSION_READ_H
+#pragma once
 
 #include <hooke/session/log.h>
 #include <hooke/session/stored.h>
@@ -35,5 +34,3 @@ struct reader {
 #define ALL_END(type)                                                                              \
     ENDS(type, 0), ENDS(type, 1), ENDS(type, 2), ENDS(type, 3), ENDS(type, 4), ENDS(type, 5),      \
         ENDS(type, 6), ENDS(type, 7)
-
-#endif

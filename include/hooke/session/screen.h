@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Content of the screen: changed by commands only, drawn by the view layer. */
-#ifndef HOOKE_SESSION_SCREEN_H
-#define HOOKE_SESSION_SCREEN_H
+#pragma once
 
 #include <hooke/base/catalog.h>
 #include <hooke/base/limit.h>
@@ -106,5 +105,3 @@ int log_rows(struct text line, int width); /* number of rows that the line takes
 /* Returns the number of rows of the newest `lines` lines. */
 int log_rows_newest(const struct log *log, int lines, int width);
 void log_clear(struct log *log);
-
-#endif

@@ -3,8 +3,7 @@
  * Functions of the module that measures series and reads recordings. A build has one such module or
  * none; recordings exist only in a build with it.
  */
-#ifndef HOOKE_SESSION_SERIES_TOOLS_H
-#define HOOKE_SESSION_SERIES_TOOLS_H
+#pragma once
 
 #include <hooke/session/subject.h>
 
@@ -77,5 +76,3 @@ const struct series_tools *series_tools(void);
 /* The same; without them `error` says which module `what`, "--band" or "data", belongs to. */
 const struct series_tools *series_tools_for(const char *what, struct text word,
                                             struct error *error);
-
-#endif

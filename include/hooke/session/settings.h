@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The settings that are not part of the scene. */
-#ifndef HOOKE_SESSION_SETTINGS_H
-#define HOOKE_SESSION_SETTINGS_H
+#pragma once
 
 #include <hooke/base/catalog.h>
 #include <hooke/base/quantity.h>
@@ -103,5 +102,3 @@ void setting_exact(const struct setting *setting, const struct settings *setting
 
 extern const struct catalog charset_choice_catalog, phase_axes_catalog, turning_catalog;
 extern const struct catalog opinion_catalog;
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Content that a session file keeps of the parts of modules. */
-#ifndef HOOKE_SESSION_STORED_H
-#define HOOKE_SESSION_STORED_H
+#pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/session.h>
@@ -78,5 +77,3 @@ struct store_tools {
 /* Returns the tools; only for functions of struct module_store, which the module that has them
  * calls. */
 const struct store_tools *store_tools(void);
-
-#endif

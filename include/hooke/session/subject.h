@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Series of runs and recordings, what is known of them, what was computed with what. */
-#ifndef HOOKE_SESSION_SUBJECT_H
-#define HOOKE_SESSION_SUBJECT_H
+#pragma once
 
 #include <hooke/data/series.h>
 #include <hooke/session/names.h>
@@ -91,5 +90,3 @@ struct data_motion {
 /* The rows where v (energy: the energy) is known, as a series; from, to [s]. */
 bool motion_series(const struct data_motion *motion, bool energy, double t_begin, double t_end,
                    struct arena *arena, struct series *series, struct error *error);
-
-#endif

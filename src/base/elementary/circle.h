@@ -3,8 +3,7 @@
  * sin and cos of what is not too large, without a branch: in loops it becomes
  * vectors, and both forms are one text.
  */
-#ifndef HOOKE_BASE_ELEMENTARY_CIRCLE_H
-#define HOOKE_BASE_ELEMENTARY_CIRCLE_H
+#pragma once
 
 #include "base/elementary/wide.h"
 
@@ -78,5 +77,3 @@ INLINE double cosine_in_loop(double x, uint64_t *doubt)
     *doubt |= fine ^ 1;
     return circle_turned(quarters, r, low);
 }
-
-#endif

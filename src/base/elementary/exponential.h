@@ -4,8 +4,7 @@
  * parts, of which n times the first is exact; 2^(n/128) by a table, e^r by a polynomial (Remez
  * exchange, to 2^-65).
  */
-#ifndef HOOKE_BASE_ELEMENTARY_EXPONENTIAL_H
-#define HOOKE_BASE_ELEMENTARY_EXPONENTIAL_H
+#pragma once
 
 #include "base/elementary/tables.h"
 #include "base/elementary/wide.h"
@@ -59,5 +58,3 @@ INLINE double exp_scaled(uint64_t n, double r, int shift)
     const uint64_t row = n % TABLE_ROWS;
     return scaled(exp_sum(row, r), (int64_t)(n - row) / TABLE_ROWS + shift);
 }
-
-#endif

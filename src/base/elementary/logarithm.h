@@ -4,8 +4,7 @@
  * and m c = 1 + r with a short c near 1/m, so that r is a double, |r| < 0.00528; log x = k ln 2 -
  * log c + log(1 + r). The table and the polynomial, to 2^-70, by scripts/elementary.
  */
-#ifndef HOOKE_BASE_ELEMENTARY_LOGARITHM_H
-#define HOOKE_BASE_ELEMENTARY_LOGARITHM_H
+#pragma once
 
 #include "base/elementary/exponential.h"
 
@@ -86,5 +85,3 @@ INLINE double power_in(double x, double y, bool fused)
     r += product.low + y * log.low;
     return fabs(exponent) < 690 ? exp_sum(n, r) : exp_scaled(n, r, 0);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables of constants: powers of two, elementary_reciprocals of few bits with their logarithms,
  * elementary_tangents. */
-#ifndef HOOKE_BASE_ELEMENTARY_TABLES_H
-#define HOOKE_BASE_ELEMENTARY_TABLES_H
+#pragma once
 
 #include "base/elementary/wide.h"
 
@@ -32,5 +31,3 @@ extern const struct reciprocal elementary_reciprocals[TABLE_ROWS];
 /* tan j/32 and cot j/32, 4 <= j */
 #define TANGENT_ROWS 26
 extern const struct wide elementary_tangents[2][TANGENT_ROWS];
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numbers as sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and
  * doubles as bits. */
-#ifndef HOOKE_BASE_ELEMENTARY_WIDE_H
-#define HOOKE_BASE_ELEMENTARY_WIDE_H
+#pragma once
 
 #include <hooke/base/circle.h>
 #include <hooke/base/elementary.h>
@@ -104,5 +103,3 @@ INLINE struct wide wide_quotient(struct wide a, struct wide b)
     const double rest = ((a.high - q * b1) - q * (b.high - b1)) + (a.low - q * b.low);
     return (struct wide){q, rest * per_b};
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Execution of the commands of events that have stopped a run. */
-#ifndef HOOKE_COMMAND_RUN_EVENT_PASS_H
-#define HOOKE_COMMAND_RUN_EVENT_PASS_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -32,5 +31,3 @@ bool event_react(struct session *session, const struct event_line *event,
  * continue. Returns false if the run stops here; *ok is false only after an error. */
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
                  const struct arguments *args, struct reply *reply, bool *ok, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run on its way. */
-#ifndef HOOKE_COMMAND_RUN_GOING_H
-#define HOOKE_COMMAND_RUN_GOING_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -11,5 +10,3 @@
  */
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_COMMAND_SESSION_LIST_METHODS_H
-#define HOOKE_COMMAND_SESSION_LIST_METHODS_H
+#pragma once
 
 #include <hooke/result.h>
 
@@ -16,5 +15,3 @@ extern const struct catalog method_kind_catalog; /* stiff, adaptive, ... */
 bool list_methods(struct text words, const struct cancel *cancel,
                   void (*record)(const struct row *row, double stable, struct reply *reply),
                   struct reply *reply, struct error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_COMMAND_SESSION_TOPICS_H
-#define HOOKE_COMMAND_SESSION_TOPICS_H
+#pragma once
 
 #include <hooke/command/handler.h>
 
@@ -30,5 +29,3 @@ struct text help_topic_of(struct text words, const struct command **command);
 /* Appends what argument of the command the word is, and leaves of it the name that is explained
  * besides: `dt` of compare's dt=5ms, `k` of sweep's k=1:2; nothing. */
 void help_given(const struct command *command, struct text *word, struct buffer *text);
-
-#endif

@@ -10,8 +10,7 @@
  * - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math. 185:225). An error that is just right leaves h
  * as it is: an implicit method keeps its factors, and no power is computed.
  */
-#ifndef HOOKE_METHOD_CONTROL_ADAPT_BODY_H
-#define HOOKE_METHOD_CONTROL_ADAPT_BODY_H
+#pragma once
 
 #include "method/control/factor.h"
 #include "method/step/step.h"
@@ -199,5 +198,3 @@ __attribute__((noinline, unused)) static double next_attempt(const struct method
     }
     return failures <= FAILED_STEPS_MAX && fabs(next) >= min_step(t) ? next : 0;
 }
-
-#endif

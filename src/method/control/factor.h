@@ -3,8 +3,7 @@
  * Powers for the choice of a step size, which needs few digits, often, and the same ones
  * everywhere: a library's pow() takes as long as a step of a small system.
  */
-#ifndef HOOKE_METHOD_CONTROL_FACTOR_H
-#define HOOKE_METHOD_CONTROL_FACTOR_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -75,5 +74,3 @@ static inline double factor_limited(double x)
                         u * (0.0284870670868496 + 0.0239926464967005 * x);
     return low + u * u * high;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * method and what evaluates the forces are known to the compiler. Who includes this has defined
  * MOST, the most variables.
  */
-#ifndef HOOKE_METHOD_CONTROL_MARCH_BODY_H
-#define HOOKE_METHOD_CONTROL_MARCH_BODY_H
+#pragma once
 
 #include "method/step/rk_body.h"
 #include "method/step/split_body.h"
@@ -168,5 +167,3 @@ INLINE int64_t split_march(const struct method *method, int n, enum drag drag,
     step->warm = true;
     return march->count;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The error estimate of an explicit Runge-Kutta step, in one text like its stages. */
-#ifndef HOOKE_METHOD_CONTROL_RK_ERROR_H
-#define HOOKE_METHOD_CONTROL_RK_ERROR_H
+#pragma once
 
 #include "method/step/rk_body.h"
 
@@ -56,5 +55,3 @@ INLINE double rk_estimate(const struct tableau *tableau, int n, const double *sc
         rk_difference(n, h, tableau->b, tableau->rough, tableau->stages, k, rough);
     return rk_square(tableau, n, scale, y, z, rough, error);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Switches in adaptive steps (switch.c). */
-#ifndef HOOKE_METHOD_CONTROL_SWITCH_H
-#define HOOKE_METHOD_CONTROL_SWITCH_H
+#pragma once
 
 #include "method/step/step.h"
 
@@ -33,5 +32,3 @@ int64_t switched_march(const struct method *method, const struct march *march,
 bool switch_is_there(struct step *step);
 /* Takes note of an accepted step. */
 void switch_next(struct step *step, struct switches_state *state, int ended);
-
-#endif

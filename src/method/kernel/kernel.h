@@ -4,8 +4,7 @@
  * which its model adds them, and uses their own functions. To add a shape, add a line below and a
  * line in SHAPES or MODEL_SHAPES.
  */
-#ifndef HOOKE_METHOD_KERNEL_KERNEL_H
-#define HOOKE_METHOD_KERNEL_KERNEL_H
+#pragma once
 
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
@@ -137,5 +136,3 @@ static inline int shape_of(const struct system *system)
         return -1;
     }
 }
-
-#endif

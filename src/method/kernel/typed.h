@@ -4,8 +4,7 @@
  * built-in terms as functions of the same kind; and shapes by the number of variables. What such a
  * function takes and returns in registers stays there: a force of one coordinate needs no memory.
  */
-#ifndef HOOKE_METHOD_KERNEL_TYPED_H
-#define HOOKE_METHOD_KERNEL_TYPED_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include "method/control/march_body.h"
@@ -89,5 +88,3 @@ enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
 /* Returns the shape of a system, or -1 if it has none. `splits` asks for force and drag apart. */
 int typed_shape(const struct system *system, bool splits);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The words that the rows in the .def files are written with. A row begins with its name, by which
  * catalog.c finds its text in methods.txt. */
-#ifndef HOOKE_METHOD_ROWS_ROWS_H
-#define HOOKE_METHOD_ROWS_ROWS_H
+#pragma once
 
 #include "method/step/step.h"
 
@@ -46,5 +45,3 @@ enum {
 #include "method/rows/rosenbrock.def"
 #undef ROSENBROCK
 };
-
-#endif

@@ -4,8 +4,7 @@
  * and again where method and forces are known to the compiler in kernel_implicit.c. One text, so
  * both give the same bits.
  */
-#ifndef HOOKE_METHOD_STEP_IRK_BODY_H
-#define HOOKE_METHOD_STEP_IRK_BODY_H
+#pragma once
 
 #include "method/step/newton.h"
 
@@ -71,5 +70,3 @@ INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, do
         z[i] = tableau->stages == 1 ? tableau->b[0] / tableau->diagonal * z[i]
                                     : h * weighted_sum(tableau->b, tableau->stages, k, n, i);
 }
-
-#endif

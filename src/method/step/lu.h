@@ -6,8 +6,7 @@
  * A matrix is [n + 1][n] row-major: n rows, then a row that takes the pivots (LU_ROOM doubles). A
  * complex one is two of these, the real parts, then the imaginary ones.
  */
-#ifndef HOOKE_METHOD_STEP_LU_H
-#define HOOKE_METHOD_STEP_LU_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,5 +20,3 @@ void lu_solve(int n, const double *a, double *b); /* b [n] becomes the solution 
 
 bool lu_factor_complex(int n, double *a);
 void lu_solve_complex(int n, const double *a, double *re, double *im); /* the same, b = re + i im */
-
-#endif

@@ -4,8 +4,7 @@
  * same bits. The diagonal of the factors holds the reciprocals. Source: Golub, Van Loan 1996,
  * Matrix Computations, 3.4.
  */
-#ifndef HOOKE_METHOD_STEP_LU_BODY_H
-#define HOOKE_METHOD_STEP_LU_BODY_H
+#pragma once
 
 #include "method/step/lu.h"
 
@@ -72,5 +71,3 @@ LU_FUNCTION bool lu_negative(int n, const double *a)
         negative ^= (a[p * n + p] < 0) != ((int)a[n * n + p] != p);
     return negative;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Newton's iteration for the stages of implicit methods. */
-#ifndef HOOKE_METHOD_STEP_NEWTON_H
-#define HOOKE_METHOD_STEP_NEWTON_H
+#pragma once
 
 #include "method/step/step.h"
 
@@ -64,5 +63,3 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
  */
 enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z,
                               double *sum, double *work);
-
-#endif

@@ -5,8 +5,7 @@
  * Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan, Razakarivony 2008, BIT
  * 48:231 (to rounding).
  */
-#ifndef HOOKE_METHOD_STEP_NEWTON_BODY_H
-#define HOOKE_METHOD_STEP_NEWTON_BODY_H
+#pragma once
 
 #include <float.h>
 
@@ -404,5 +403,3 @@ INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *s
     sum[1] = y[1] + z[1];
     return status;
 }
-
-#endif

@@ -3,8 +3,7 @@
  * The stages of an explicit Runge-Kutta step: of any tableau and system in rk.c, and again where
  * both are known to the compiler in kernel.c. One text, so both give the same bits.
  */
-#ifndef HOOKE_METHOD_STEP_RK_BODY_H
-#define HOOKE_METHOD_STEP_RK_BODY_H
+#pragma once
 
 #include "method/step/step.h"
 
@@ -43,5 +42,3 @@ INLINE void rk_stages(const struct tableau *tableau, int n, slope_function *slop
     if (!tableau->fsal) /* else z is already there: the last row of a equals b */
         rk_combine(n, h, tableau->b, stages, k, y, z, low);
 }
-
-#endif

@@ -4,8 +4,7 @@
  * known to the compiler in kernel_rosenbrock.c. One text, so both give the same bits. Source:
  * Hairer, Wanner 1996, Solving ODEs II, IV.7, eq. 7.25.
  */
-#ifndef HOOKE_METHOD_STEP_ROSENBROCK_BODY_H
-#define HOOKE_METHOD_STEP_ROSENBROCK_BODY_H
+#pragma once
 
 #include "method/step/lu_body.h"
 #include "method/step/step.h"
@@ -245,5 +244,3 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
         increment[i] = few_get(&sum, i);
     return step_increase_all(step, n, increment);
 }
-
-#endif

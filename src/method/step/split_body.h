@@ -3,8 +3,7 @@
  * The drifts and kicks of a splitting's step: for any of them (split.c), and again where weights
  * and forces are known to the compiler (kernel.c). One text, so both give the same bits.
  */
-#ifndef HOOKE_METHOD_STEP_SPLIT_BODY_H
-#define HOOKE_METHOD_STEP_SPLIT_BODY_H
+#pragma once
 
 #include <hooke/base/elementary.h>
 
@@ -136,5 +135,3 @@ INLINE void split_stages(const struct split_way *way, int n, const struct split_
         for (int j = d; j < n; j++)
             z[j] = drag_flow_apply(half, z[j]);
 }
-
-#endif

@@ -8,8 +8,7 @@
  * skipped, not multiplied. Sums begin with -0.0, the number that changes nothing when something is
  * added to it: so a sum of one is that one, to the bit, and a compiler may leave the addition out.
  */
-#ifndef HOOKE_METHOD_STEP_STEP_H
-#define HOOKE_METHOD_STEP_STEP_H
+#pragma once
 
 #include <hooke/method.h>
 #include <math.h>
@@ -337,5 +336,3 @@ static inline enum step_status step_increase(struct step *step, const double *in
     enum step_status name##_step(const struct method *method, struct step *step);
 #include "method/rows/algorithms.def"
 #undef ALGORITHM
-
-#endif

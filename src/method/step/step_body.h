@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs
  * MOST variables. */
-#ifndef HOOKE_METHOD_STEP_STEP_BODY_H
-#define HOOKE_METHOD_STEP_STEP_BODY_H
+#pragma once
 
 #include "method/control/march_body.h"
 #include "method/control/rk_error.h"
@@ -71,5 +70,3 @@ INLINE enum step_status picked_step(const struct method *method, int n, int stri
             rk_estimate(tableau, n, step_scale(step), step->h, step->work, y, z, step->error);
     return step_finish(step, z);
 }
-
-#endif

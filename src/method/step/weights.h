@@ -3,8 +3,7 @@
  * Explicit Runge-Kutta methods that the compiler does not know: the weights that are not 0, picked
  * once for all steps of one size. The sums are those of rk_body.h, in their order: the same bits.
  */
-#ifndef HOOKE_METHOD_STEP_WEIGHTS_H
-#define HOOKE_METHOD_STEP_WEIGHTS_H
+#pragma once
 
 #include "method/step/step.h"
 
@@ -33,5 +32,3 @@ static inline void stages_take(struct weights *weights, const struct tableau *ta
     for (int s = 1; s < tableau->stages; s++)
         weights_take(&weights[s], tableau_row(tableau, s), s, h);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is being collected now: for the screen, and for what is typed meanwhile. */
-#ifndef HOOKE_MODULES_COLLECT_COLLECTING_H
-#define HOOKE_MODULES_COLLECT_COLLECTING_H
+#pragma once
 
 #include <hooke/module.h>
 
@@ -43,5 +42,3 @@ struct collecting *session_collecting(const struct session *session);
 bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *output);
 /* Appends "calibrate take" where a calibration waits for a point. */
 bool collect_next(const struct session *session, struct buffer *line, bool *insists);
-
-#endif

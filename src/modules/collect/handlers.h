@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of `collect` share. */
-#ifndef HOOKE_MODULES_COLLECT_HANDLERS_H
-#define HOOKE_MODULES_COLLECT_HANDLERS_H
+#pragma once
 
 #include "modules/collect/lines.h"
 #include "modules/collect/collecting.h"
@@ -106,5 +105,3 @@ bool collect_put_calibration(const struct collection *c, struct error *error);
 bool collect_follow(struct collection *c);
 /* What was collected becomes a recording as any other, which `load` gives again. */
 bool collect_finish(struct collection *c, const struct arguments *args, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of a sensor as they came: their file, recordings of them, and how these grow. */
-#ifndef HOOKE_MODULES_COLLECT_LINES_H
-#define HOOKE_MODULES_COLLECT_LINES_H
+#pragma once
 
 #include "modules/recording/table/table.h"
 
@@ -79,5 +78,3 @@ bool arrival_times(const struct arrivals *arrivals, struct arena *arena,
 /* Reads such a file, as its format wants it. */
 bool collected_lines(const struct table_text *text, const struct load_options *options,
                      struct recording *recording, struct error *error);
-
-#endif

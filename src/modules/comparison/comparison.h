@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the commands of comparison share, and what they keep. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPARISON_H
-#define HOOKE_MODULES_COMPARISON_COMPARISON_H
+#pragma once
 
 #include <hooke/command/handler.h>
 #include "modules/comparison/compute/compare.h"
@@ -56,5 +55,3 @@ void precision_legend(const struct precision *precision, int width, struct buffe
 /* Records of points, and of the fastest for each error. */
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions of the module's plot. */
-#ifndef HOOKE_MODULES_COMPARISON_PLOTS_H
-#define HOOKE_MODULES_COMPARISON_PLOTS_H
+#pragma once
 
 #include <hooke/plot.h>
 
@@ -17,5 +16,3 @@ void precision_plot_legend(const struct session *session, int width, struct buff
 typedef bool plot_study(struct session *session, const struct row *const *method, int methods,
                         struct reply *reply, struct error *error);
 plot_study order_study, boundary_study, stars_study, region_study;
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What documents and tables are in HTML and LaTeX. */
-#ifndef HOOKE_MODULES_DOCUMENTS_DOCUMENT_H
-#define HOOKE_MODULES_DOCUMENTS_DOCUMENT_H
+#pragma once
 
 #include "modules/documents/documents.h"
 
@@ -27,5 +26,3 @@ void buffer_tex(struct buffer *output, struct text text);
  * Returns false if out of memory. */
 bool begin_longtable(struct buffer *output, size_t begin, int columns);
 void put_tex_code(struct buffer *output, struct text code); /* line by line */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module documents: what is written as Markdown, HTML and LaTeX. */
-#ifndef HOOKE_MODULES_DOCUMENTS_DOCUMENTS_H
-#define HOOKE_MODULES_DOCUMENTS_DOCUMENTS_H
+#pragma once
 
 #include <hooke/result.h>
 
@@ -67,5 +66,3 @@ struct document_picture {
 void document_figure(struct document *document, const struct document_picture *picture);
 void document_code(struct document *document, struct text code);
 void document_answer(struct document *document); /* an empty place */
-
-#endif

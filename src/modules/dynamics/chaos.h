@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How motions that begin near each other go apart: Lyapunov exponents; and where they end: basins
  * of attraction. */
-#ifndef HOOKE_MODULES_DYNAMICS_CHAOS_H
-#define HOOKE_MODULES_DYNAMICS_CHAOS_H
+#pragma once
 
 #include "modules/dynamics/dynamics.h"
 #include <hooke/run/attractor.h>
@@ -108,5 +107,3 @@ double basins_error(int64_t count, int64_t total);
 
 /* Finds what the motion from the scene's own start ends in: a find_attractor. */
 double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin);
-
-#endif

@@ -3,8 +3,7 @@
  * What a dynamical system does: equilibria, periodic orbits, how both go with a parameter and where
  * they change their kind.
  */
-#ifndef HOOKE_MODULES_DYNAMICS_DYNAMICS_H
-#define HOOKE_MODULES_DYNAMICS_DYNAMICS_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 #include <hooke/scene/model.h>
@@ -210,5 +209,3 @@ bool branch_follow(const struct branch_request *request, struct branch *branch,
  * unchanged. */
 void branch_verify(const struct branch_request *request, struct branch *branch);
 void branch_free(struct branch *branch);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Functions that the commands of dynamics share. */
-#ifndef HOOKE_MODULES_DYNAMICS_HANDLERS_H
-#define HOOKE_MODULES_DYNAMICS_HANDLERS_H
+#pragma once
 
 #include "modules/dynamics/kept.h"
 #include <hooke/command/handler.h>
@@ -96,5 +95,3 @@ bool use_kept(HANDLER_PARAMETERS);
 /* Finds the largest exponent of a run or a recording, as it was named (lyapunov_series.c). */
 bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error);
-
-#endif

@@ -4,8 +4,7 @@
  * under labels. It is kept until the equations change: values of parameters and initial values are
  * none of them. Nothing is allocated before something is found.
  */
-#ifndef HOOKE_MODULES_DYNAMICS_KEPT_H
-#define HOOKE_MODULES_DYNAMICS_KEPT_H
+#pragma once
 
 #include <hooke/module.h>
 #include "modules/dynamics/dynamics.h"
@@ -121,5 +120,3 @@ void dynamics_scene_at(const struct session *session, const struct kept_branch *
  */
 bool dynamics_search_box(const struct session *session, const struct system *system,
                          struct arena *arena, double box[][2], struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions of the module's plots: its figures, and when each is offered. */
-#ifndef HOOKE_MODULES_DYNAMICS_PLOTS_H
-#define HOOKE_MODULES_DYNAMICS_PLOTS_H
+#pragma once
 
 #include <hooke/plot.h>
 
@@ -19,5 +18,3 @@ bool branches_figure(struct drawing *d, struct figure *figure);
 /* The last map of basins. */
 bool basins_known(const struct session *session);
 bool basins_figure(struct drawing *d, struct figure *figure);
-
-#endif

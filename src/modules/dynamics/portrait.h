@@ -3,8 +3,7 @@
  * The phase portrait of two variables: where they go, where either of them rests, equilibria,
  * separatrices, lines of equal energy.
  */
-#ifndef HOOKE_MODULES_DYNAMICS_PORTRAIT_H
-#define HOOKE_MODULES_DYNAMICS_PORTRAIT_H
+#pragma once
 
 #include "modules/dynamics/dynamics.h"
 
@@ -74,5 +73,3 @@ void portrait_free(struct portrait *portrait);
  * line. Returns false if out of memory. */
 bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
                          struct polyline *line);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The phase portrait that a session shows. */
-#ifndef HOOKE_MODULES_DYNAMICS_STORED_PORTRAIT_H
-#define HOOKE_MODULES_DYNAMICS_STORED_PORTRAIT_H
+#pragma once
 
 #include <hooke/session.h>
 #include "modules/dynamics/portrait.h"
@@ -24,5 +23,3 @@ const struct portrait *session_portrait(const struct session *session,
                                         const struct portrait_request *request,
                                         struct error *error);
 void stored_portrait_clear(struct stored_portrait *stored);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Many trajectories at once, in vectors. */
-#ifndef HOOKE_MODULES_LANES_LANES_H
-#define HOOKE_MODULES_LANES_LANES_H
+#pragma once
 
 #include <hooke/method.h>
 #include <hooke/scene/formula.h>
@@ -73,5 +72,3 @@ size_t program_frame_lanes(const struct program *program);
 void program_prepare_lanes(const struct program *program, const double *input,
                            const unsigned char *lanes, double *frame);
 void program_eval_lanes(const struct program *program, double *output, double *frame);
-
-#endif

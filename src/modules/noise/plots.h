@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions of the module's plots. */
-#ifndef HOOKE_MODULES_NOISE_PLOTS_H
-#define HOOKE_MODULES_NOISE_PLOTS_H
+#pragma once
 
 #include <hooke/plot.h>
 
@@ -10,5 +9,3 @@ bool noise_langevin_known(const struct session *session);
 bool noise_ensemble_known(const struct session *session);
 bool noise_langevin_figure(struct drawing *d, struct figure *figure);
 bool noise_ensemble_figure(struct drawing *d, struct figure *figure);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the commands of the module have in common: the scene with its noise, and how it is stepped.
  */
-#ifndef HOOKE_MODULES_NOISE_SETUP_H
-#define HOOKE_MODULES_NOISE_SETUP_H
+#pragma once
 
 #include "modules/noise/compute/paths.h"
 
@@ -59,5 +58,3 @@ struct parallel noise_parallel(struct session *session, const struct arguments *
         KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),                                          \
         KEY("seed", TYPE_INTEGER, .flags = ARG_NEGATIVE), OPTION("force", TYPE_NONE)
 #define NOISE_METHOD KEY("method", TYPE_CHOICE, .choices = &noise_method_catalog)
-
-#endif

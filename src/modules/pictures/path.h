@@ -6,8 +6,7 @@
  * what passes only where the curve has been already is left out. A curve that has too many corners
  * all the same is drawn by a wider pen on a coarser grid.
  */
-#ifndef HOOKE_MODULES_PICTURES_PATH_H
-#define HOOKE_MODULES_PICTURES_PATH_H
+#pragma once
 
 #include <hooke/figure/layout.h>
 
@@ -75,5 +74,3 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area,
 
 /* Returns true if the path passes through a rectangle. */
 bool path_meets(const struct path *path, double left, double top, double right, double bottom);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* figure: what the two files that draw pictures share. Lengths in points from the upper left corner
  * of the page. */
-#ifndef HOOKE_MODULES_PICTURES_PICTURE_H
-#define HOOKE_MODULES_PICTURES_PICTURE_H
+#pragma once
 
 #include "modules/pictures/path.h"
 #include "modules/pictures/surface/surface.h"
@@ -107,4 +106,3 @@ double page_heading(struct page *page, bool legend, bool draw);
  * the line of zero: left, top, right, bottom; false: nowhere. */
 bool legend_place(struct page *page, const struct page *panel, double box[4]);
 void legend_draw(struct page *page, const double box[4]);
-#endif

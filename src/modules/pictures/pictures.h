@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module pictures: figures as SVG, PDF and PNG. */
-#ifndef HOOKE_MODULES_PICTURES_PICTURES_H
-#define HOOKE_MODULES_PICTURES_PICTURES_H
+#pragma once
 
 #include <hooke/figure.h>
 
@@ -25,5 +24,3 @@ bool figure_picture(const struct figure *figure, enum picture kind, double width
                     struct buffer *output, struct error *error);
 /* Returns true if this build can draw it; otherwise sets *error. */
 bool picture_offered(enum picture kind, struct error *error);
-
-#endif

@@ -3,8 +3,7 @@
  * figure: the style sheet of pictures. Every length, line width and colour that is drawn stands
  * here; drawing code has none of its own.
  */
-#ifndef HOOKE_MODULES_PICTURES_STYLE_H
-#define HOOKE_MODULES_PICTURES_STYLE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -67,5 +66,3 @@ struct style_dashes {
 };
 extern const struct style_dashes style_dashes[];
 extern const size_t style_dashes_count;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* figure: names, units and numbers as physics prints them, for pictures (text figures are ASCII).
  */
-#ifndef HOOKE_MODULES_PICTURES_SYMBOLS_H
-#define HOOKE_MODULES_PICTURES_SYMBOLS_H
+#pragma once
 
 #include <hooke/figure/layout.h>
 
@@ -12,5 +11,3 @@ void put_name_symbols(struct buffer *output, struct text name);
 void put_number_symbols(struct buffer *output, struct text text);
 /* "m/s^2" as m·s⁻², "1/s" as s⁻¹, "um" as µm, "deg" as °. */
 void put_unit_symbols(struct buffer *output, struct text unit);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pixels as DEC terminals take them (VT330/VT340 Programmer Reference, volume 2, 1987,
  * chapter 14): bands of six rows, a character for each column and colour. */
-#ifndef HOOKE_MODULES_PIXELS_SIXEL_H
-#define HOOKE_MODULES_PIXELS_SIXEL_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -15,5 +14,3 @@
  */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
                  struct buffer *output);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A scene with its method as a program: what its writers share. */
-#ifndef HOOKE_MODULES_PROGRAMS_PROGRAM_H
-#define HOOKE_MODULES_PROGRAMS_PROGRAM_H
+#pragma once
 
 #include <hooke/report.h>
 #include <hooke/run.h>
@@ -69,5 +68,3 @@ bool program_word(struct scene_program *p, struct text word);
 
 bool program_xpp(struct scene_program *p);
 bool program_tex(struct scene_program *p);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Texts about fits of all kinds. */
-#ifndef HOOKE_MODULES_RECORDING_FIT_TEXT_H
-#define HOOKE_MODULES_RECORDING_FIT_TEXT_H
+#pragma once
 
 #include "modules/recording/fits.h"
 #include "modules/recording/known/known.h"
@@ -84,5 +83,3 @@ bool session_add_curve(const struct fit_request *call, const double *residual,
 
 bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
                struct error *error);
-
-#endif

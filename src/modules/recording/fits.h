@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module's part of a session: the last fit, what was adopted, and its band. */
-#ifndef HOOKE_MODULES_RECORDING_FITS_H
-#define HOOKE_MODULES_RECORDING_FITS_H
+#pragma once
 
 #include "modules/recording/fit/fit.h"
 #include <hooke/module.h>
@@ -85,5 +84,3 @@ void session_store_fit(struct session *session, const struct stored_fit *fit);
 void fits_put(const void *fits, struct buffer *output);
 bool fits_content(void *fits, struct text piece[2], uint64_t **sum);
 void fits_read(struct reader *reader);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A measurement while it is made: what measure.c and the larger quantities share. */
-#ifndef HOOKE_MODULES_RECORDING_MEASURING_H
-#define HOOKE_MODULES_RECORDING_MEASURING_H
+#pragma once
 
 #include <hooke/plot.h>
 #include "modules/recording/known/known.h"
@@ -50,5 +49,3 @@ bool measure_repeat(struct measuring *m);
 /* The lines of spectra in words and as records (plot.c); with names where there are several
  * curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply);
-
-#endif

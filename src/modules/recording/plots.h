@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures of the module: spectra, envelopes, periods, residuals, bands of fits. */
-#ifndef HOOKE_MODULES_RECORDING_PLOTS_H
-#define HOOKE_MODULES_RECORDING_PLOTS_H
+#pragma once
 
 #include <hooke/plot/drawing.h>
 
@@ -46,5 +45,3 @@ double stored_band_at(const struct fit_band *band, int variable, double t);
 
 /* For `plan`: that the scene has a band, and what it takes; nothing: it has none. */
 void band_plan(const struct session *session, struct buffer *text);
-
-#endif

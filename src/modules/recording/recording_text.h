@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_MODULES_RECORDING_RECORDING_TEXT_H
-#define HOOKE_MODULES_RECORDING_RECORDING_TEXT_H
+#pragma once
 
 #include "modules/recording/table/load.h"
 #include <hooke/command.h>
@@ -14,5 +13,3 @@ void reply_description(const struct recording *recording, struct reply *reply);
 /* `list formats` and `list recordings`. Return true. */
 bool recording_list(struct session *session, struct arena *arena, struct reply *reply);
 bool recording_list_formats(struct session *session, struct arena *arena, struct reply *reply);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The check of a hand-in: what its files share. */
-#ifndef HOOKE_MODULES_REPORT_CHECK_H
-#define HOOKE_MODULES_REPORT_CHECK_H
+#pragma once
 
 #include "modules/report/lab.h"
 #include <hooke/command.h>
@@ -39,5 +38,3 @@ void check_values(struct check *check, struct text handed_text, struct text agai
  * of the column. Comments say where a file was and are not compared. */
 void check_data(struct check *check, const char *file, struct text handed_text,
                 struct text again_text);
-
-#endif

@@ -4,8 +4,7 @@
  * computed here that the session does not hold: runs, recordings, measurements, fits. What it says
  * depends on nothing else, so that the session's script gives the same bytes.
  */
-#ifndef HOOKE_MODULES_REPORT_LAB_H
-#define HOOKE_MODULES_REPORT_LAB_H
+#pragma once
 
 #include "modules/documents/documents.h"
 #include <hooke/report.h>
@@ -112,5 +111,3 @@ bool report_of_lab(const struct report *report);
 /* What the headings lack, each with what to type for it. */
 void report_missing(const struct report *report,
                     void (*say)(void *context, const char *what, const char *type), void *context);
-
-#endif

@@ -5,8 +5,7 @@
  * for a check of what `measure NAME` gave, `print NAME` gives. `#@ bare` and `#@ disk` generate a
  * recording. $seed, $bare_mass, $bare_file, … stand for values.
  */
-#ifndef HOOKE_MODULES_REPORT_LESSON_H
-#define HOOKE_MODULES_REPORT_LESSON_H
+#pragma once
 
 #include <hooke/command.h>
 #include <hooke/module.h>
@@ -57,5 +56,3 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
 /* Writes the recording that the present step needs; one that is there already and differs is an
  * error. */
 bool lesson_files(struct session *session, struct error *error);
-
-#endif

@@ -35,8 +35,7 @@
  * that have an item a parameter stand the names of the parameters: a program that has more of
  * them, or in another order, reads them.
  */
-#ifndef HOOKE_MODULES_RESUME_STORE_H
-#define HOOKE_MODULES_RESUME_STORE_H
+#pragma once
 
 #include <hooke/session/stored.h>
 
@@ -68,5 +67,3 @@ bool session_store(struct session *session, struct stored *stored, const struct 
  */
 bool session_restore(struct session *session, struct text content, const char *name,
                      const char *temporary, struct buffer *notes, struct error *error);
-
-#endif

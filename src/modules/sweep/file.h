@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The points of a sweep in a file that grows until it is whole. */
-#ifndef HOOKE_MODULES_SWEEP_FILE_H
-#define HOOKE_MODULES_SWEEP_FILE_H
+#pragma once
 
 #include <hooke/report.h>
 
@@ -60,5 +59,3 @@ bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text he
 /* `hooke --check-sweep FILE...`: whether these files together have each point once. Returns the
  * exit status. */
 int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the command sweep share. */
-#ifndef HOOKE_MODULES_SWEEP_HANDLERS_H
-#define HOOKE_MODULES_SWEEP_HANDLERS_H
+#pragma once
 
 #include "modules/sweep/compute/sweep.h"
 #include <hooke/command/handler.h>
@@ -53,5 +52,3 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
 /* Rows of CSV of these points, below the names of the columns; returns false if out of memory. */
 bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep,
                 struct buffer *rows);
-
-#endif

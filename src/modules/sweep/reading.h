@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* 'at EVENT' and 'measure=' of a sweep. */
-#ifndef HOOKE_MODULES_SWEEP_READING_H
-#define HOOKE_MODULES_SWEEP_READING_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include <hooke/session/names.h>
@@ -21,5 +20,3 @@ bool finish_section(struct sweep_request *request, bool measured, struct error *
 int slot_of_point(const struct expr_scope *scope, int slot);
 /* measure=A,B,.. (reading_measures.c) */
 bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sweep as text and as a table. */
-#ifndef HOOKE_MODULES_SWEEP_SWEPT_H
-#define HOOKE_MODULES_SWEEP_SWEPT_H
+#pragma once
 
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -65,5 +64,3 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text);
  * out of memory. */
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
                 struct buffer *output);
-
-#endif

@@ -3,8 +3,7 @@
  * What a figure shows, in numbers and in words: for those who cannot see it, as the text of a
  * picture in a document, and for tests. Read from the very curves that are drawn.
  */
-#ifndef HOOKE_MODULES_WORDS_DESCRIBE_H
-#define HOOKE_MODULES_WORDS_DESCRIBE_H
+#pragma once
 
 #include <hooke/figure.h>
 
@@ -90,5 +89,3 @@ bool describe_figure(const struct figure *figure, struct buffer *output); /* bot
 
 /* A heat map: what over what, its range, where it is highest and lowest, what has no value. */
 bool describe_heat(const struct heat *heat, struct buffer *output);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Readings of curves: what their files share. */
-#ifndef HOOKE_MODULES_WORDS_INTERNAL_H
-#define HOOKE_MODULES_WORDS_INTERNAL_H
+#pragma once
 
 #include "modules/words/describe.h"
 #include <hooke/base/cancel.h>
@@ -52,5 +51,3 @@ bool words_print(const struct figure *figure, int width, struct buffer *output);
 bool words_heat(const struct heat *heat, int width, struct buffer *output);
 bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                 int height);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas of .ode files as trees. */
-#ifndef HOOKE_MODULES_XPPAUT_FORMULA_H
-#define HOOKE_MODULES_XPPAUT_FORMULA_H
+#pragma once
 
 #include "modules/xppaut/ode.h"
 
@@ -30,5 +29,3 @@ struct ode_node {
 /* Returns NULL if an error is set. */
 const struct ode_node *ode_parse(struct arena *arena, int line, struct text text,
                                  struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables and networks of .ode files. */
-#ifndef HOOKE_MODULES_XPPAUT_NET_H
-#define HOOKE_MODULES_XPPAUT_NET_H
+#pragma once
 
 #include "modules/xppaut/formula.h"
 
@@ -31,5 +30,3 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol);
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
                                     const struct ode_node *argument);
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reading .ode files: lines, formulas, statements, settings. */
-#ifndef HOOKE_MODULES_XPPAUT_ODE_H
-#define HOOKE_MODULES_XPPAUT_ODE_H
+#pragma once
 
 #include "modules/xppaut/ode_file.h"
 
@@ -103,5 +102,3 @@ bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, st
 /* `global SIGN {CONDITION} {NAME=FORMULA;…}`, without its first word. */
 bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
                struct ode_event *event);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes of other programs: XPPAUT's .ode files. */
-#ifndef HOOKE_MODULES_XPPAUT_ODE_FILE_H
-#define HOOKE_MODULES_XPPAUT_ODE_FILE_H
+#pragma once
 
 #include <hooke/scene/typed.h>
 
@@ -61,5 +60,3 @@ struct ode_options {
 /* All in the arena. False: error, which begins with the line. */
 bool ode_read(struct text file, const struct ode_options *options, struct arena *arena,
               struct ode_scene *scene, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The statements of an .ode file, before names and formulas are what typed scenes have. */
-#ifndef HOOKE_MODULES_XPPAUT_STATEMENTS_H
-#define HOOKE_MODULES_XPPAUT_STATEMENTS_H
+#pragma once
 
 #include "modules/xppaut/ode.h"
 
@@ -34,5 +33,3 @@ bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t siz
 bool ode_statements(struct ode_statements *s, struct error *error);
 bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
     PRINTF_LIKE(4, 5);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations that the two ways to compute the work between states share. */
-#ifndef HOOKE_RUN_ENERGY_WORK_H
-#define HOOKE_RUN_ENERGY_WORK_H
+#pragma once
 
 #include "run/private.h"
 
@@ -83,5 +82,3 @@ bool ledger_is_brief(const struct plan *plan, int64_t steps);
 /* Returns true if the summary of a longer run shows the energy of LEDGER_SAMPLE of its rows. */
 bool ledger_is_sampled(const struct system *system, const struct plan *plan);
 enum { LEDGER_SAMPLE = 256 };
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* follower: another adaptive solution beside a run, from one of its rows, within a budget. */
-#ifndef RUN_ERROR_FOLLOWER_H
-#define RUN_ERROR_FOLLOWER_H
+#pragma once
 
 #include "run/private.h"
 
@@ -38,5 +37,3 @@ void run_sizes_add(const struct run *run, size_t first, size_t end, double *size
 /* Returns true if an absolute tolerance is set of a variable that is now small next to its largest
  * values: their errors may be all that is left of it. */
 bool run_asks_small_values(const struct run *run);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events that are watched in a run, and bounds of their functions inside of the step just taken. */
-#ifndef HOOKE_RUN_EVENT_WATCH_H
-#define HOOKE_RUN_EVENT_WATCH_H
+#pragma once
 
 #include "run/private.h"
 
@@ -110,5 +109,3 @@ double events_watch_error(struct event_watch *watch, const struct watched *watch
 /* Returns how many intervals a search for bursts (missed.c) may look at along `ways` segments, in a
  * run of `evals` evaluations. */
 int64_t run_burst_looks(const struct system *system, size_t ways, int64_t evals);
-
-#endif

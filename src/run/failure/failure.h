@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Diagnosis of why a run failed, or why its result is no solution. */
-#ifndef HOOKE_RUN_FAILURE_H
-#define HOOKE_RUN_FAILURE_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -72,5 +71,3 @@ void run_check_first_steps(struct run *run);
  * stand out. */
 size_t run_rows_looked_max(const struct system *system, const struct method *method, double evals,
                            double rows, bool *picks);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Prices of evaluations, in instructions. */
-#ifndef RUN_PRICE_EVALUATION_H
-#define RUN_PRICE_EVALUATION_H
+#pragma once
 
 #include <hooke/method.h>
 
@@ -13,5 +12,3 @@ double solver_evaluation_price(const struct system *system, const struct method 
                                bool adaptive);
 /* One state of the closed form. */
 double exact_state_price(const struct system *system);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The compiler of expressions: what its two files, operators and units, share. */
-#ifndef HOOKE_SCENE_FORMULA_COMPILER_H
-#define HOOKE_SCENE_FORMULA_COMPILER_H
+#pragma once
 
 #include "scene/formula/expr.h"
 
@@ -52,5 +51,3 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
 void units_of_parenthesis(struct compiler *c, const char *open);
 /* A unit here belongs to the number or the parenthesis before it. */
 bool units_read(struct compiler *c);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations shared by the compiler and the evaluators of expressions. */
-#ifndef HOOKE_SCENE_FORMULA_EXPR_H
-#define HOOKE_SCENE_FORMULA_EXPR_H
+#pragma once
 
 #include <hooke/base/elementary.h>
 #include <hooke/scene.h>
@@ -119,5 +118,3 @@ static inline int op_arity(const struct op *op)
 
 /* Applies an operator or a function; top points behind the last value. Returns the new top. */
 double *op_apply(const struct op *op, double *top);
-
-#endif

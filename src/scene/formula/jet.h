@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Bounds of operations and functions with their derivatives by one argument. */
-#ifndef HOOKE_SCENE_FORMULA_JET_H
-#define HOOKE_SCENE_FORMULA_JET_H
+#pragma once
 
 #include "scene/formula/expr.h"
 #include <hooke/scene/interval.h>
@@ -17,5 +16,3 @@ struct jet jet_jump(double lo, double hi);
 
 /* The operation on bounds of its arguments x. */
 struct jet jet_apply(const struct op *op, const struct jet *x);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Bounds of expressions on stretches with a pole (Kahan 1968): all numbers but a gap. */
-#ifndef HOOKE_SCENE_FORMULA_OUTER_H
-#define HOOKE_SCENE_FORMULA_OUTER_H
+#pragma once
 
 #include "scene/formula/jet.h"
 
@@ -19,5 +18,3 @@ bool outer_excludes_zero(struct outer a);
 /* Bounds that follow from those of the names, jet [slot]; functions that are not rational lose the
  * gap. */
 struct outer expr_outer(const struct expr *expr, const struct jet *jet);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Exact solutions by kinds of systems: the oscillator (exact.c), with dry friction (exact_dry.c),
  * other linear systems with constant coefficients (exact_linear.c). */
-#ifndef HOOKE_SCENE_MODEL_EXACT_H
-#define HOOKE_SCENE_MODEL_EXACT_H
+#pragma once
 
 #include <hooke/scene.h>
 
@@ -23,5 +22,3 @@ void linear_exact(const struct system *system, double t0, const double *start, d
 /* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not
  * just grow. rate [1/s]: of the fastest motion, 0 if there is none. */
 void linear_sizes(const struct system *system, double rate, double *max);
-
-#endif

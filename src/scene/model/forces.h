@@ -6,8 +6,7 @@
  * them, and derives these. SLOPES have the operations of that derivative in their order, for the
  * same bits.
  */
-#ifndef HOOKE_SCENE_MODEL_FORCES_H
-#define HOOKE_SCENE_MODEL_FORCES_H
+#pragma once
 
 #include "scene/model/model.h"
 
@@ -131,5 +130,3 @@ MODEL_SLOPES(reaction)
 #undef abs
 #undef sin
 #undef cos
-
-#endif

@@ -5,8 +5,7 @@
  * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range,
  * brief) each: PARAM_PLACES makes the places P_name of it, PARAM_ROWS the table.
  */
-#ifndef HOOKE_SCENE_MODEL_MODEL_H
-#define HOOKE_SCENE_MODEL_MODEL_H
+#pragma once
 
 #include <hooke/base/elementary.h>
 
@@ -83,5 +82,3 @@ static inline double scale_clamp(double scale)
         return 1; /* nothing moves: any scale will do */
     return fmin(fmax(scale, SCALE_MIN), DBL_MAX);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Places of the parameters in scene.value: P_m, P_k, ... in the order of terms.def. */
-#ifndef HOOKE_SCENE_MODEL_PARAMS_H
-#define HOOKE_SCENE_MODEL_PARAMS_H
+#pragma once
 
 #include "scene/model/model.h"
 
@@ -17,5 +16,3 @@ _Static_assert(P_COUNT <= PARAM_MAX, "scene.value holds every parameter");
 bool params_coherent(const double *param, struct error *error);
 /* Binds the terms of term_catalog whose coefficients are not 0. */
 void terms_bind(const double *param, struct system *system);
-
-#endif

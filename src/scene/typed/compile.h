@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Declarations shared by the makers of typed models: names while expressions are read, before their
  * meaning is known. */
-#ifndef HOOKE_SCENE_TYPED_COMPILE_H
-#define HOOKE_SCENE_TYPED_COMPILE_H
+#pragma once
 
 #include "scene/typed/typed.h"
 
@@ -74,5 +73,3 @@ void typed_offer(const void *context, struct suggestion *suggestion);
 /* Explains why an unknown name of that line is not known here, if more can be reported. Always
  * returns false. */
 bool typed_explain(struct compile *c, const struct typed_line *line);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed scenes: what was typed, what became of it, and the programs that evaluate it. */
-#ifndef HOOKE_SCENE_TYPED_TYPED_H
-#define HOOKE_SCENE_TYPED_TYPED_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -250,5 +249,3 @@ void typed_recognise(const struct typed_term *term, const double *c, struct osci
 void typed_begin(const double *param, struct system *system); /* struct model's begin */
 /* The same but for natural sizes, which are 1. */
 void typed_start(const double *param, struct system *system);
-
-#endif

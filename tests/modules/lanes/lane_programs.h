@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Programs of formulas on many lanes at once, beside what one evaluation gives. */
-#ifndef LANE_PROGRAMS_H
-#define LANE_PROGRAMS_H
+#pragma once
 
 #include "cmocka_testing.h"
 
@@ -43,5 +42,3 @@ static inline void compare_lanes(const struct program *program, int outputs, con
     free(in);
     free(out);
 }
-
-#endif

@@ -3,8 +3,7 @@
  * The program's SVG pictures, read back: texts with the boxes they fill, paths as points. Included
  * after <cmocka.h>.
  */
-#ifndef SVG_TESTING_H
-#define SVG_TESTING_H
+#pragma once
 
 #include "modules/pictures/surface/surface.h"
 
@@ -163,5 +162,3 @@ static inline bool svg_next(const char *svg, const char **at, struct svg_element
     }
     return false;
 }
-
-#endif

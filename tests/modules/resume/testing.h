@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sessions that are kept and come back. Included after <cmocka.h>. */
-#ifndef HOOKE_TESTS_MODULES_RESUME_TESTING_H
-#define HOOKE_TESTS_MODULES_RESUME_TESTING_H
+#pragma once
 
 #include "modules/resume/store.h"
 #include "unit/command/testing.h"
@@ -44,5 +43,3 @@ static inline void bench_resume(const struct bench *b, struct bench *again)
     buffer_free(&file);
     buffer_free(&notes);
 }
-
-#endif

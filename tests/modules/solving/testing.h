@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes and methods for the tests of studies. Included after <cmocka.h>. */
-#ifndef TESTS_STUDY_TESTING_H
-#define TESTS_STUDY_TESTING_H
+#pragma once
 
 #include <hooke/base/catalog.h>
 #include "modules/solving/compute/solve.h"
@@ -44,5 +43,3 @@ static inline void close_to(double value, double wanted, double tolerance)
     if (!(fabs(value - wanted) <= tolerance))
         fail_msg("%.17g is not %.17g within %g", value, wanted, tolerance);
 }
-
-#endif

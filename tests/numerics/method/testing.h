@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the tests of methods share: systems to integrate, and stepping with a fixed h. */
-#ifndef TESTS_METHOD_TESTING_H
-#define TESTS_METHOD_TESTING_H
+#pragma once
 
 #include <float.h>
 #include <hooke/base/catalog.h>
@@ -167,5 +166,3 @@ static inline void assert_above(const char *what, double got, double bound)
     if (!(got >= bound))
         fail_msg("%s: got %.6g, want at least %.6g", what, got, bound);
 }
-
-#endif

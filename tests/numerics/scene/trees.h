@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the tests of programs share: names, programs in all forms, random expressions. */
-#ifndef SCENE_TREES_H
-#define SCENE_TREES_H
+#pragma once
 
 #include <hooke/base/number.h>
 #include "hooke/base/elementary.h"
@@ -267,5 +266,3 @@ static inline void write_tree(struct buffer *out, const struct tree *t)
         buffer_char(out, ')');
     }
 }
-
-#endif

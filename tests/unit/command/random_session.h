@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random sessions, and a session as text. Included after <cmocka.h>. */
-#ifndef HOOKE_TESTS_UNIT_COMMAND_RANDOM_SESSION_H
-#define HOOKE_TESTS_UNIT_COMMAND_RANDOM_SESSION_H
+#pragma once
 
 #include "unit/command/testing.h"
 #include "unit/random_testing.h"
@@ -405,5 +404,3 @@ static void write_recordings(void)
         buffer_free(&text);
     }
 }
-
-#endif

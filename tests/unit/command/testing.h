@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session whose output and messages end up in buffers. Included after <cmocka.h>. */
-#ifndef HOOKE_TESTS_UNIT_COMMAND_TESTING_H
-#define HOOKE_TESTS_UNIT_COMMAND_TESTING_H
+#pragma once
 
 #include <hooke/base/statement.h>
 #include <hooke/command.h>
@@ -125,5 +124,3 @@ static inline void write_file(const char *name, const char *bytes, size_t len)
 }
 
 /* ---- the file of a session, in memory ---- */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the tests of the run layer share: scenes by parameters, runs that must exist, comparing
  * bits. */
-#ifndef HOOKE_TESTS_UNIT_RUN_FIXTURE_H
-#define HOOKE_TESTS_UNIT_RUN_FIXTURE_H
+#pragma once
 
 #include "cmocka_testing.h"
 
@@ -104,5 +103,3 @@ static inline void assert_same_trace(const struct run *a, const struct run *b)
     assert_bits(a->t, b->t);
     assert_memory_equal(a->y, b->y, (size_t)a->system.n * sizeof(double));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A typed scene for each test of a program. */
-#ifndef HOOKE_TESTS_UNIT_SCENE_FIXTURE_H
-#define HOOKE_TESTS_UNIT_SCENE_FIXTURE_H
+#pragma once
 
 #include "unit/scene/typing.h"
 
@@ -39,5 +38,3 @@ static inline int tear_down(void **state)
     free(f);
     return 0;
 }
-
-#endif

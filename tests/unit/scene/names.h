@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A scope with a few names, one of them with a hyphen, for the tests of expressions and conditions.
  */
-#ifndef SCENE_NAMES_H
-#define SCENE_NAMES_H
+#pragma once
 
 #include <hooke/base/catalog.h>
 #include "unit/scene/testing.h"
@@ -49,5 +48,3 @@ static enum quantity quantity(const void *context, int slot)
 
 static const struct expr_scope scope = {
     .find = find, .load = load, .offer = offer, .quantity = quantity};
-
-#endif

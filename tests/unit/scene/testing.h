@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the tests of the scene share: random numbers that are the same every time, and scenes from a
  * few values. */
-#ifndef SCENE_TESTING_H
-#define SCENE_TESTING_H
+#pragma once
 
 #include "cmocka_testing.h"
 
@@ -68,5 +67,3 @@ static inline struct system bound(const struct setting *settings, size_t count)
 
 #define BOUND(...)                                                                                 \
     bound((const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed scenes from text, as a command line would read it: one line each. */
-#ifndef HOOKE_TESTS_UNIT_SCENE_TYPING_H
-#define HOOKE_TESTS_UNIT_SCENE_TYPING_H
+#pragma once
 
 #include <hooke/base/number.h>
 #include <hooke/scene.h>
@@ -67,5 +66,3 @@ static inline bool type_scene(struct typed_models *models, struct scene *scene,
     }
     return true;
 }
-
-#endif

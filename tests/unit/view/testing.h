@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session told by commands, and its screen as text. */
-#ifndef VIEW_TESTING_H
-#define VIEW_TESTING_H
+#pragma once
 
 #include "cmocka_testing.h"
 #include <hooke/view.h>
@@ -104,5 +103,3 @@ static inline char *print_row(const struct session *session, int width, int heig
     assert_non_null(copy);
     return copy;
 }
-
-#endif

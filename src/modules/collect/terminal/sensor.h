@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sensors, simulated and at devices. */
-#ifndef HOOKE_MODULES_COLLECT_TERMINAL_SENSOR_H
-#define HOOKE_MODULES_COLLECT_TERMINAL_SENSOR_H
+#pragma once
 
 #include "terminal/parts.h"
 
@@ -29,5 +28,3 @@ struct device {
 bool device_open(struct device *device, const char *path, long baud, bool safe,
                  struct error *error);
 void device_close(struct device *device);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Methods compared: timing, references, precision, order, selftest. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_COMPARE_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_COMPARE_H
+#pragma once
 
 #include <hooke/figure.h>
 #include <hooke/result.h>
@@ -469,5 +468,3 @@ struct selftest_row {
 /* One method, as its row says; false: no memory, or cancelled. */
 bool selftest_method(const struct method *method, const struct cancel *cancel,
                      struct selftest_row *row);
-
-#endif

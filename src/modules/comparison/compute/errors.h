@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is measured of solves: their distance from a reference, and their times. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_ERRORS_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_ERRORS_H
+#pragma once
 
 #include "modules/comparison/compute/compare.h"
 
@@ -34,5 +33,3 @@ bool precision_time(const struct precision_request *request, struct precision *p
                     double seconds, struct error *error);
 /* Slope, its R^2 and which points took part, of a finished curve. */
 void precision_fit(struct precision *precision, int curve);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The search for a solution that errors are measured against. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_REFERENCE_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_REFERENCE_H
+#pragma once
 
 #include "modules/comparison/compute/errors.h"
 
@@ -37,5 +36,3 @@ struct reference_search {
 /* On the grid, `steps` in each interval, 0: adaptive; within what is left of the cost of all. */
 enum stop reference_walk(struct reference_search *search, struct solver *s, int64_t steps,
                          double *grid);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Stability of methods, and the stress of extreme scenes. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_STABILITY_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_STABILITY_H
+#pragma once
 
 #include "modules/comparison/compute/compare.h"
 
@@ -161,5 +160,3 @@ bool study_stress(const struct stress_scene *scene, struct text only,
                   const struct method *const *methods, int count, const struct cancel *cancel,
                   struct stress *stress, struct error *error);
 void stress_free(struct stress *stress);
-
-#endif

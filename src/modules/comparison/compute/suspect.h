@@ -4,8 +4,7 @@
  * with it, and do not pass over what it has found. It is computed again then in shorter steps; what
  * stays is said.
  */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_SUSPECT_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_SUSPECT_H
+#pragma once
 
 #include "modules/comparison/compute/errors.h"
 
@@ -33,5 +32,3 @@ void witness_explain(struct witnesses *witnesses, int i, const struct reference 
 /* Sets the reference's against and apart; *step [s]: steps that see what they have seen. */
 bool reference_suspect(struct reference *reference, const struct witnesses *witnesses,
                        double *step);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What order, stability, stress and selftest share: sweeps of fixed steps, growth measured by
  * running, modes. */
-#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_VERIFY_H
-#define HOOKE_MODULES_COMPARISON_COMPUTE_VERIFY_H
+#pragma once
 
 #include <hooke/base/numeric.h>
 #include "modules/solving/compute/algebra.h"
@@ -53,5 +52,3 @@ double mode_aside(const struct method_choice *choice, const struct mode *mode, d
 /* Runs the oscillator of this mode. */
 void mode_check(const struct method_choice *choice, const struct mode *mode, double dt,
                 struct stability_check *check);
-
-#endif

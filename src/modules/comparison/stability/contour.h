@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The line on which a function of two variables changes its sign. */
-#ifndef HOOKE_MODULES_COMPARISON_STABILITY_CONTOUR_H
-#define HOOKE_MODULES_COMPARISON_STABILITY_CONTOUR_H
+#pragma once
 
 #include <hooke/base/cancel.h>
 
@@ -27,5 +26,3 @@ struct contour_field {
 bool contour_trace(const struct contour_field *field, const struct cancel *cancel,
                    struct contour *contour);
 void contour_free(struct contour *contour);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Boundaries of stability, as rows of a table. */
-#ifndef HOOKE_MODULES_COMPARISON_STABILITY_REGIONS_H
-#define HOOKE_MODULES_COMPARISON_STABILITY_REGIONS_H
+#pragma once
 
 #include "modules/comparison/compute/stability.h"
 
@@ -35,5 +34,3 @@ const struct result_columns *region_columns(enum region_plane plane);
 bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error);
 void region_free(struct region *region);
-
-#endif

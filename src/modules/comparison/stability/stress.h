@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The cases that stress makes of a scene. */
-#ifndef HOOKE_MODULES_COMPARISON_STABILITY_STRESS_H
-#define HOOKE_MODULES_COMPARISON_STABILITY_STRESS_H
+#pragma once
 
 #include "modules/comparison/compute/verify.h"
 
@@ -14,5 +13,3 @@ bool stress_scene_set(const struct stress_case *what, struct scene *scene, struc
  */
 double stress_limit(const struct system *system, const double *y, int states, int every,
                     const struct method *method);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Attractors in which motions end, and motions on their way there. */
-#ifndef HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
-#define HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
+#pragma once
 
 #include "modules/dynamics/chaos.h"
 
@@ -59,5 +58,3 @@ void stepper_advance(struct stepper *stepper, struct walker *walker, int count);
 /* Returns the number of steps that a look needs from these states, or 0 if they go alone, by
  * adaptive steps. */
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Verdicts of runs on both sides of a special point. */
-#ifndef HOOKE_MODULES_DYNAMICS_BRANCHES_VERDICT_H
-#define HOOKE_MODULES_DYNAMICS_BRANCHES_VERDICT_H
+#pragma once
 
 /* The member `verified` of a branch point. Those below 0 name what contradicts the label. */
 enum branch_verdict {
@@ -15,5 +14,3 @@ enum branch_verdict {
 
 /* Returns what contradicts the label, as a part of a sentence; NULL if nothing does. */
 const char *branch_contradiction(int verdict);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A walk along a branch in one direction, and the special points on its way. */
-#ifndef HOOKE_MODULES_DYNAMICS_BRANCHES_WALK_H
-#define HOOKE_MODULES_DYNAMICS_BRANCHES_WALK_H
+#pragma once
 
 #include "modules/dynamics/orbits/solutions.h"
 
@@ -150,5 +149,3 @@ bool special_follow(const struct branch_request *request, struct branch *branch,
                     struct error *error);
 /* Its points in the opposite order. */
 void branch_reverse(struct branch *branch);
-
-#endif

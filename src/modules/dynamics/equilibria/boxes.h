@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Boxes of states that wait to be searched for zeros, the widest first, and what proves that one
  * has a zero, or none. */
-#ifndef HOOKE_MODULES_DYNAMICS_EQUILIBRIA_BOXES_H
-#define HOOKE_MODULES_DYNAMICS_EQUILIBRIA_BOXES_H
+#pragma once
 
 #include <hooke/scene/interval.h>
 #include <hooke/scene/typed.h>
@@ -46,5 +45,3 @@ enum verdict { NONE, ONE, UNKNOWN };
  */
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
                               const struct interval *jacobian, double *rounding);
-
-#endif

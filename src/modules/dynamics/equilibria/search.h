@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Branch and prune: zeros of a vector field in a box, each with its proof, and what is left. */
-#ifndef HOOKE_MODULES_DYNAMICS_EQUILIBRIA_SEARCH_H
-#define HOOKE_MODULES_DYNAMICS_EQUILIBRIA_SEARCH_H
+#pragma once
 
 #include "modules/dynamics/dynamics.h"
 
@@ -54,5 +53,3 @@ bool zeros_in_range(const struct zero_search *search, const double *y);
 
 /* Returns true if all bounds [n] are finite. */
 bool zeros_are_bounded(int n, const struct interval *bounds);
-
-#endif

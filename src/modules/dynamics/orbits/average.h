@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Means over time of series that are correlated, or regular. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_AVERAGE_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_AVERAGE_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -29,5 +28,3 @@ void average_find(const double *value, size_t n, double size, double *scratch,
                   struct average *average);
 /* Standard error of such a mean by so many tapers, at most AVERAGE_MOST. */
 double average_scatter(const double *value, size_t n, int batches);
-
-#endif

@@ -3,8 +3,7 @@
  * Curves of solutions: n equations in n + 1 unknowns, the last of which is the parameter, all of
  * them in units of their natural sizes. Pseudo-arclength (Keller 1977).
  */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
+#pragma once
 
 #include "modules/dynamics/orbits/field.h"
 
@@ -79,5 +78,3 @@ bool curve_find_zero(const struct curve_problem *problem, const struct curve_pla
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
 double curve_unit(int n, const double *u);
 double curve_distance(int n, const double *a, const double *b);
-
-#endif

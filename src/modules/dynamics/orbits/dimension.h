@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_DIMENSION_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_DIMENSION_H
+#pragma once
 
 #include "modules/dynamics/chaos.h"
 
@@ -12,5 +11,3 @@
  * derivative on each side: slope is the larger one if errors allow for both.
  */
 double kaplan_yorke(const struct exponent *exponent, int count, int n, double scale, double *slope);
-
-#endif

@@ -3,8 +3,7 @@
  * A scene as a vector field with parameters that are free: what equilibria, orbits and branches of
  * them ask of it.
  */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
+#pragma once
 
 #include "modules/solving/compute/algebra.h"
 #include "modules/solving/compute/solve.h"
@@ -107,5 +106,3 @@ double field_crossing(struct vector_field *field, double t, const double *start,
 /* Returns true if the equations jump anywhere on the way from `start` (a jump of their slopes alone
  * does not count). Derivatives then do not predict differences. */
 bool field_jumps(struct vector_field *field, double t, const double *start, double span);
-
-#endif

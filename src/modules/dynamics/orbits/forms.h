@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Form of an equilibrium: eigenvalues, eigenvectors, type, index. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
+#pragma once
 
 #include <hooke/scene/typed.h>
 #include "modules/dynamics/dynamics.h"
@@ -29,5 +28,3 @@ void mean_field(const struct system *bounded, const double *y, double *rate, dou
  * the solution its eigenvalues and residual. Returns false if they are not found. */
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form);
-
-#endif

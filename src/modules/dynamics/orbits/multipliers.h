@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Multipliers of periodic orbits. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_MULTIPLIERS_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_MULTIPLIERS_H
+#pragma once
 
 #include "modules/dynamics/dynamics.h"
 
@@ -28,5 +27,3 @@ bool orbit_multipliers(const struct orbit_maps *maps, double tol, struct multipl
 /* Functions that pass 0 where one is -1, or where the product of two is 1; NAN if unknown. */
 double multipliers_doubling(const struct multipliers *multipliers);
 double multipliers_torus(const struct multipliers *multipliers);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Equilibria and periodic orbits as curve problems. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_PROBLEM_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_PROBLEM_H
+#pragma once
 
 #include "modules/dynamics/orbits/multipliers.h"
 
@@ -73,5 +72,3 @@ void orbit_curve_map(const struct orbit_curve *curve, double *map);
 /* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
  * (Govaerts 2000, 4.4). */
 void matrix_pair_sums(int n, const double *jacobian, double *pairs);
-
-#endif

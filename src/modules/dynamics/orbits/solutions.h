@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One curve of solutions of either kind, and where it begins. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_SOLUTIONS_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_SOLUTIONS_H
+#pragma once
 
 #include "modules/dynamics/dynamics.h"
 
@@ -75,5 +74,3 @@ double orbit_extent(const struct vector_field *field, const struct solution *sol
  * becomes. False: it has none, with its range of periods, or cancelled.
  */
 bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A motion with tangents that are kept orthonormal. */
-#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_TANGENTS_H
-#define HOOKE_MODULES_DYNAMICS_ORBITS_TANGENTS_H
+#pragma once
 
 #include "modules/dynamics/orbits/field.h"
 
@@ -44,5 +43,3 @@ int64_t tangents_evals(const struct tangents *tangents);
 /* Gram and Schmidt, twice: columns [count][n] become orthonormal, diagonal [count] their lengths.
  */
 void tangents_orthonormalise(int n, int count, double *column, double *diagonal);
-
-#endif

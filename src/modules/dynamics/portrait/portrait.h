@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Functions that the parts of a portrait share. */
-#ifndef HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
-#define HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
+#pragma once
 
 #include "modules/dynamics/portrait.h"
 
@@ -30,5 +29,3 @@ struct level_request {
 bool level_lines(const struct level_request *request, struct polyline *line);
 
 bool portrait_separatrices(struct portrait_work *work); /* Returns false if out of memory. */
-
-#endif

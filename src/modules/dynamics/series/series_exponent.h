@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whether a series is chaotic, as far as it alone can tell: how fast neighbours in the space of its
  * delays go apart, and how many of them there are. */
-#ifndef HOOKE_MODULES_DYNAMICS_SERIES_SERIES_EXPONENT_H
-#define HOOKE_MODULES_DYNAMICS_SERIES_SERIES_EXPONENT_H
+#pragma once
 
 #include <hooke/base/error.h>
 #include <hooke/data/series.h>
@@ -46,5 +45,3 @@ struct series_exponent {
 /* False: no memory, or cancelled. Of 10 000 samples it takes about half a second. */
 bool series_exponent(const struct series *series, struct arena *arena,
                      struct series_exponent *found, struct error *error);
-
-#endif

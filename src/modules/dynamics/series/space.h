@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Vectors of delayed values, and the nearest of them. */
-#ifndef HOOKE_MODULES_DYNAMICS_SERIES_SPACE_H
-#define HOOKE_MODULES_DYNAMICS_SERIES_SPACE_H
+#pragma once
 
 #include <hooke/base/numeric.h>
 #include <hooke/data/series.h>
@@ -95,5 +94,3 @@ struct even_growth divergence_growth(const struct divergence *divergence, size_t
 /* Fills in dimension, distance, dimension_reason. False: no memory, or cancelled. */
 bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
                            struct series_exponent *found);
-
-#endif

@@ -4,8 +4,7 @@
  * [LANE_COUNT], so that loops over lanes become vector instructions; forces are programs, those of
  * built-in terms, too. The operations are those of one trajectory in their order: the same bits.
  */
-#ifndef HOOKE_MODULES_LANES_COMPUTE_STATE_H
-#define HOOKE_MODULES_LANES_COMPUTE_STATE_H
+#pragma once
 
 #include "method/step/split_body.h"
 #include "method/step/weights.h"
@@ -165,5 +164,3 @@ static inline void lane_put(int count, const double *source, int lane, double *t
     for (int i = 0; i < count; i++)
         target[i * LANE_COUNT + lane] = source[i];
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Four lanes in a vector, as wide as a register of most machines: compilers keep wider ones in
  * memory. Functions that use them are for each kind of processor (CLONES). */
-#ifndef HOOKE_MODULES_LANES_COMPUTE_VECTOR_H
-#define HOOKE_MODULES_LANES_COMPUTE_VECTOR_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -58,5 +57,3 @@ INLINE bool four_none(four_masks so)
 {
     return (so[0] | so[1] | so[2] | so[3]) == 0;
 }
-
-#endif

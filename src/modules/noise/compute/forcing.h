@@ -8,8 +8,7 @@
  * xi is white noise, <xi(t) xi(s)> = delta(t - s), independent for each variable. It does not
  * depend on the state, so that the readings of Ito and Stratonovich agree.
  */
-#ifndef HOOKE_MODULES_NOISE_COMPUTE_FORCING_H
-#define HOOKE_MODULES_NOISE_COMPUTE_FORCING_H
+#pragma once
 
 #include <hooke/scene.h>
 
@@ -90,5 +89,3 @@ double noise_stepper_excess_growth(const struct noise_forcing *forcing,
  * scene; 0 if there is none. */
 double noise_stepper_stable_limit(const struct noise_forcing *forcing,
                                   const struct noise_method *method, double h, double rate_max);
-
-#endif

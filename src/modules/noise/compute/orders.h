@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Strong and weak orders of a method for a scene, measured. */
-#ifndef HOOKE_MODULES_NOISE_COMPUTE_ORDERS_H
-#define HOOKE_MODULES_NOISE_COMPUTE_ORDERS_H
+#pragma once
 
 #include "modules/noise/compute/paths.h"
 
@@ -43,5 +42,3 @@ double noise_orders_steps(const struct orders_request *request);
 bool noise_orders_measure(const struct orders_request *request, const struct noise_method *method,
                           struct parallel parallel, struct method_orders *orders,
                           struct error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Paths of a scene with noise: one, and many with their statistics. */
-#ifndef HOOKE_MODULES_NOISE_COMPUTE_PATHS_H
-#define HOOKE_MODULES_NOISE_COMPUTE_PATHS_H
+#pragma once
 
 #include "modules/noise/compute/forcing.h"
 #include <hooke/run/parallel.h>
@@ -92,5 +91,3 @@ struct ensemble_row noise_ensemble_statistics(const struct ensemble *ensemble,
                                               double *scratch);
 /* The mean of values [n] without NAN and its standard error. */
 struct measured noise_mean_of(const double *value, size_t n);
-
-#endif

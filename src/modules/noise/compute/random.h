@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random numbers that are functions of their place: no thread waits for another one. */
-#ifndef HOOKE_MODULES_NOISE_COMPUTE_RANDOM_H
-#define HOOKE_MODULES_NOISE_COMPUTE_RANDOM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -14,5 +13,3 @@ void noise_philox_block(const uint32_t counter[4], const uint32_t key[2], uint32
  * order, on any machine.
  */
 void noise_normal_numbers(uint64_t seed, uint64_t path, uint64_t step, int count, double *normal);
-
-#endif

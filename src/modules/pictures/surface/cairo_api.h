@@ -7,8 +7,7 @@
  * command; few runs draw a picture. The types are those of cairo's own header, so a wrong call does
  * not compile. Tests put functions of their own into the table.
  */
-#ifndef HOOKE_MODULES_PICTURES_SURFACE_CAIRO_API_H
-#define HOOKE_MODULES_PICTURES_SURFACE_CAIRO_API_H
+#pragma once
 
 #include <hooke/base/library.h>
 #include "modules/pictures/pictures.h"
@@ -72,6 +71,4 @@ void cairo_unload(struct cairo_api *api);
 /* All but SVG; a table that is there. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *output, struct error *error);
-#endif
-
 #endif

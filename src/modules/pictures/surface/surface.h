@@ -5,8 +5,7 @@
  * A path is built of lines and circles, then stroked or filled, which ends it. Two kinds of surface
  * know how: svg.c writes SVG itself, cairo_surface.c hands all to cairo.
  */
-#ifndef HOOKE_MODULES_PICTURES_SURFACE_SURFACE_H
-#define HOOKE_MODULES_PICTURES_SURFACE_SURFACE_H
+#pragma once
 
 #include "modules/pictures/style.h"
 
@@ -90,5 +89,3 @@ void svg_end(struct svg_surface *svg);
 /* Draws a figure on a page of that size; returns false if out of memory. */
 bool picture_draw(struct surface *surface, const struct figure *figure, double width,
                   double height);
-
-#endif

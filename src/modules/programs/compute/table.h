@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the row of a method says, for those who write the method down. */
-#ifndef HOOKE_MODULES_PROGRAMS_COMPUTE_TABLE_H
-#define HOOKE_MODULES_PROGRAMS_COMPUTE_TABLE_H
+#pragma once
 
 #include <hooke/method.h>
 
@@ -37,5 +36,3 @@ int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHT
 
 /* Returns true for backward Euler, y' = y + h f(t + h, y'). */
 bool method_is_backward_euler(const struct method *method);
-
-#endif

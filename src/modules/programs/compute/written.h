@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The forces of a scene as text of other languages. */
-#ifndef HOOKE_MODULES_PROGRAMS_COMPUTE_WRITTEN_H
-#define HOOKE_MODULES_PROGRAMS_COMPUTE_WRITTEN_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
@@ -56,5 +55,3 @@ struct written {
 bool written_make(struct written *written, const struct scene *scene, bool as_typed,
                   struct error *error);
 void written_free(struct written *written);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Functions that the files of cleaning share. */
-#ifndef HOOKE_MODULES_RECORDING_CLEAN_CLEAN_H
-#define HOOKE_MODULES_RECORDING_CLEAN_CLEAN_H
+#pragma once
 
 #include "modules/recording/table/load.h"
 
@@ -67,5 +66,3 @@ static inline void clean_note(struct finding *finding, double t, size_t samples)
 /* Flat tops on one side, three samples at least in each of at least three cycles, none of which
  * holds half of them (that were a rest): noted, and excluded from the local fits. */
 void clean_clipped(struct cleaning *cleaning, bool upper);
-
-#endif

@@ -5,8 +5,7 @@
  * read containers are loaded when such a file is met; without them the file is refused with the
  * name of what is missing.
  */
-#ifndef HOOKE_MODULES_RECORDING_CONTAINER_CONTAINER_H
-#define HOOKE_MODULES_RECORDING_CONTAINER_CONTAINER_H
+#pragma once
 
 #include "modules/recording/table/load.h"
 #include <hooke/base/cancel.h>
@@ -140,5 +139,3 @@ void put_cell(struct buffer *text, struct text cell);
 /* A day of the Gregorian calendar counted from 1970-01-01, with its fraction, as a date or a time
  * of day. */
 void put_stamp(struct buffer *text, double days, bool with_date);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A curve and a series as a least-squares problem: what the fit and its judgement share. */
-#ifndef HOOKE_MODULES_RECORDING_FIT_CURVE_PROBLEM_H
-#define HOOKE_MODULES_RECORDING_FIT_CURVE_PROBLEM_H
+#pragma once
 
 #include "modules/recording/fit/least_squares.h"
 #include "modules/recording/series/internal.h"
@@ -51,5 +50,3 @@ void fit_conclude(const struct curve_problem *problem, struct curve_fit *fit);
 bool fit_bootstrap(const struct curve_problem *problem, const struct series *series,
                    const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                    struct error *error);
-
-#endif

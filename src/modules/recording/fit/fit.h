@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Curves, formulas and laws fitted to a series; the same quantity measured again. */
-#ifndef HOOKE_MODULES_RECORDING_FIT_FIT_H
-#define HOOKE_MODULES_RECORDING_FIT_FIT_H
+#pragma once
 
 #include <hooke/base/row.h>
 #include "modules/recording/period/period.h"
@@ -384,5 +383,3 @@ struct repeat {
 /* Averages repeated values (Birge 1932, Paule and Mandel 1982). Returns false for fewer than two.
  */
 bool repeat_values(const struct measured *x, int n, struct repeat *repeat);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas as curves. */
-#ifndef HOOKE_MODULES_RECORDING_FIT_FORMULA_H
-#define HOOKE_MODULES_RECORDING_FIT_FORMULA_H
+#pragma once
 
 #include "modules/recording/series/internal.h"
 
@@ -11,5 +10,3 @@ void formula_done(struct formula *formula);
 /* A formula that is ready (the context) as struct fit_curve wants it. */
 bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
                       double *value, double *derivative);
-
-#endif

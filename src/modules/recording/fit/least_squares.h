@@ -4,8 +4,7 @@
  * a time, so that nothing of the length of a recording has to be stored; the triangle gives the
  * steps, the parameters in which the model is linear, and the covariances.
  */
-#ifndef HOOKE_MODULES_RECORDING_FIT_LEAST_SQUARES_H
-#define HOOKE_MODULES_RECORDING_FIT_LEAST_SQUARES_H
+#pragma once
 
 #include "modules/recording/fit/fit.h"
 
@@ -103,5 +102,3 @@ bool least_squares_descend(const struct least_squares *model, const struct desce
 double solve_linears(const struct least_squares *model, double *x, struct triangle *triangle);
 /* `inward` is the direction away from the bound, 1 or -1. */
 bool on_bound(const struct least_squares *model, int j, double x, double *inward);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings of a hand-in whose own files are not here. */
-#ifndef HOOKE_MODULES_RECORDING_KNOWN_HANDED_IN_H
-#define HOOKE_MODULES_RECORDING_KNOWN_HANDED_IN_H
+#pragma once
 
 #include "modules/recording/table/load.h"
 
@@ -13,5 +12,3 @@
  * reached. Returns NULL if the folder holds nothing of it. */
 struct recording *recording_checked(const char *folder, const char *path,
                                     const struct load_options *options, struct recording *here);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Knowledge of the module about runs and recordings of a session. */
-#ifndef HOOKE_MODULES_RECORDING_KNOWN_KNOWN_H
-#define HOOKE_MODULES_RECORDING_KNOWN_KNOWN_H
+#pragma once
 
 #include "modules/recording/series/analysis.h"
 #include "modules/recording/table/load.h"
@@ -107,5 +106,3 @@ bool series_ends_as_inside(const struct series *series, double period);
 
 /* The table, then what was done or would be done. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);
-
-#endif

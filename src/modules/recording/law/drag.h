@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Functions that the files of the fit of laws share. */
-#ifndef HOOKE_MODULES_RECORDING_LAW_DRAG_H
-#define HOOKE_MODULES_RECORDING_LAW_DRAG_H
+#pragma once
 
 #include "modules/recording/law/law_fit.h"
 
@@ -66,5 +65,3 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
  */
 bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
                       struct law_fit *best);
-
-#endif

@@ -3,8 +3,7 @@
  * Least squares of the equation of motion in one pass over the samples, with a baseline that is
  * projected out block by block: nothing of the length of the recording is stored.
  */
-#ifndef HOOKE_MODULES_RECORDING_LAW_LAW_FIT_H
-#define HOOKE_MODULES_RECORDING_LAW_LAW_FIT_H
+#pragma once
 
 #include "modules/recording/series/internal.h"
 
@@ -58,5 +57,3 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
 /* Returns the standard deviation for residuals of variance 1; `parameter` is the index among the
  * fit's parameters. */
 double law_formal(const struct law_fit *fit, int parameter);
-
-#endif

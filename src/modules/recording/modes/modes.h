@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums of damped sines: y = c + d s + sum of exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s =
  * t - origin. */
-#ifndef HOOKE_MODULES_RECORDING_MODES_MODES_H
-#define HOOKE_MODULES_RECORDING_MODES_MODES_H
+#pragma once
 
 #include "modules/recording/series/internal.h"
 
@@ -49,5 +48,3 @@ int modes_search(const struct samples *x, int modes, bool quick, const struct ca
  * still missing makes them hang together, too.
  */
 double modes_evidence(const struct mode_start *start, int k, int found, double samples);
-
-#endif

@@ -3,8 +3,7 @@
  * The period of a wave of any shape in two stages: the shift at which the series is most like
  * itself, tested against its multiples and parts, and then the times of its cycles.
  */
-#ifndef HOOKE_MODULES_RECORDING_PERIOD_CYCLE_H
-#define HOOKE_MODULES_RECORDING_PERIOD_CYCLE_H
+#pragma once
 
 #include "modules/recording/series/internal.h"
 
@@ -159,5 +158,3 @@ void period_check_waves(const struct series *series, struct arena *arena, struct
 /* Takes the mean time between the waves of a series for its period, with a warning. Returns false
  * if they come at no rhythm, or if out of memory. */
 bool waves_period(const struct series *series, struct arena *arena, struct period *period);
-
-#endif

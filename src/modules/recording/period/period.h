@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Analysis of a series: crossings, period, amplitude, decay, spectrum, rates, lines. */
-#ifndef HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
-#define HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
+#pragma once
 
 #include <hooke/data.h>
 
@@ -156,5 +155,3 @@ struct line_fit {
 /* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter
  * more. Returns false for fewer than two different x. */
 bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit);
-
-#endif

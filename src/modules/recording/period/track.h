@@ -5,8 +5,7 @@
  * assumed about the whole: frequency, amplitude and baseline may drift, and the motion may come to
  * rest.
  */
-#ifndef HOOKE_MODULES_RECORDING_PERIOD_TRACK_H
-#define HOOKE_MODULES_RECORDING_PERIOD_TRACK_H
+#pragma once
 
 #include "modules/recording/period/cycle.h"
 
@@ -66,5 +65,3 @@ bool track_long(const struct samples *samples, struct arena *arena, struct track
  * few, or if out of memory.
  */
 bool track_period(const struct track *track, struct arena *arena, struct period *period);
-
-#endif

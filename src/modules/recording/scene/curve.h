@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The motion of a scene as a curve with parameters. */
-#ifndef HOOKE_MODULES_RECORDING_SCENE_CURVE_H
-#define HOOKE_MODULES_RECORDING_SCENE_CURVE_H
+#pragma once
 
 #include "modules/recording/scene/linear.h"
 
@@ -54,5 +53,3 @@ bool scene_curve_evaluate(void *context, const double *parameter, const double *
  * very many; none where the scene is linear and the samples come at few different intervals. */
 bool scene_curve_mesh(struct scene_curve *curve, const double *parameter,
                       const struct series *series, struct error *error);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Linear scenes with constant coefficients: the exact motion at given times, with its derivatives
  * by parameters. */
-#ifndef HOOKE_MODULES_RECORDING_SCENE_LINEAR_H
-#define HOOKE_MODULES_RECORDING_SCENE_LINEAR_H
+#pragma once
 
 #include "modules/solving/compute/variation.h"
 #include "modules/recording/scene/scene_fit.h"
@@ -22,5 +21,3 @@ void linear_motion_bind(struct linear_motion *motion, const struct variation *va
 /* The state [n (1 + directions)] from the time it is at to `t`; returns the time that it is at
  * then, within 1e-9 steps of t: what is off is made up for by the next step. */
 double linear_motion_advance(struct linear_motion *motion, double t_begin, double t, double *state);
-
-#endif

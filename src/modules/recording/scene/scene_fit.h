@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes fitted to recordings, and what their uncertainty means. */
-#ifndef HOOKE_MODULES_RECORDING_SCENE_SCENE_FIT_H
-#define HOOKE_MODULES_RECORDING_SCENE_SCENE_FIT_H
+#pragma once
 
 #include "modules/recording/fit/fit.h"
 #include <hooke/run.h>
@@ -113,5 +112,3 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
 /* The scene from its start to `end` [s] to 1e-10, in rows so dense that a cubic between them is as
  * good; NULL: it does not get there. */
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel);
-
-#endif

@@ -8,10 +8,7 @@
  * tau = 2/gamma is the 1/e time of the amplitude. A series whose samples have no noise (a
  * simulation) goes through the same code; its uncertainties are then tiny, never 0/0.
  */
-#ifndef HOOKE_MODULES_RECORDING_SERIES_ANALYSIS_H
-#define HOOKE_MODULES_RECORDING_SERIES_ANALYSIS_H
+#pragma once
 
 #include "modules/recording/period/period.h"
 #include "modules/recording/fit/fit.h"
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Functions that the files of the analysis layer share. */
-#ifndef HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
-#define HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
+#pragma once
 
 #include "modules/recording/series/analysis.h"
 #include "modules/recording/table/load.h"
@@ -343,5 +342,3 @@ bool drag_laws(struct motion *motion, enum quantity quantity, bool forces,
 void fit_warn(struct fit *fit, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Adds warnings to the fit; sway is that of envelope_laws(). */
 void fit_diagnose(const struct motion *motion, double sway, struct fit *fit);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings from files: reading, describing, looking for what is wrong with them. */
-#ifndef HOOKE_MODULES_RECORDING_TABLE_LOAD_H
-#define HOOKE_MODULES_RECORDING_TABLE_LOAD_H
+#pragma once
 
 #include <hooke/base/row.h>
 #include <hooke/data.h>
@@ -115,5 +114,3 @@ size_t motion_quiet(const struct motion_rows *rows, double period);
 /* Returns the same only if a damped sine through the samples before would still be visible there,
  * so that dry friction, a hand or a stop has ended the motion; else n. */
 size_t motion_rest(const struct motion_rows *rows, double period);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The fast way to read the numbers that instruments write. */
-#ifndef HOOKE_MODULES_RECORDING_TABLE_PLAIN_NUMBER_H
-#define HOOKE_MODULES_RECORDING_TABLE_PLAIN_NUMBER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,5 +52,3 @@ static inline const char *plain_number(const char *cursor, const char *end, char
     *value = negative ? -size : size;
     return cursor;
 }
-
-#endif

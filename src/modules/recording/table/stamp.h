@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dates and times of day, as instruments write them. */
-#ifndef HOOKE_MODULES_RECORDING_TABLE_STAMP_H
-#define HOOKE_MODULES_RECORDING_TABLE_STAMP_H
+#pragma once
 
 #include <hooke/data.h>
 
@@ -32,5 +31,3 @@ double stamp_seconds(struct stamp_column *column, struct text field);
 /* Columns of stamps become times in seconds from their first: a date beside a time of day is joined
  * with it, a clock that passes midnight goes on. Says so. */
 void stamp_columns(struct recording *recording, const struct stamp_column *column);
-
-#endif

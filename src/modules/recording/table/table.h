@@ -7,8 +7,7 @@
  * formats.def. Its read finds the table (text->layout, or table_find from a line of its own),
  * corrects names and units, and calls table_rows.
  */
-#ifndef HOOKE_MODULES_RECORDING_TABLE_TABLE_H
-#define HOOKE_MODULES_RECORDING_TABLE_TABLE_H
+#pragma once
 
 #include "modules/recording/table/load.h"
 
@@ -188,5 +187,3 @@ bool recording_time(struct recording *recording, const struct load_options *opti
                     struct error *error);
 
 void recording_warn(struct recording *recording, const char *format, ...) PRINTF_LIKE(2, 3);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a session has, sorted by the question of the lab that it answers. */
-#ifndef HOOKE_MODULES_REPORT_LAB_MATERIAL_H
-#define HOOKE_MODULES_REPORT_LAB_MATERIAL_H
+#pragma once
 
 #include "modules/report/lab.h"
 
@@ -35,5 +34,3 @@ static inline const struct run *run_at(const struct report *report, int index)
 {
     return report->session->runs.slot[index]->run;
 }
-
-#endif

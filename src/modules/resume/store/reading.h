@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared by writing and reading of session files: heads of records, tables of what is kept. */
-#ifndef HOOKE_MODULES_RESUME_STORE_READING_H
-#define HOOKE_MODULES_RESUME_STORE_READING_H
+#pragma once
 
 #include "modules/resume/store.h"
 
@@ -77,5 +76,3 @@ void reader_runs(struct reader *reader, struct text ids);
 void reader_recordings(struct reader *reader);
 /* The bytes that the file has under that sum. */
 bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content);
-
-#endif

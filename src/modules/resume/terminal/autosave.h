@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sessions that save themselves, and how one is taken up again. */
-#ifndef HOOKE_MODULES_RESUME_TERMINAL_AUTOSAVE_H
-#define HOOKE_MODULES_RESUME_TERMINAL_AUTOSAVE_H
+#pragma once
 
 #include "modules/resume/store.h"
 #include "terminal/parts.h"
@@ -79,5 +78,3 @@ bool autosave_write(struct autosave *autosave, struct error *error);
  * newest. told: what was done. */
 bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error);
-
-#endif

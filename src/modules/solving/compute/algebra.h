@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Linear algebra of small real matrices, row-major. */
-#ifndef HOOKE_MODULES_SOLVING_COMPUTE_ALGEBRA_H
-#define HOOKE_MODULES_SOLVING_COMPUTE_ALGEBRA_H
+#pragma once
 
 #include <hooke/base/numeric.h>
 
@@ -28,5 +27,3 @@ bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate,
 /* Finds the vector of length 1 across `known`, both [n], that a [n - 1][n] takes nearest to 0, as
  * it takes `known`. Returns false if an element is not finite, or out of memory. */
 bool matrix_second_null(int n, const double *a, const double *known, double *vector);
-
-#endif

@@ -6,8 +6,7 @@
  * otherwise a grid time inside a step is reached by a shorter step of the method itself, whose cost
  * is not counted, or by its dense output.
  */
-#ifndef HOOKE_MODULES_SOLVING_COMPUTE_SOLVE_H
-#define HOOKE_MODULES_SOLVING_COMPUTE_SOLVE_H
+#pragma once
 
 #include <hooke/run.h>
 
@@ -60,5 +59,3 @@ enum stop solver_stop(enum step_status status);
  */
 enum kernel study_path(const struct system *system, const struct method *method,
                        const struct run_settings *settings);
-
-#endif

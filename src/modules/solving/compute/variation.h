@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S +
  * df/dp. */
-#ifndef HOOKE_MODULES_SOLVING_COMPUTE_VARIATION_H
-#define HOOKE_MODULES_SOLVING_COMPUTE_VARIATION_H
+#pragma once
 
 #include "modules/solving/compute/solve.h"
 
@@ -53,5 +52,3 @@ bool variation_add_parameter(struct variation *variation, const struct scene *sc
 /* And, after these, the integral of the trace of df/dy from 0: the logarithm of the determinant of
  * what is derived by the start (Liouville). False: too many variables. */
 bool variation_add_trace(struct variation *variation);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Points of a sweep that are measured where an event happens. */
-#ifndef HOOKE_MODULES_SWEEP_COMPUTE_SECTION_H
-#define HOOKE_MODULES_SWEEP_COMPUTE_SECTION_H
+#pragma once
 
 #include <hooke/scene/formula.h>
 #include "modules/sweep/compute/worker.h"
@@ -39,5 +38,3 @@ bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t pe
 /* What the run has recorded becomes the point's; `first`: so many of its records are not kept. */
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
                     int64_t first, int64_t count);
-
-#endif

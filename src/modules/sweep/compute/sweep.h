@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One or two quantities varied, a trajectory each. */
-#ifndef HOOKE_MODULES_SWEEP_COMPUTE_SWEEP_H
-#define HOOKE_MODULES_SWEEP_COMPUTE_SWEEP_H
+#pragma once
 
 #include <hooke/figure.h>
 #include <hooke/run.h>
@@ -199,5 +198,3 @@ struct sweep_attractor {
 /* Of that measure, by number; returns how many. */
 int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
                      struct sweep_attractor found[SWEEP_ATTRACTORS]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of a sweep share. */
-#ifndef HOOKE_MODULES_SWEEP_COMPUTE_WORKER_H
-#define HOOKE_MODULES_SWEEP_COMPUTE_WORKER_H
+#pragma once
 
 #include "modules/lanes/lanes.h"
 #include "modules/sweep/compute/sweep.h"
@@ -191,5 +190,3 @@ void section_alone(struct sweep_worker *worker, int64_t i);
 void section_march(struct sweep_worker *worker);
 /* Steps that a point takes, by that of a run over the duration; NAN: not known before. */
 double section_steps(const struct sweep_request *request, const struct system *system);
-
-#endif

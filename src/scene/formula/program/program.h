@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Expressions as a graph without repetitions, and the program that it becomes. */
-#ifndef HOOKE_SCENE_FORMULA_PROGRAM_PROGRAM_H
-#define HOOKE_SCENE_FORMULA_PROGRAM_PROGRAM_H
+#pragma once
 
 #include "scene/formula/expr.h"
 
@@ -290,5 +289,3 @@ static inline void program_run(const struct program *p, double t, const double *
 struct native *native_create(const struct program *program, program_function **run,
                              int *remembered);
 void native_destroy(struct native *native);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Instructions of an x86-64 as bytes: SSE2 on one double, into a page of code. */
-#ifndef HOOKE_SCENE_FORMULA_PROGRAM_X86_H
-#define HOOKE_SCENE_FORMULA_PROGRAM_X86_H
+#pragma once
 
 #include "scene/formula/program/program.h"
 
@@ -85,5 +84,3 @@ static inline void with_pool(struct emitter *e, int prefix, int code, int reg, s
     emitter_byte(e, 0x05 | (reg & 7) << 3);
     emitter_word(e, offset - (e->position + 4 + (size_t)trailing_bytes), 4);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Synthetic recordings with a known truth, from a fixed seed. */
-#ifndef ANALYSIS_TESTING_H
-#define ANALYSIS_TESTING_H
+#pragma once
 
 #include "modules/recording/series/analysis.h"
 
@@ -81,5 +80,3 @@ static inline bool close_to(double a, double b, double tolerance)
 {
     return fabs(a - b) <= tolerance;
 }
-
-#endif

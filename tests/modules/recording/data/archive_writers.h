@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Archives, workbooks and XML documents, made byte by byte. */
-#ifndef HOOKE_TESTS_UNIT_DATA_ARCHIVE_WRITERS_H
-#define HOOKE_TESTS_UNIT_DATA_ARCHIVE_WRITERS_H
+#pragma once
 
 #include <hooke/base/text.h>
 
@@ -131,5 +130,3 @@ static inline void put_workbook(struct buffer *bytes, const char *sheet)
     };
     put_zip(bytes, files, COUNT_OF(files));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Archives, workbooks and documents made byte by byte: what tests of containers share. */
-#ifndef HOOKE_TESTS_UNIT_DATA_ARCHIVES_H
-#define HOOKE_TESTS_UNIT_DATA_ARCHIVES_H
+#pragma once
 
 #include "modules/recording/data/archive_writers.h"
 #include "modules/recording/data/fixture.h"
@@ -57,5 +56,3 @@ static inline bool refused(struct recording *recording, const struct error *erro
     recording_destroy(recording);
     return right;
 }
-
-#endif

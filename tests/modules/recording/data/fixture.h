@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files that a test writes for itself, in a folder of their own, and options written as users type
  * them. */
-#ifndef HOOKE_TESTS_UNIT_DATA_FIXTURE_H
-#define HOOKE_TESTS_UNIT_DATA_FIXTURE_H
+#pragma once
 
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
@@ -124,5 +123,3 @@ static inline bool near(double a, double b, double tolerance)
 {
     return fabs(a - b) <= tolerance;
 }
-
-#endif

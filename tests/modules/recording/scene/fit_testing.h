@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings of runs of known truth, and scenes fitted to them. */
-#ifndef HOOKE_TESTS_UNIT_STUDY_FIT_TESTING_H
-#define HOOKE_TESTS_UNIT_STUDY_FIT_TESTING_H
+#pragma once
 
 #include "modules/solving/testing.h"
 #include "modules/recording/scene/scene_fit.h"
@@ -106,5 +105,3 @@ static inline void assert_found(const struct fitted *f, const char *name, double
         (truth != 0 && !(m.uncertainty <= max * fabs(truth))))
         fail_msg("%s = %.10g +- %.2g, truth %.10g", name, m.value, m.uncertainty, truth);
 }
-
-#endif
