@@ -174,11 +174,15 @@ void buffer_word(struct buffer *buffer, struct text word);
 /* ---- tables for people ---- */
 
 #define TABLE_COLUMNS_MAX 24
+#define TABLE_RANK_WIDE 4 /* the rank of columns with COLUMN_WIDE */
 
 struct text_table {
     struct arena *arena;
     int columns, gap, indent;
-    int max; /* [cell] the width to fit: gaps shrink, columns of one value fold; 0 means any */
+    /* [cell] the width to fit, or 0 for any: gaps shrink, columns of one value fold, then others
+     * are left out, and a line below says which */
+    int max;
+    int rank[TABLE_COLUMNS_MAX]; /* like that of struct result_column, but columns of rank 0 stay */
     int cells, capacity;
     const char **cell; /* row by row, the heading first */
     bool failed;       /* no memory: cells are missing */
@@ -232,6 +236,10 @@ struct result_column {
     const char *heading;                    /* for people */
     const char *(*head)(const void *first); /* the same where it depends on the first row */
     int index; /* among the columns for people, from 1; 0 if it is not there */
+    /* Decides which columns are left out where a table is too wide: the largest rank first, and of
+     * one rank from the right; the first column stays. 0 counts as 2, COLUMN_WIDE as 4, whose
+     * absence nobody misses: only others are named below the table. */
+    int rank;
     unsigned flags;
     enum column_kind kind;
     enum quantity quantity; /* of a real */

@@ -246,11 +246,19 @@ static int columns_shown(const struct result_columns *columns, const void *rows,
     return used;
 }
 
+static int column_rank(const struct result_column *column)
+{
+    const int usual = column->flags & COLUMN_WIDE ? TABLE_RANK_WIDE : 2;
+    return column->rank ? column->rank : usual;
+}
+
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table)
 {
     const struct result_column *shown[TABLE_COLUMNS_MAX];
     table->columns = columns_shown(columns, rows, count, wide, shown);
+    for (int c = 0; c < table->columns; c++)
+        table->rank[c] = column_rank(shown[c]);
     for (int c = 0; c < table->columns; c++)
         cell_text(table, shown[c]->head && count > 0 ? shown[c]->head(rows) : shown[c]->heading);
     for (size_t i = 0; i < count; i++)

@@ -119,9 +119,42 @@ static void fold_columns(const struct text_table *table, int *width, struct buff
         if (!is_same_in_all_rows(table, column))
             continue;
         width[column] = -1;
-        buffer_format(told, "%s%s %s", told->len > 0 ? ", " : "in each row: ", table->cell[column],
+        const char *heading = table->cell[column];
+        buffer_put(told, told->len > 0 ? TEXT(", ") : TEXT("in each row: "));
+        buffer_format(told, *heading ? "%s %s" : "%s%s", heading,
                       table->cell[table->columns + column]);
     }
+}
+
+/* Leaves out columns, those of the largest rank first and of one rank from the right, until the
+ * table fits: marks their widths, and writes their headings. */
+static void drop_columns(const struct text_table *table, int *width, struct buffer *told)
+{
+    while (table_width(table, width, 1) > table->max) {
+        int least = 0;
+        for (int column = 1; column < table->columns; column++)
+            if (width[column] >= 0 && table->rank[column] > 0 &&
+                (least == 0 || table->rank[column] >= table->rank[least]))
+                least = column;
+        if (least == 0)
+            return;
+        width[least] = -1;
+        if (table->rank[least] >= TABLE_RANK_WIDE)
+            continue;
+        buffer_put(told, told->len > 0 ? TEXT(", ") : TEXT("left out for want of room: "));
+        buffer_put(told, *table->cell[least] ? text_of(table->cell[least]) : TEXT("remarks"));
+    }
+}
+
+/* Puts a sentence below the table, in lines of its width. */
+static void put_told(const struct text_table *table, struct buffer *told, struct buffer *output)
+{
+    struct buffer folded = {0};
+    buffer_folded(&folded, buffer_text(told), table->max);
+    if (told->len > 0)
+        buffer_format(output, "%s\n", buffer_view(&folded));
+    buffer_free(&folded);
+    buffer_free(told);
 }
 
 static void put_blanks(struct buffer *output, int count)
@@ -141,9 +174,11 @@ void text_table_put(const struct text_table *table, struct buffer *output)
     int gap = table->gap;
     while (table->max > 0 && gap > 1 && table_width(table, width, gap) > table->max)
         gap--;
-    struct buffer told = {0};
-    if (table->max > 0)
-        fold_columns(table, width, &told);
+    struct buffer folded = {0}, dropped = {0};
+    if (table->max > 0) {
+        fold_columns(table, width, &folded);
+        drop_columns(table, width, &dropped);
+    }
     for (int i = 0; i < table->cells; i++) {
         const int column = i % table->columns;
         const bool last = column == table->columns - 1;
@@ -159,7 +194,6 @@ void text_table_put(const struct text_table *table, struct buffer *output)
         if (last)
             buffer_char(output, '\n');
     }
-    if (told.len > 0)
-        buffer_format(output, "%s\n", buffer_view(&told));
-    buffer_free(&told);
+    put_told(table, &folded, output);
+    put_told(table, &dropped, output);
 }

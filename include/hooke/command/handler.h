@@ -84,6 +84,8 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
 
 /* ---- runs in text (run_text.c, run_warnings.c, opinion_text.c) ---- */
 
+/* Returns true if what is predicted to take that long [s] needs --force or a yes. */
+bool takes_long(double seconds);
 /* A prediction above a minute is refused, or asked about at the prompt, unless --force was given.
  */
 bool allow_long(struct session *session, double seconds, double steps, bool force,

@@ -8,16 +8,22 @@
 #include <math.h>
 #include <stdio.h>
 
-#define SECONDS_ASKED 60 /* predicted run times above it need --force or a yes */
+/* Predicted computing time above which --force or a yes is needed [s]. */
+static const double seconds_asked = 60;
 /* Steps of an adaptive run before its speed shows how long it will take. */
 #define STEPS_JUDGED 100000
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
+
+bool takes_long(double seconds)
+{
+    return seconds > seconds_asked;
+}
 
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error)
 {
     char question[200];
-    if (!(seconds > SECONDS_ASKED) || force)
+    if (!takes_long(seconds) || force)
         return true;
     snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
     if (session->execution.typed && (session->front.watched || session->front.confirm)) {
@@ -130,7 +136,7 @@ static bool goes_on(struct session *session, const struct run *run, struct advan
     struct error ignored = {0};
     const double steps = (double)pace->steps, t = pace->t;
     advance->left = advance->force ? 0 : time_left(run, &advance->target, first, pace);
-    if (!(advance->left > SECONDS_ASKED))
+    if (!takes_long(advance->left))
         return true;
     const double more =
         ((double)run->steps - steps) * ((advance->target.t - run->t) / (run->t - t));

@@ -3,10 +3,10 @@
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/report.h>
 #include "modules/comparison/comparison.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ static void fill_rows(const struct session *session, const struct comparison *co
         compared_init(row, &compared[i]);
         const bool stopped = cancelled(session->front.cancel),
                    arrived = !stop_is_failure(run->stop) && run->stop != STOP_GIVEN_UP;
-        if (stopped || !arrived || !run_period(run, arena, &row->period))
+        if (stopped || !arrived || run->system.n == 1 || !run_period(run, arena, &row->period))
             row->period = (struct measured){NAN, NAN};
         for (int k = 0; k < count; k++)
             row->mixed |= compared[k].path != compared[0].path;
@@ -70,8 +70,8 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     buffer_format(
         output,
         "(!) timed by the general code: %s\n"
-        "    The others have code made for the method and these forces: do not rank by time\n"
-        "    what is marked against what is not.\n",
+        "The others have code made for the method and these forces: do not rank by time what is "
+        "marked against what is not.\n",
         buffer_view(&names));
     buffer_free(&names);
 }
@@ -94,51 +94,49 @@ static void put_verdicts(const struct compared_row *rows, int count, struct buff
     }
 }
 
-/* Puts the table, without the columns for much room where its rows would be broken. */
-static void put_compared(const struct compared_row *rows, int count, int width, struct arena *arena,
-                         struct buffer *text)
+static void put_reference(const struct comparison *first, struct buffer *text)
 {
-    bool broken = false;
-    for (int wide = 1; wide >= 0 && (wide || broken); wide--) {
-        struct text_table table = {.arena = arena, .gap = 3, .max = width};
-        buffer_clear(text);
-        columns_text(&compared_columns, rows, (size_t)count, wide, &table);
-        text_table_put(&table, text);
-        broken = text_rows(buffer_text(text), width) > text_rows(buffer_text(text), INT_MAX);
-    }
+    if (!first->reference[0])
+        return;
+    buffer_format(text, "errors against %s and %s, which agree to %s",
+                  first->reference[0]->row.name, first->reference[1]->row.name,
+                  SHOWN_SHORT(first->errors.floor, 2));
+    buffer_put(text, first->reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
 }
 
+/* `compared` are the `count` that were run; left_out more rows stand behind them. */
 static void reply_table(const struct session *session, const struct comparison *compared,
-                        const struct compared_row *rows, int count, bool brief, struct arena *arena,
-                        struct reply *reply)
+                        const struct compared_row *rows, int count, int left_out, bool brief,
+                        struct arena *arena, struct reply *reply)
 {
+    enum { BELOW = 5 /* [row] the reference, the machine, the runs' numbers */ };
     int width, height;
     session_size(session, &width, &height);
-    struct buffer text = {0};
-    enum { BELOW = 5 /* [row] the reference, the machine, the runs' numbers */ };
-    put_compared(rows, count, width, arena, &text);
+    struct buffer text = {0}, lines = {0};
+    struct text_table table = {.arena = arena, .gap = 3, .max = width};
+    columns_text(&compared_columns, rows, (size_t)(count + left_out), true, &table);
+    text_table_put(&table, &text);
     bool timed = false;
     for (int i = 0; i < count; i++)
         timed |= isfinite(compared[i].time.minimum);
     if (timed && rows[0].mixed)
-        put_general(compared, count, &text);
-    put_turning(compared, count, &text);
+        put_general(compared, count, &lines);
+    put_turning(compared, count, &lines);
+    put_folded_lines(&lines, width, &text);
     const size_t table_end = text.len;
-    put_verdicts(rows, count, &text);
+    put_verdicts(rows, count + left_out, &lines);
+    put_folded_lines(&lines, width, &text);
     const int rows_max =
         answer_rows(session) > ANSWER_ROWS_MIN ? answer_rows(session) : ANSWER_ROWS_MIN;
     if (brief && text.len > table_end && text_rows(buffer_text(&text), width) > rows_max - BELOW) {
         text.len = table_end;
         buffer_put(&text, TEXT("... what each does in words: --full\n"));
     }
-    if (compared[0].reference[0]) {
-        buffer_format(&text, "errors against %s and %s, which agree to %s",
-                      compared[0].reference[0]->row.name, compared[0].reference[1]->row.name,
-                      SHOWN_SHORT(compared[0].errors.floor, 2));
-        buffer_put(&text, compared[0].reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
-    }
+    put_reference(&compared[0], &lines);
+    put_folded_lines(&lines, width, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    buffer_free(&lines);
 }
 
 static void reply_comparison(const struct session *session, const struct compared_row *rows,
@@ -190,22 +188,23 @@ static void overlay_runs(struct view *view, const struct comparison *rows, int c
         view->overlay[view->overlays++] = rows[i].run->number;
 }
 
-static void reply_saved(const struct comparison *rows, int count, struct reply *reply)
+static void reply_saved(const struct session *session, const struct comparison *rows, int count,
+                        struct reply *reply)
 {
-    enum { NUMBERS_MAX = 4 /* that are named one by one */ };
+    enum { NUMBERS_MAX = 4 /* that are named one by one */, HINT_CELLS = 60 };
     struct buffer numbers = {0};
+    int width, height;
+    session_size(session, &width, &height);
     for (int i = 0; i < count && count <= NUMBERS_MAX; i++)
         buffer_format(&numbers, "%s%d", i ? " " : "", rows[i].run->number);
-    if (count > NUMBERS_MAX) {
-        reply_line(reply,
-                   "saved as runs %d to %d   ('runs', 'plot energy run all', "
-                   "'export runs.csv run all')",
-                   rows[0].run->number, rows[count - 1].run->number);
-        return;
-    }
-    reply_line(
-        reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')",
-        count == 1 ? "" : "s", buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
+    if (count > NUMBERS_MAX)
+        buffer_format(&numbers, "%d to %d", rows[0].run->number, rows[count - 1].run->number);
+    const char *shown = buffer_view(&numbers), *which = count > NUMBERS_MAX ? "all" : shown;
+    if (width < HINT_CELLS)
+        reply_line(reply, "saved as run%s %s", plural_s(count), shown);
+    else
+        reply_line(reply, "saved as run%s %s   ('runs', 'plot energy run %s')", plural_s(count),
+                   shown, which);
     buffer_free(&numbers);
 }
 
@@ -218,38 +217,98 @@ static bool choices_adapt(const struct compare_request *request)
 }
 
 /* Says which times are not sound, and how busy the machine was. */
-static void reply_machine(const struct comparison *rows, int count, struct reply *reply)
+static void reply_machine(const struct session *session, const struct comparison *rows, int count,
+                          struct reply *reply)
 {
-    struct buffer text = {0};
+    struct buffer text = {0}, lines = {0};
     double others = 0;
+    int width, height;
+    session_size(session, &width, &height);
     for (int i = 0; i < count; i++) {
         const struct timing_result *time = &rows[i].time;
         if (isnan(time->minimum))
             continue;
         others = time->others;
         if (!timing_is_sound(time))
-            buffer_format(&text,
+            buffer_format(&lines,
                           "the time of %s is uncertain: its shortest samples differ by %.0f %%\n",
                           rows[i].run->method->row.name, 100 * time->spread);
     }
-    timing_put_machine(others, &text);
+    timing_put_machine(others, &lines);
+    put_folded_lines(&lines, width, &text);
+    buffer_free(&lines);
     if (text.len > 0)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
 
+/* Takes the methods that are named, or, without any, those of 'precision' that suit the scene. */
+static bool choose_compared(const struct session *session, const struct arguments *args,
+                            struct method_choice *choice, int *count, struct reply *reply,
+                            struct error *error)
+{
+    const struct setup *setup = &session->setup;
+    struct system system;
+    if (argument_value(args, "METHOD")->count == 0) {
+        if (!scene_bind(&setup->scene, &system, error))
+            return false;
+        *count = precision_defaults(&system, setup->settings.duration, choice, NULL, NULL);
+    }
+    if (!choose_methods(args, setup->drag, choice, count, error))
+        return false;
+    *count = drop_repeated(choice, *count, reply);
+    return true;
+}
+
+/* Puts methods that alone would take too long behind the others, as rows that say so, if others
+ * are left. Returns how many there are. */
+static int leave_out_long(struct compare_request *request, struct method_choice *choice,
+                          struct compared_row *row)
+{
+    int left = 0, omitted = 0;
+    for (int c = 0; c < request->choices; c++) {
+        struct compare_request alone = *request;
+        struct error ignored;
+        double steps, seconds;
+        alone.choice = &choice[c];
+        alone.choices = 1;
+        if (study_compare_plan(&alone, &steps, &seconds, &ignored) && takes_long(seconds))
+            compared_too_long(&row[omitted++], &choice[c], request->dt[0], steps, seconds);
+        else
+            choice[left++] = choice[c];
+    }
+    if (left == 0)
+        return 0;
+    request->choices = left;
+    return omitted;
+}
+
+/* Answers with what was compared, and with what was left out behind it. */
+static void reply_compared(struct session *session, const struct arguments *args,
+                           const struct comparison *rows, int count, struct compared_row *compared,
+                           int left_out, struct reply *reply)
+{
+    overlay_runs(&session->view, rows, count);
+    fill_rows(session, rows, count, args->arena, compared);
+    if (reply_wants_text(reply))
+        reply_table(session, rows, compared, count, left_out, !asks_full(args), args->arena, reply);
+    reply_comparison(session, compared, count + left_out, reply);
+    for (int i = 0; i < count; i++)
+        reply_unsound(rows[i].run, reply);
+    reply_machine(session, rows, count, reply);
+    reply_saved(session, rows, count, reply);
+}
+
 HANDLER(compare)
 {
-    const struct argument_value *methods = argument_value(args, "METHOD"),
-                                *dt = argument_value(args, "dt"),
+    const struct argument_value *dt = argument_value(args, "dt"),
                                 *tol = argument_value(args, "tol");
     const struct settings *settings = &session->setup.settings;
-    const int max = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
-    struct method_choice *choice = arena_array(args->arena, (size_t)methods->count, sizeof *choice);
-    struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
-    struct compared_row *compared = arena_array(args->arena, (size_t)max, sizeof *compared);
+    const size_t most = (size_t)argument_value(args, "METHOD")->count + PRECISION_DEFAULTS;
+    struct method_choice *choice = arena_array(args->arena, most, sizeof *choice);
     double *dts = values_of(dt, args->arena), *tols = values_of(tol, args->arena);
-    if (!choice || !rows || !compared || !dts || !tols)
+    int choices = 0, count = 0;
+    if (!choice || !dts || !tols)
         return error_memory(error);
     const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
     if (dt->count == 0)
@@ -258,34 +317,41 @@ HANDLER(compare)
         return error_at(error, dt->where,
                         "with tol= at most one dt is given: the first step, and the step of "
                         "methods that do not adapt");
+    if (!choose_compared(session, args, choice, &choices, reply, error))
+        return false;
+    const int max = choices * (tol->count ? tol->count : dt->count ? dt->count : 1);
+    struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
+    struct compared_row *compared =
+                            arena_array(args->arena, (size_t)(max + choices), sizeof *compared),
+                        *omitted = arena_array(args->arena, (size_t)choices, sizeof *omitted);
+    if (!rows || !compared || !omitted)
+        return error_memory(error);
     if (session->runs.count + max > LIMIT_RUNS) {
         error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", max,
                   session->runs.count, LIMIT_RUNS);
         return error_hint(error, "drop some: drop N.. or drop all");
     }
-    int count = 0;
-    if (!choose_methods(args, session->setup.drag, choice, &count, error))
-        return false;
-    const struct compare_request request = {.scene = &session->setup.scene,
-                                            .choice = choice,
-                                            .choices = methods->count,
-                                            .dt = dts,
-                                            .dts = dt->count ? dt->count : 1,
-                                            .tol = adapts       ? &settings->tol
-                                                   : tol->count ? tols
-                                                                : NULL,
-                                            .tols = adapts ? 1 : tol->count,
-                                            .first = dt->count ? 0 : session_first_step(session),
-                                            .duration = settings->duration,
-                                            .compensated =
-                                                session_run_settings(session).compensated,
-                                            .record = settings->record,
-                                            .timing = (enum timing)settings->timing,
-                                            .references = session_references(session),
-                                            .cancel = session->front.cancel};
+    struct compare_request request = {.scene = &session->setup.scene,
+                                      .choice = choice,
+                                      .choices = choices,
+                                      .dt = dts,
+                                      .dts = dt->count ? dt->count : 1,
+                                      .tol = adapts       ? &settings->tol
+                                             : tol->count ? tols
+                                                          : NULL,
+                                      .tols = adapts ? 1 : tol->count,
+                                      .first = dt->count ? 0 : session_first_step(session),
+                                      .duration = settings->duration,
+                                      .compensated = session_run_settings(session).compensated,
+                                      .record = settings->record,
+                                      .timing = (enum timing)settings->timing,
+                                      .references = session_references(session),
+                                      .cancel = session->front.cancel};
+    const bool force = has_argument(args, "force");
+    const int left_out = force ? 0 : leave_out_long(&request, choice, omitted);
     double steps, seconds;
     if (!study_compare_plan(&request, &steps, &seconds, error) ||
-        !allow_long(session, seconds, steps, has_argument(args, "force"), error))
+        !allow_long(session, seconds, steps, force, error))
         return false;
     struct error study = {0};
     reply_assumed(session, choices_adapt(&request), true, reply);
@@ -293,17 +359,9 @@ HANDLER(compare)
     const bool ok = study_compare(&request, rows, &count, &study);
     if (!keep_runs(session, rows, count, error))
         return false;
-    if (count > 0) {
-        overlay_runs(&session->view, rows, count);
-        fill_rows(session, rows, count, args->arena, compared);
-        if (reply_wants_text(reply))
-            reply_table(session, rows, compared, count, !asks_full(args), args->arena, reply);
-        reply_comparison(session, compared, count, reply);
-        for (int i = 0; i < count; i++)
-            reply_unsound(rows[i].run, reply);
-        reply_machine(rows, count, reply);
-        reply_saved(rows, count, reply);
-    }
+    memcpy(compared + count, omitted, (size_t)left_out * sizeof *omitted);
+    if (count > 0)
+        reply_compared(session, args, rows, count, compared, left_out, reply);
     if (!ok)
         *error = study;
     return ok;
@@ -311,8 +369,8 @@ HANDLER(compare)
 #endif
 
 COMMAND(compare, .group = "STUDY", .flags = COMMAND_CHANGES | COMMAND_TABLES,
-        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY,
-                        .choices = &method_catalog),
+        ARGUMENTS(WORD("all", TYPE_NONE),
+                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),
                   KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog),

@@ -2,6 +2,8 @@
 /* The module comparison: methods against each other, and against what is known of them. */
 #include "modules/comparison/comparison.h"
 
+#include <hooke/base/safe_text.h>
+
 #include <stdlib.h>
 
 struct references *session_references(const struct session *session)
@@ -47,6 +49,45 @@ struct method_choice *methods_choice(const struct session *session, const struct
     if (choice && *count == 0)
         choice[(*count)++] = (struct method_choice){session->setup.method, session->setup.drag};
     return choice;
+}
+
+void put_folded_lines(struct buffer *lines, int width, struct buffer *text)
+{
+    enum { HANGING = 2 /* [cell] that what is continued begins further right */ };
+    struct text rest = buffer_text(lines), line;
+    while (text_split(&rest, '\n', &line)) {
+        const int indent = (int)(line.len - text_trim(line).len);
+        struct buffer folded = {0};
+        if (line.len == 0)
+            continue;
+        if (text_width(line) <= width) {
+            buffer_format(text, "%.*s\n", (int)line.len, line.data);
+            continue;
+        }
+        buffer_folded(&folded, text_trim(line), width - indent - HANGING);
+        struct text parts = buffer_text(&folded), part;
+        for (int k = 0; text_split(&parts, '\n', &part); k++)
+            buffer_format(text, "%*s%.*s\n", indent + (k ? HANGING : 0), "", (int)part.len,
+                          part.data);
+        buffer_free(&folded);
+    }
+    buffer_clear(lines);
+}
+
+int drop_repeated(struct method_choice *choice, int count, struct reply *reply)
+{
+    int left = 0;
+    for (int i = 0; i < count; i++) {
+        bool repeated = false;
+        for (int k = 0; k < left; k++)
+            repeated |= choice[k].method == choice[i].method && choice[k].drag == choice[i].drag;
+        if (repeated)
+            reply_note(reply, "%s is named twice: taken once, dt=10ms,5ms compares steps",
+                       choice[i].method->row.name);
+        else
+            choice[left++] = choice[i];
+    }
+    return left;
 }
 
 static void free_part(void *state)

@@ -33,6 +33,12 @@ bool choose_methods(const struct arguments *args, enum drag usual, struct method
 struct method_choice *methods_choice(const struct session *session, const struct row *const *method,
                                      int *count, struct arena *arena);
 
+/* Drops choices that are made twice, and says so. Returns how many are left. */
+int drop_repeated(struct method_choice *choice, int count, struct reply *reply);
+
+/* Moves lines to the text, those that are too wide on several. */
+void put_folded_lines(struct buffer *lines, int width, struct buffer *text);
+
 /* ---- a precision study in text (precision_text.c, figure.c) ---- */
 
 /* Letter of a curve in tables and figure. */

@@ -205,7 +205,7 @@ static bool add_labels(struct diagram *d, bool named)
  * columns. */
 static void make_room(struct diagram *d, bool named)
 {
-    const double letter = named ? 0.0105 : 1.0 / 66, margin = named ? 2.5 : 2, part_max = 0.6;
+    const double letter = named ? 0.0105 : 1.0 / 66, margin = 2.5, part_max = 0.6;
     const double upper = log10(d->work[1]);
     double lower = log10(d->work[0]);
     for (int i = 0; i < d->labels; i++) {

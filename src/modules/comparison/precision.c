@@ -125,15 +125,6 @@ static void put_without_result(const struct precision *precision, struct buffer 
         buffer_char(text, '\n');
 }
 
-static void put_folded(struct buffer *paragraph, int width, struct buffer *text)
-{
-    struct buffer folded = {0};
-    buffer_folded(&folded, buffer_text(paragraph), width);
-    buffer_put(text, buffer_text(&folded));
-    buffer_free(&folded);
-    buffer_clear(paragraph);
-}
-
 /* Puts the diagram, as high as the rest of the answer leaves room for, then the winners. Where
  * there is little room the letters are explained by the winners alone. */
 static void put_short(const struct session *session, const struct precision *precision, int width,
@@ -148,9 +139,8 @@ static void put_short(const struct session *session, const struct precision *pre
         answer_rows(session))
         buffer_clear(&legend);
     put_without_result(precision, &paragraph);
-    put_folded(&paragraph, width, &rest);
     put_subject(session, precision, seconds, &paragraph);
-    put_folded(&paragraph, width, &rest);
+    put_folded_lines(&paragraph, width, &rest);
     buffer_put(&rest, width < 60
                           ? TEXT("letters, values: 'precision table'\n")
                           : TEXT("'precision table [METHOD]': slopes, values; --full: all\n"));

@@ -68,6 +68,15 @@ static void put_scene(struct buffer *output, const struct session *session,
     const double seconds = session->setup.settings.duration;
     if (s->modes && s->linear && s->worst.sign != STIFFNESS_POSITIVE)
         put_eigenvalues(output, s);
+    else if (s->modes && s->linear && s->scalar)
+        buffer_format(output,
+                      "  one equation of first order: lambda = %.6g 1/s, lambda dt = %.6g\n",
+                      -s->worst.omega, -s->worst.omega * s->dt);
+    else if (s->modes && s->scalar)
+        buffer_format(output,
+                      "  one equation, not linear: its rate at the start and along %.4g s;\n"
+                      "  dt_max comes from t = %.4g s, where it is %.4g 1/s\n",
+                      seconds, s->tightest.t, -s->tightest.omega);
     else if (s->modes && s->linear)
         buffer_format(output, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega,
                       s->worst.zeta, s->worst.omega * s->dt);
@@ -112,9 +121,14 @@ static double finite_or(double value, double otherwise)
 }
 
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
-static void put_region(struct buffer *output, const struct stability *s, int height)
+static void put_region(struct buffer *output, const struct stability *s, int width, int height)
 {
-    enum { BESIDE = 3 /* [row] the heading, the axis, and that it is outside */ };
+    enum {
+        LABELS = 12 /* [cell] left of it */,
+        BESIDE = 3 /* [row] the heading, the axis, and that it is outside */
+    };
+    const int room = width - LABELS < REGION_COLUMNS ? width - LABELS : REGION_COLUMNS,
+              columns = room > LABELS ? room : LABELS;
     const int rows = height - BESIDE > REGION_ROWS_MAX   ? REGION_ROWS_MAX
                      : height - BESIDE > REGION_ROWS_MIN ? height - BESIDE
                                                          : REGION_ROWS_MIN;
@@ -124,14 +138,17 @@ static void put_region(struct buffer *output, const struct stability *s, int hei
     const double top =
         1.25 * fmax(fmax(high, real * 0.7),
                     finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0.3), 0));
-    const double dx = (right - left) / REGION_COLUMNS, dy = top / (rows - 1);
+    const double dx = (right - left) / columns, dy = top / (rows - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
-    buffer_put(output, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
-                            "half); o: this scene\n"));
+    buffer_put(output,
+               width < REGION_COLUMNS
+                   ? TEXT("  #: no step grows; o: this scene\n")
+                   : TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
+                          "half); o: this scene\n"));
     for (int row = 0; row < rows; row++) {
         const double im = top - row * dy;
-        for (int column = 0; column < REGION_COLUMNS; column++) {
+        for (int column = 0; column < columns; column++) {
             const double re = left + (column + 0.5) * dx;
             line[column] = stability_growth(&s->choice, re, im) <= 1 + 1e-7 ? '#'
                            : fabs(re) <= dx / 2                             ? '|'
@@ -142,19 +159,17 @@ static void put_region(struct buffer *output, const struct stability *s, int hei
             mode_eigenvalues(&s->mode[i], rate, &turn);
             for (int k = 0; k < 2; k++) {
                 const double column = (rate[k] * s->dt - left) / dx,
-                             row_position = (top - turn * s->dt) / dy;
-                if (lround(fmin(row_position, 1e3)) == row && column >= 0 &&
-                    column < REGION_COLUMNS) {
+                             height_row = (top - turn * s->dt) / dy;
+                if (lround(fmin(height_row, 1e3)) == row && column >= 0 && column < columns) {
                     line[(int)column] = 'o';
                     shown = true;
                 }
             }
         }
-        line[REGION_COLUMNS] = '\0';
+        line[columns] = '\0';
         buffer_format(output, "  %6.2f %s\n", im, line);
     }
-    buffer_format(output, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2,
-                  right);
+    buffer_format(output, "         %-*.2f%*.2f\n", columns / 2, left, columns / 2, right);
     if (!shown && s->modes)
         buffer_put(output, TEXT("  this scene's z lies outside of the picture\n"));
 }
@@ -196,18 +211,20 @@ static bool put_growth_figure(struct buffer *output, const struct session *sessi
 static bool put_picture(struct buffer *output, const struct session *session,
                         const struct stability *s, int height, struct arena *arena)
 {
+    int width, whole;
+    session_size(session, &width, &whole);
     if (isnan(stability_growth(&s->choice, -0.5, 0.5)))
         return put_growth_figure(output, session, s, height > 8 ? height : 8, arena);
-    put_region(output, s, height);
+    put_region(output, s, width, height);
     return true;
 }
 
 /* ---- the table ---- */
 
 static void stability_table_put(struct buffer *output, const struct stability *rows, int count,
-                                struct arena *arena)
+                                int width, struct arena *arena)
 {
-    struct text_table table = {.arena = arena, .gap = 2};
+    struct text_table table = {.arena = arena, .gap = 2, .max = width};
     columns_text(&stability_columns, rows, (size_t)count, true, &table);
     text_table_put(&table, output);
 }
@@ -250,7 +267,7 @@ static bool study_each(const struct session *session, const struct arguments *ar
 /* ---- its plots ---- */
 
 /* Chooses what a plot without methods shows: those that were studied last, with their step, or the
- * present one. Returns NULL if out of memory. */
+ * present one. Returns NULL if output of memory. */
 static struct method_choice *last_studied(const struct session *session, int *count, double *dt,
                                           struct arena *arena)
 {
@@ -327,19 +344,22 @@ static void put_study(const struct session *session, const struct arguments *arg
                       const struct stability *rows, int count, bool pictured,
                       const struct buffer *absent, struct buffer *text)
 {
-    stability_table_put(text, rows, count, args->arena);
-    buffer_put(text, buffer_text(absent));
+    int width, height;
+    struct buffer lines = {0};
+    session_size(session, &width, &height);
+    stability_table_put(text, rows, count, width, args->arena);
+    buffer_put(&lines, buffer_text(absent));
     for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
-        buffer_format(text, "%s:\n", rows[i].choice.method->row.name);
-        put_scene(text, session, &rows[i]);
-        put_checks(text, &rows[i]);
-        put_weakness(text, &rows[i]);
+        buffer_format(&lines, "%s:\n", rows[i].choice.method->row.name);
+        put_scene(&lines, session, &rows[i]);
+        put_checks(&lines, &rows[i]);
+        put_weakness(&lines, &rows[i]);
     }
     if (count > 1 && !asks_full(args))
-        buffer_put(text, TEXT("'stability METHOD': the checks and the region of one; --full: the "
-                              "checks of all\n"));
-    int width, height;
-    session_size(session, &width, &height);
+        buffer_put(&lines, TEXT("'stability METHOD': the checks and the region of one; --full: the "
+                                "checks of all\n"));
+    put_folded_lines(&lines, width, text);
+    buffer_free(&lines);
     if (!asks_full(args))
         height = answer_rows(session) - text_rows(buffer_text(text), width);
     if (count == 1 && pictured && !put_picture(text, session, &rows[0], height, args->arena))

@@ -5,12 +5,7 @@
  * and its work (or the letter of another setting that is there, too), and no letter stands anywhere
  * else. In a picture each setting has a mark of its method's colour there.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/axes_testing.h"
 #include "unit/command/testing.h"
@@ -135,11 +130,10 @@ static void draw_study(struct bench *bench, struct arena *arena, const char *tol
         fail_msg("%s: %s", told, error.text);
 }
 
-static void test_marks_on_screens(void **state)
+TEST(test_marks_on_screens)
 {
     struct dice dice = {4711};
     int read = 0, letters = 0;
-    (void)state;
     for (int study = 0; study < STUDIES; study++) {
         struct bench bench;
         struct arena arena = {0};
@@ -242,12 +236,11 @@ static char *read_file(const char *name)
     return content;
 }
 
-static void test_marks_in_pictures(void **state)
+TEST(test_marks_in_pictures)
 {
     static struct marks marks;
     struct dice dice = {1174};
     int checked = 0;
-    (void)state;
     for (int study = 0; study < STUDIES; study++) {
         struct bench bench;
         struct reader reader = {.canvas = NULL};
@@ -278,10 +271,9 @@ static void test_marks_in_pictures(void **state)
 
 /* ---- any study into a file ---- */
 
-static void test_studies_draw_into_files(void **state)
+TEST(test_studies_draw_into_files)
 {
     struct bench bench;
-    (void)state;
     bench_open(&bench, false);
     type_ok(&bench, "timing off; precision rk4 verlet dt=10ms:100ms > figure.svg --force");
     char *svg = read_file("figure.svg");
@@ -292,12 +284,4 @@ static void test_studies_draw_into_files(void **state)
     bench_close(&bench);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_marks_on_screens),
-        cmocka_unit_test(test_marks_in_pictures),
-        cmocka_unit_test(test_studies_draw_into_files),
-    };
-    return cmocka_run_group_tests(tests, axes_folder_enter, axes_folder_leave);
-}
+RUN_TESTS(axes_folder_enter, axes_folder_leave)

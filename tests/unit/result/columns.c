@@ -187,15 +187,50 @@ TEST(a_table_fits_where_rows_have_the_same)
         {0, "name   dt    size   kind\na      1 s   12     fine\nlong   1 s   345    fine\n"},
         {21, "name  dt   size  kind\na     1 s  12    fine\nlong  1 s  345   fine\n"},
         {18, "name dt  size kind\na    1 s 12   fine\nlong 1 s 345  fine\n"},
-        {17, "name size kind\na    12   fine\nlong 345  fine\nin each row: dt 1 s\n"},
-        {10, "name size\na    12\nlong 345\nin each row: dt 1 s, kind fine\n"},
-        {5, "name size\na    12\nlong 345\nin each row: dt 1 s, kind fine\n"},
+        {17, "name size kind\na    12   fine\nlong 345  fine\nin each row: dt 1\ns\n"},
+        {10, "name size\na    12\nlong 345\nin each\nrow: dt 1\ns, kind\nfine\n"},
+        {5, "name size\na    12\nlong 345\nin\neach\nrow:\ndt 1\ns,\nkind\nfine\n"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct arena arena = {0};
         struct buffer out = {0};
         struct text_table table = {.arena = &arena, .columns = 4, .gap = 3, .max = cases[i].max};
+        for (int c = 0; cells[c]; c++)
+            cell_text(&table, cells[c]);
+        text_table_put(&table, &out);
+        assert_string_equal(buffer_view(&out), cases[i].expected);
+        buffer_free(&out);
+        arena_reset(&arena);
+    }
+}
+
+/* Columns are left out from the largest rank down, of one rank from the right; those that only have
+ * a place where there is much room silently, the others by name, in lines that fit. */
+TEST(a_table_leaves_out_columns_by_rank)
+{
+    static const char *const cells[] = {"name", "error", "status", "phase", "ns",   "a",
+                                        "0.1",  "ok",    "3 deg",  "17",    "long", "0.2",
+                                        "lost", "4 deg", "18",     NULL};
+    static const struct {
+        int max;
+        const char *expected;
+    } cases[] = {
+        {28,
+         "name error status phase ns\na    0.1   ok     3 deg 17\nlong 0.2   lost   4 deg 18\n"},
+        {24, "name error status phase\na    0.1   ok     3 deg\nlong 0.2   lost   4 deg\n"},
+        {20,
+         "name error status\na    0.1   ok\nlong 0.2   lost\nleft out for want of\nroom: phase\n"},
+        {14, "name status\na    ok\nlong lost\nleft out for\nwant of room:\nphase, error\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct arena arena = {0};
+        struct buffer out = {0};
+        struct text_table table = {.arena = &arena,
+                                   .columns = 5,
+                                   .gap = 3,
+                                   .max = cases[i].max,
+                                   .rank = {0, 2, 1, 2, TABLE_RANK_WIDE}};
         for (int c = 0; cells[c]; c++)
             cell_text(&table, cells[c]);
         text_table_put(&table, &out);

@@ -325,6 +325,9 @@ struct comparison {  /* one method at one setting */
     double energy_factor; /* E/E0 at the end */
     /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
     double predicted_factor;
+    /* The matrix says that steps of this size grow where the solution does not, or shrink to less
+     * than a tenth of its energy. */
+    bool grows, shrinks;
     enum kernel path; /* as study_path() */
     struct timing_result time;
     char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
@@ -356,12 +359,16 @@ struct compared_row {
     double data_rms;                    /* from a recording, NAN if there is none */
     enum quantity data_quantity;        /* of that */
     char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
+    bool too_long;                      /* it was not run, the steps are those that it would take */
     bool mixed;                         /* the rows are not all timed by the same code */
     bool balanced; /* drag or a drive changes the energy, so that its error is one of the balance */
 };
 
 /* Takes over what is known; period, data and `mixed` are to be filled in. */
 void compared_init(struct compared_row *row, const struct comparison *comparison);
+/* Makes the row of a method that was not run, because it would take too long [s]. */
+void compared_too_long(struct compared_row *row, const struct method_choice *choice, double dt,
+                       double steps, double seconds);
 /* "10 ms", "tol 1e-06" */
 void compared_setting(const struct compared_row *row, struct buffer *text);
 extern const struct result_columns compared_columns; /* of struct compared_row */

@@ -5,6 +5,7 @@
 #include "modules/comparison/compute/compare.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 void compared_init(struct compared_row *row, const struct comparison *comparison)
@@ -24,6 +25,28 @@ void compared_init(struct compared_row *row, const struct comparison *comparison
     row->comparison.run = NULL;
 }
 
+void compared_too_long(struct compared_row *row, const struct method_choice *choice, double dt,
+                       double steps, double seconds)
+{
+    *row = (struct compared_row){
+        .comparison = {.errors = {.end = NAN, .max = NAN, .phase = NAN},
+                       .ledger = {.error_max = NAN},
+                       .order = NAN,
+                       .energy_factor = NAN,
+                       .predicted_factor = NAN,
+                       .time = {.minimum = NAN, .median = NAN, .spread = NAN}},
+        .method = choice->method,
+        .dt = dt,
+        .tol = NAN,
+        .steps = (int64_t)fmin(steps, 9e18),
+        .period = {NAN, NAN},
+        .data_rms = NAN,
+        .too_long = true};
+    snprintf(row->comparison.verdict, sizeof row->comparison.verdict,
+             "not run: its %.3g steps would take about %.2g s; --force runs it all the same", steps,
+             seconds);
+}
+
 static const struct compared_row *compared(const void *row)
 {
     return row;
@@ -36,21 +59,34 @@ static double step_ns(const void *row)
     return timing_step_ns(&compared(row)->comparison.time, compared(row)->steps);
 }
 
-static const char *comparison_status(const void *row)
+/* An error this large, in amplitudes, is no lag or phase: the run has grown. */
+static const double grown_error = 10;
+/* A swing that shrinks is mostly gone at this error. */
+static const double shrunk_error = 0.5;
+
+/* Returns what became of the run in a word: why it stopped, or how it went wrong. */
+static const char *comparison_status(const void *row_data)
 {
-    return stop_name(compared(row)->stop);
+    const struct compared_row *row = compared(row_data);
+    if (row->too_long)
+        return "too-long";
+    if (row->stop != STOP_END)
+        return stop_name(row->stop);
+    if (row->comparison.grows || row->comparison.errors.max >= grown_error)
+        return "unstable";
+    if (row->comparison.shrinks && row->comparison.errors.max >= shrunk_error)
+        return "damped";
+    return row->comparison.errors.max >= 1 ? "lost" : stop_name(STOP_END);
+}
+
+static bool is_not_ok(const void *row)
+{
+    return strcmp(comparison_status(row), stop_name(STOP_END)) != 0;
 }
 
 static enum quantity data_quantity(const void *row)
 {
     return compared(row)->data_quantity;
-}
-
-/* A method that fails says so in the column of its energy. */
-static bool has_energy(const void *row)
-{
-    return isfinite(compared(row)->comparison.ledger.error_max) ||
-           stop_is_failure(compared(row)->stop);
 }
 
 static bool has_data(const void *row)
@@ -82,11 +118,8 @@ static void setting_cell(struct text_table *table, const void *row)
 
 static void energy_cell(struct text_table *table, const void *row)
 {
-    const enum stop stop = compared(row)->stop;
-    if (stop_is_failure(stop) || stop == STOP_GIVEN_UP)
-        cell_text(table, stop_name(stop));
-    else
-        cell_quantity(table, compared(row)->comparison.ledger.error_max, QUANTITY_NUMBER, 3);
+    const double error = compared(row)->comparison.ledger.error_max;
+    cell_quantity(table, stop_is_failure(compared(row)->stop) ? NAN : error, QUANTITY_NUMBER, 3);
 }
 
 /* Names what the column holds: the energy balance where drag or a drive changes the energy. */
@@ -134,27 +167,28 @@ static const struct result_column columns[] = {
     {.name = "steps", .kind = COLUMN_COUNT, AT(steps), .index = 3, .heading = "steps"},
     {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
     {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
-    {.name = "error", AT(comparison.errors.max), .index = 5, .heading = "max error"},
+    {.name = "error", AT(comparison.errors.max), .index = 5, .rank = 1, .heading = "max error"},
     {.name = "energy_error", AT(comparison.ledger.error_max), .index = 4, .head = energy_head,
-     .cell = energy_cell, .flags = COLUMN_IF_ANY, .any = has_energy},
+     .cell = energy_cell, .flags = COLUMN_IF_ANY},
     {.name = "energy_factor", AT(comparison.energy_factor)},
     {.name = "predicted_factor", AT(comparison.predicted_factor)},
     {.name = "order", AT(comparison.order)},
     {.name = "phase_error", AT(comparison.errors.phase), .quantity = QUANTITY_ANGLE,
-     .index = 8, .heading = "phase err", .look = angle_cell, .flags = COLUMN_IF_ANY},
-    {.name = "period", AT(period.value), .quantity = QUANTITY_TIME, .index = 7,
-     .heading = "period T", .cell = period_cell, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD},
+     .index = 9, .heading = "phase err", .look = angle_cell, .flags = COLUMN_IF_ANY},
+    {.name = "period", AT(period.value), .quantity = QUANTITY_TIME, .index = 8,
+     .rank = 3, .heading = "period T", .cell = period_cell, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD},
     {.name = "period_uncertainty", AT(period.uncertainty), .quantity = QUANTITY_TIME,
      .flags = COLUMN_NO_RECORD},
-    {.name = "data_rms", AT(data_rms), .quantity_of = data_quantity, .index = 6,
+    {.name = "data_rms", AT(data_rms), .quantity_of = data_quantity, .index = 7,
      .head = data_head, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD, .any = has_data},
     {.name = "time_min", AT(comparison.time.minimum), .quantity = QUANTITY_TIME,
-     .index = 9, .heading = "time", .look = cell_seconds},
+     .index = 10, .rank = 1, .heading = "time", .look = cell_seconds},
     {.name = "time_median", AT(comparison.time.median), .quantity = QUANTITY_TIME},
-    {.name = "ns_per_step", .real = step_ns, .index = 10, .heading = "ns/step",
+    {.name = "ns_per_step", .real = step_ns, .index = 11, .heading = "ns/step",
      .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = comparison_is_timed},
     {.name = "path", .kind = COLUMN_CHOICE, AT(comparison.path), .choices = &kernel_catalog},
-    {.name = "status", .kind = COLUMN_NAME, .text = comparison_status},
+    {.name = "status", .kind = COLUMN_NAME, .text = comparison_status, .index = 6, .rank = 1,
+     .heading = "status", .flags = COLUMN_IF_ANY, .any = is_not_ok},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(comparison.reference_stored),
      .flags = COLUMN_NO_FILE},
     {.name = "verdict", .kind = COLUMN_CHARS, AT(comparison.verdict), .flags = COLUMN_NO_FILE},

@@ -168,6 +168,9 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
     const double predicted = 2 * prediction->amplitude, /* the factor may be below all numbers */
         swing = isnan(prediction->swing) ? 0 : prediction->swing;
     row->predicted_factor = prediction->factor;
+    row->grows =
+        prediction->growth > 1 && predicted > fmax(log(prediction->exact), 0) + BOUNDED_GROWTH_MAX;
+    row->shrinks = predicted < log(prediction->exact) - log(10);
     if (conservative && fabs(predicted) <= BOUNDED_GROWTH_MAX) {
         buffer_format(output, "energy bounded, %s: ",
                       row->ledger.error_max <= 1.001 * swing + BOUNDED_GROWTH_MAX

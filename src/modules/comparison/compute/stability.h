@@ -56,6 +56,7 @@ struct stability {
     /* [s] supremum of the steps in which nothing grows but what does so by itself; HUGE_VAL:
      * every, 0: none, NAN: nothing decides it */
     double dt_max;
+    bool scalar;  /* one equation of first order: it has a rate, no omega or zeta */
     bool refused; /* dt_max is the longest step that the method takes, stable or not */
     double growth_predicted, growth_measured, growth_exact; /* a step of dt, of the worst mode */
     double energy_factor;                                   /* a step */

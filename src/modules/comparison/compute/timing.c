@@ -22,10 +22,9 @@ bool timing_is_sound(const struct timing_result *time)
 void timing_put_machine(double others, struct buffer *text)
 {
     if (others > TIMING_OTHERS)
-        buffer_format(text,
-                      "the machine is busy (%.2g other threads ran): times may be %.1f times too "
-                      "long, and methods that are closer than that tie\n",
-                      others, TIMING_CONTENTION);
+        buffer_format(
+            text, "the machine is busy (%.2g other threads): times may be %.1f times too long\n",
+            others, TIMING_CONTENTION);
 }
 
 double timing_step_ns(const struct timing_result *time, int64_t steps)

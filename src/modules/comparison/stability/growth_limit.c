@@ -469,6 +469,7 @@ bool study_stability(const struct stability_request *request, struct stability *
         !method_fits(request->choice.method, &system, s->choice.drag, request->dt, error))
         return false;
     s->linear = system.linear;
+    s->scalar = system.n == 1;
     s->grows = modes_at(&system, system.t0, system.start, s->mode, &s->modes, STABILITY_MODES) > 0;
     s->at_start = s->modes;
     if (!s->linear)

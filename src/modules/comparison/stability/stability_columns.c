@@ -16,7 +16,7 @@ static const struct stability *stability_of(const void *row)
 
 static bool oscillates(const struct stability *s)
 {
-    return s->modes && s->worst.sign == STIFFNESS_POSITIVE;
+    return s->modes && s->worst.sign == STIFFNESS_POSITIVE && !s->scalar;
 }
 
 static double omega_of(const void *row)
@@ -99,13 +99,13 @@ static const struct result_column of_method[] = {
     {.name = "growth_predicted", AT(growth_predicted),
      .index = 4, .heading = "growth", .look = growth_cell},
     {.name = "growth_measured", AT(growth_measured),
-     .index = 5, .heading = "measured", .look = growth_cell},
+     .index = 5, .rank = 3, .heading = "measured", .look = growth_cell},
     {.name = "growth_exact", AT(growth_exact)},
-    {.name = "energy_factor", AT(energy_factor), .index = 6, .heading = "energy", .digits = 6},
+    {.name = "energy_factor", AT(energy_factor), .index = 6, .rank = 3, .heading = "energy", .digits = 6},
     {.name = "verdict", .kind = COLUMN_CHOICE, AT(verdict),
-     .choices = &stability_verdict_catalog, .index = 7, .heading = "verdict"},
+     .choices = &stability_verdict_catalog, .index = 7, .rank = 1, .heading = "verdict"},
     {.name = "agrees", .kind = COLUMN_BOOL, AT(agrees),
-     .index = 8, .heading = "", .cell = agrees_cell},
+     .index = 8, .rank = 1, .heading = "", .cell = agrees_cell},
     {.name = "linear", .kind = COLUMN_BOOL, AT(linear)},
     {.name = "omega", .real = omega_of, .quantity = QUANTITY_ANGULAR_FREQUENCY},
     {.name = "zeta", .real = zeta_of},
