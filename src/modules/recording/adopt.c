@@ -25,11 +25,13 @@ struct adoption {
     int count;
     const char *left_out[LEFT_OUT_MAX];
     int left;
-    int data;             /* index of the recording that was fitted, or -1 */
-    bool as_on_data;      /* it starts where the fit does: it can be compared */
-    struct inputs inputs; /* what entered besides the fit */
-    bool pendulum;        /* the scene swings on a rod, not on a spring */
-    bool unscaled; /* the fit is one of volts or newtons, and nothing says how far they are */
+    int data; /* index of the recording that was fitted, or -1 */
+    /* the adopted motion starts where the fit does, so that it can be compared with the
+     * recording */
+    bool as_on_data;
+    struct inputs inputs; /* inputs that entered besides the fit */
+    bool pendulum;        /* the scene is a pendulum, not a mass on a spring */
+    bool unscaled;        /* true if the fit is in volts or newtons and their scale is unknown */
 };
 
 static bool adopt_value(struct adoption *a, const char *name, struct measured value,
@@ -66,10 +68,9 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
-#define RMS_RATIO_MAX 1.2 /* rms of the run over that of the fit, at most */
+#define RMS_RATIO_MAX 1.2 /* largest rms of the run over that of the fit */
 #define RUN_ERROR_AMPLITUDE_FRACTION                                                               \
-    1e-8                /* of the amplitude: what the run's own errors may add                     \
-                         */
+    1e-8                /* part of the amplitude that the run's own errors may add */
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 
 /* Returns the rms of the scene, run from its start over the window of the fit, or NAN if it cannot
@@ -87,7 +88,7 @@ static double rms_of_run(const struct adoption *a)
     return rms;
 }
 
-/* What stands between the run and the fit. */
+/* Warns that the run is far from the data, with the likely reason. */
 static void warn_apart(const struct adoption *a, double rms, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -185,7 +186,7 @@ static int fitted_recording(const struct session *session)
                : -1;
 }
 
-/* Of a fit of the scene: what was free, as it was fitted. */
+/* Takes the free parameters of a fit of the scene into the scene. */
 static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {
@@ -316,8 +317,8 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
     return error_hint(error, "type: scene pendulum; adopt");
 }
 
-/* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion
- * is as wide as that of the scene; 0: which stands still. */
+/* Sets *scale to the position [m, rad] per unit of a voltage or a force: the option's value, or the
+ * scale at which the fitted motion is as wide as the scene's, which is 0 for a scene at rest. */
 static bool find_scale(const struct adoption *a, const struct fit *fit,
                        const struct argument_value *args, double *scale, struct error *error)
 {
@@ -350,7 +351,8 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
         buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
 }
 
-/* What the scene does not have of what was fitted, or the fit not of the scene. */
+/* Warns of fitted values that the scene does not take, and of motions that the fit does not
+ * cover. */
 static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
                       enum quantity quantity, struct reply *reply)
 {

@@ -112,7 +112,7 @@ static bool fit_motion(const struct fit_request *call, const struct fit_model *m
     return fit.converged || not_converged(why, error);
 }
 
-/* Of what is being collected, or will be next. */
+/* Fits the recording that is being collected, or the next one, every second. */
 static bool fit_while_collecting(struct session *session, const struct arguments *args,
                                  struct reply *reply, struct error *error)
 {

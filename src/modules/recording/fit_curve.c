@@ -39,7 +39,8 @@ bool session_add_curve(const struct fit_request *call, const double *residual,
     return true;
 }
 
-/* Of the samples that count at all, each alike: what a run is held against. */
+/* Returns the rms of the samples with weight, each counted alike, as the rms of a run is
+ * computed. */
 static double plain_rms(const struct curve_fit *fit, size_t n)
 {
     double sum = 0;
@@ -193,7 +194,8 @@ static bool shift(struct series *series, double offset, struct arena *arena, str
     return true;
 }
 
-/* Of the free parameters, by ascending place; n stays 0 where one is not determined. */
+/* Copies the covariance of the free parameters, in ascending order of their places in the scene; n
+ * stays 0 if one is not determined. */
 static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *result)
 {
     int order[CURVE_PARAMETERS];
@@ -272,7 +274,7 @@ bool fit_the_scene(const struct fit_request *call, struct error *error)
 struct known_names {
     const struct expr_scope *all;
     const struct arguments *args;
-    struct buffer *fixed; /* which of them were used */
+    struct buffer *fixed; /* receives the names that were used */
 };
 
 static bool was_named(const struct arguments *args, struct text name)

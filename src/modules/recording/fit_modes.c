@@ -9,7 +9,7 @@
 
 #define MODES_USUAL 2
 
-/* What is told of a mode: for people, in records, and as results that expressions can use. */
+/* Values of a mode that are reported: in text, in records, and as results for expressions. */
 static const struct mode_value {
     const char *lead, *key, *result;
     size_t offset;

@@ -10,10 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#define CORRELATION_STRONG 0.95       /* correlation of two parameters from which it is named */
-#define CORRELATION_COMPLETE 0.999999 /* from which the data cannot tell them apart */
-#define AUTOCORRELATION_NOTABLE 0.3   /* of neighbouring residuals */
-/* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+#define CORRELATION_STRONG 0.95 /* correlation of two parameters from which it is named */
+/* correlation above which the data cannot tell two parameters apart */
+#define CORRELATION_COMPLETE 0.999999
+#define AUTOCORRELATION_NOTABLE 0.3 /* autocorrelation of neighbouring residuals that is named */
+/* Digits beyond which an uncertainty is not shown: it is that of rounding in a simulation. */
 #define EXACT_DIGITS 12
 
 void fit_add_warning(struct fit_summary *summary, const char *format, ...)
@@ -113,8 +114,8 @@ static void cell_rate(struct text_table *table, struct measured value)
         cell_format(table, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
 }
 
-/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
- * metre. */
+/* Returns the unit of rate k: 1/m for b and m/s^2 for f if the position is in metres; for angles
+ * and plain numbers the units without the metre. */
 const char *fit_rate_unit(const struct fit_summary *summary, int k)
 {
     const enum quantity quantity = summary->subject->series.quantity;
@@ -123,7 +124,7 @@ const char *fit_rate_unit(const struct fit_summary *summary, int k)
     return metres ? drag_rates[k].unit : drag_rates[k].bare;
 }
 
-/* Which force pulls back, where that was asked. */
+/* Appends the restoring force, if the fit compared several. */
 static void put_forces(const struct fit_summary *summary, struct buffer *text)
 {
     const struct drag_fit *drag = &summary->motion->drag;

@@ -56,12 +56,13 @@ void reply_fit_record(const struct fit_summary *summary, struct reply *reply); /
 /* ---- fit_modes.c ---- */
 
 void put_modes(const struct fit_summary *summary, struct buffer *text);
-void reply_modes(const struct fit_summary *summary, struct reply *reply); /* into the open record */
+/* Adds the modes to the open record. */
+void reply_modes(const struct fit_summary *summary, struct reply *reply);
 
-/* ---- fit_curve.c: fits of the scene and of formulas ----
+/* ---- fits of the scene and of formulas (fit_curve.c) ----
  *
- * What was asked for comes in `call`; they tell, keep the result in the session where they
- * converged, and set the error where not.
+ * These report the fit that `call` asks for, keep the result in the session if it converged, and
+ * set the error otherwise.
  */
 struct fit_request {
     struct session *session;

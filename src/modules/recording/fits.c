@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was fitted, as a session keeps it. */
+/* Latest fits, which a session keeps in the part of this module. */
 #include "modules/recording/fits.h"
 
 #include <hooke/base/numeric.h>

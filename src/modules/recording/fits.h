@@ -22,7 +22,7 @@ struct adopted_fit {
     struct scene scene; /* model NULL: nothing was adopted */
     struct scene_covariance known;
     struct exact_names exact;
-    char subject[LIMIT_NAME + 16]; /* what was fitted, such as "data swing3" */
+    char subject[LIMIT_NAME + 16]; /* series that was fitted, such as "data swing3" */
     size_t statement;              /* number in the log of the statement that adopted it, from 1 */
 };
 
@@ -43,19 +43,19 @@ struct fits {
     struct fit fit;
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
     double fit_zero; /* zero of the recording at that time, from which its offset counts */
-    /* Where the last fit was one of the scene or of a formula: */
+    /* The next six members belong to a fit of the scene or of a formula. */
     double *fit_curve[2]; /* [fit_samples] times and values, or NULL to use fit_values() */
     size_t fit_samples;
     /* checksum under which the session's file has the curve, or 0 if it has not */
     uint64_t fit_curve_sum;
-    struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
+    struct scene fit_scene; /* scene as fitted; model is NULL unless the fit was one of the scene */
     bool fit_free[PARAM_MAX]; /* parameters that were fitted there */
     struct adopted_fit adopted;
     struct fit_band band;
     int fit_modes; /* number of damped sines, or 0 if it was no fit of modes */
     struct stored_fit *stored_fit;
     int stored_fits;
-    bool live; /* true to fit every second what grows now or next */
+    bool live; /* true to fit the recording that is growing, or the next, every second */
 };
 
 extern const struct module recording_module;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was fitted, in the session's file. */
+/* Stores the latest fits in the session's file. */
 #include "modules/recording/fits.h"
 
 #include <hooke/session/read.h>

@@ -87,10 +87,10 @@ static void reply_laws(const struct fit_summary *summary, struct reply *reply)
     reply_real(reply, "p_value", compared ? drag->p_value : NAN);
 }
 
-/* What a record says of any fit. */
+/* Members of the record that every kind of fit has. */
 struct fit_record {
     const struct fit_summary *summary;
-    struct fit fit; /* of a curve what it knows */
+    struct fit fit; /* the known values if a curve was fitted */
     struct measured k;
     const char *preferred;
     double rms;
@@ -154,7 +154,7 @@ static void put_halves(struct reply *reply, const char *key, const void *row)
     reply_close(reply);
 }
 
-/* Of a law its rates; of a curve its parameters. */
+/* Adds the rates of a law, or the parameters of a curve. */
 static void put_law_or_parameters(struct reply *reply, const char *key, const void *row)
 {
     const struct fit_summary *summary = told_by(row);

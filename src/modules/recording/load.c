@@ -139,7 +139,7 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 
 /* ---- tables ---- */
 
-#define SHOWN_ROWS 10 /* of a table that was read */
+#define SHOWN_ROWS 10 /* rows shown of a table that was read */
 #define SHOWN_COLUMNS 8
 
 static bool any_option(const struct arguments *args)
@@ -169,8 +169,8 @@ static bool has_times(const struct table *table)
     return false;
 }
 
-/* What stands in a file that export has written, unless it is a recording: its times come first.
- * *found: it was such a table. */
+/* Reads a table that export has written, unless it is a recording, in which times come first. Sets
+ * *found if it was such a table. Returns false with the error if it is not well formed. */
 static bool read_table(const char *path, const struct cancel *cancel, struct arena *arena,
                        struct table *table, bool *found, struct error *error)
 {
@@ -260,7 +260,7 @@ static struct recording *load_moved(const struct arguments *args, const char *pa
     return NULL;
 }
 
-/* What is read twice has to be there twice: pipes are recordings. */
+/* Returns true for a file that can be read twice. Pipes cannot, and are read as recordings. */
 static bool file_is_regular(const char *path)
 {
     struct stat st;

@@ -37,7 +37,7 @@ static void begin_measure_record(struct measuring *m, struct measured value, enu
     measure_begin(m, m->quantity, value, unit, periods);
 }
 
-/* What else entered the latest measurement: for the text, the open record, the report. */
+/* Reports what else entered the latest measurement: in the text, the open record and the report. */
 static void put_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
 {
     inputs_put(inputs, text);
@@ -55,7 +55,8 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
                   fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
-/* Of a recording only where the scene is its own: k was set or adopted. */
+/* Returns the period [s] that the scene predicts, or NAN if it predicts none. For a recording the
+ * scene counts only if its k was set or adopted. */
 static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
@@ -293,7 +294,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
     if (!m->subject.run && !m->subject.recording) {
-        /* without a run these are the derived quantities of the scene */
+        /* These are the derived quantities of the scene. */
         struct named_value amplitude, omega0;
         if (names_value(m->session, TEXT("amplitude"), &amplitude) &&
             names_value(m->session, TEXT("omega0"), &omega0))

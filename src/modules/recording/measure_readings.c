@@ -10,7 +10,8 @@
 
 #define READINGS_MIN 3
 #define DEPENDENCE_SEEN_SIGMAS 3.0 /* standard deviations */
-#define SAME_AMPLITUDE 1e-6        /* of it: less is no change that T could depend on */
+/* relative difference of amplitudes that shows no dependence of T on the amplitude */
+#define SAME_AMPLITUDE 1e-6
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
@@ -91,7 +92,7 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
     reply_end(m->reply);
 }
 
-/* Times to read at: those given, or the middles of so many equal parts, or the start. */
+/* Sets the times of the readings: the given ones, or the middles of equal parts, or the start. */
 static bool reading_times(struct measuring *m, double **reading_time, int *count)
 {
     const struct argument_value *times = argument_value(m->args, "at"),

@@ -59,7 +59,8 @@ static bool repeat_value(struct measuring *m, const struct recording *recording,
 static bool repeated_add(struct measuring *m, struct repeated *r, const struct recording *recording,
                          const struct series *series, const char *name)
 {
-    struct arena scratch = {0}; /* of each: all of them at once would take long to be given back */
+    /* one for each recording: releasing the memory of all at once would take long */
+    struct arena scratch = {0};
     const bool ok = repeat_value(m, recording, r->what, series, &scratch, &r->value[r->count]);
     arena_reset(&scratch);
     if (!ok) {
@@ -82,7 +83,7 @@ static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 
 /* ---- all of them ---- */
 
-/* One recording, as a whole or in so many windows. */
+/* Adds the values of one recording, taken as a whole or in `windows` windows. */
 static bool add_recording(struct measuring *m, struct repeated *r, struct recording *recording,
                           int windows)
 {

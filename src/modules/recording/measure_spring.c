@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m +
- * m_spring) is a straight line against m (T0: without damping). m_spring is about a third of the
- * spring's own mass (Rayleigh 1894).
+ * m_spring) is a straight line against m, where T0 is the period without damping. m_spring is about
+ * a third of the spring's own mass (Rayleigh 1894).
  */
 #include <hooke/command/handler.h>
 #include "modules/recording/measuring.h"

@@ -37,7 +37,7 @@ bool measure_amplitude(struct measuring *m);
  */
 void measure_fall(struct measuring *m, const struct reading *reading, int count,
                   struct buffer *text);
-/* The period of so many windows, against the amplitude there. */
+/* Measures the period in n windows, against the amplitude there. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text);
 /* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k
  * and the first. */

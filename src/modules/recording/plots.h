@@ -43,5 +43,5 @@ void session_store_band(struct session *session);
 /* Half the width of that band at a time, or NAN if there is none. */
 double stored_band_at(const struct fit_band *band, int variable, double t);
 
-/* For `plan`: that the scene has a band, and what it takes; nothing: it has none. */
+/* Appends to the text of `plan` that the scene has a band, and its cost; nothing if it has none. */
 void band_plan(const struct session *session, struct buffer *text);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is wrong with a recording, found without a model for the whole of it. Only single samples
- * that cannot be the motion are masked; everything else is said and left to who uses it. Flat tops
- * are kept: the fit treats them as censored, and could not if only those samples were missing that
- * noise carried one way.
+ * Faults of a recording, found without a model for the whole of it. Only single samples that cannot
+ * belong to the motion are masked; everything else is reported and left to the user. Flat tops are
+ * kept, because the fit treats them as censored.
  */
 #include "modules/recording/clean/clean.h"
 
@@ -16,13 +15,13 @@
 
 #define FAR_OFF 6.0               /* robust standard deviations */
 #define FAR_OFF_BESIDE 3.0        /* next to one that is far off, on the same side */
-#define FAR_OFF_MIN 0.01          /* of the amplitude: what is nearer does no harm */
+#define FAR_OFF_MIN 0.01          /* [amplitudes] smaller deviations do no harm */
 #define GAP_MEDIAN_STEPS 1.5      /* median steps, as the loader counts them */
 #define SHOULDER_MIN 3            /* samples in a row; fewer are spikes */
 #define STUCK_MIN 5               /* samples */
 #define STUCK_MOVES 8.0           /* noise or steps that the motion goes meanwhile */
 #define AMPLITUDE_SEEN_SCALES 6.0 /* typical scales: an amplitude that is no noise */
-#define LEVELS_FEW 100            /* in the swing: steps of a percent of it */
+#define LEVELS_FEW 100            /* levels in the swing below which it is coarse */
 
 static void note_size(struct finding *finding, double size)
 {
@@ -177,11 +176,11 @@ static double deepest_wane(struct cleaning *c)
 }
 
 /*
- * Stretches at one end that are no free oscillation: the amplitude there is much less than further
- * inside (where it is at least as large as the decay allows), or no sine fits; where it comes to
- * rest also what does not move any more. Stretches with too few samples for a fit count only if
- * stretches further inside are hardly ever so many in a row by chance: a clipped signal may leave
- * too few samples anywhere.
+ * Returns the number of stretches at one end that are no free oscillation: their amplitude is much
+ * less than further inside (where it is at least as large as the decay allows), or no sine fits; if
+ * the motion comes to rest, also those at rest. Stretches with too few samples for a fit count only
+ * if a run of them that long is improbable further inside: a clipped signal may leave too few
+ * samples anywhere.
  */
 static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
 {
@@ -279,7 +278,7 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
     }
 }
 
-/* What is far off at an end of the window, not for a sample or two, is a hand or the release. */
+/* Ends the window before a hand or a release: SHOULDER_MIN samples or more that are far off. */
 static void trim_ends(struct cleaning *c)
 {
     struct findings *f = c->findings;
@@ -404,7 +403,7 @@ static bool inspect_motion(struct cleaning *c)
     clean_clipped(c, true);
     clean_clipped(c, false);
     find_stuck(c);
-    if (cancelled(c->cancel) || !clean_fit(c)) /* without what was found so far */
+    if (cancelled(c->cancel) || !clean_fit(c)) /* discards what was found so far */
         return false;
     find_ends(c);
     mark_far_off(c, 1 + FINDING_SPIKES);

@@ -13,10 +13,10 @@ enum { LOCAL_TERMS = 6 };
 struct local {
     double t;                      /* [s] middle of what it judges: a period */
     size_t begin, end;             /* rows it judges */
-    double amplitude;              /* at t */
+    double amplitude;              /* local amplitude at t */
     double scale;                  /* robust standard deviation of the residuals */
     bool fitted;                   /* false if there are too few good samples */
-    double parameter[LOCAL_TERMS]; /* of the fit about t, where times are in periods */
+    double parameter[LOCAL_TERMS]; /* parameters of the local fit about t, with times in periods */
 };
 
 struct cleaning {
@@ -29,7 +29,7 @@ struct cleaning {
     const struct cancel *cancel;
     double step;             /* [s] median */
     double quantum;          /* SI; values are multiples of it, or 0 if no step is seen */
-    double swing;            /* of all but the extreme values */
+    double swing;            /* range of all but the extreme values */
     double typical;          /* median of the local scales */
     unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
     unsigned char *fitted_without; /* [n] `excluded` of the latest fits; NULL before the first */

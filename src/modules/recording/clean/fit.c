@@ -15,9 +15,10 @@
 
 enum { TERMS = LOCAL_TERMS, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-#define COVERED_PERIODS 1.25 /* at least so many with samples: a fit across a gap is none */
-#define BEND_SHARE 0.002     /* bend of the amplitude within two periods, over the swing */
-#define SETTLED_SHARE 0.3    /* change, in standard errors, that ends the rounds */
+/* [periods] stretch that has to hold samples: a fit across a gap tells nothing */
+#define COVERED_PERIODS 1.25
+#define BEND_SHARE 0.002  /* bend of the amplitude within two periods, over the swing */
+#define SETTLED_SHARE 0.3 /* change, in standard errors, that ends the rounds */
 
 /* A fit starts from the one before if the scale about that is at most this many times its own. */
 static const double start_scale_max = 1.5;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#define PERIODS_MIN 2.0 /* of rest, and of motion before it */
+#define PERIODS_MIN 2.0 /* [periods] least duration of a rest, and of the motion before it */
 /* Largest scatter in a rest relative to that at the start. */
 #define REST_SCATTER_FRACTION 0.2
 /* Largest scatter of half a period relative to that at the end. */
@@ -14,7 +14,7 @@
 /* Less than this part of what an exponential decay leaves remains in a rest. */
 #define FADED_AMPLITUDE_FRACTION 0.4
 #define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of an amplitude */
-#define SAMPLES_MIN 8.0            /* of a stretch whose amplitude is asked for */
+#define SAMPLES_MIN 8.0 /* least number of samples of a stretch whose amplitude is estimated */
 
 struct spread {
     double mean, deviation, count;
@@ -78,7 +78,7 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
         const double weight = a * a * count, off_t = t - mean_t, off_l = log(a) - mean_l;
         if (!(a > AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count)))
             continue;
-        if (a > largest) { /* what was before grew: a hand, a release */
+        if (a > largest) { /* the amplitude grew before this stretch: by a hand or a release */
             w = weight;
             mean_t = t;
             mean_l = log(a);
@@ -100,8 +100,8 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
                FADED_AMPLITUDE_FRACTION * left;
 }
 
-/* Whole periods, of so many samples at least, and of the pattern in which few samples a period meet
- * the sine. */
+/* Returns a duration [s] of whole periods that has SAMPLES_MIN samples, and if there are few
+ * samples per period also the pattern in which these meet the sine. */
 static double stretch_of(const struct motion_rows *x, double period)
 {
     const double step = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);

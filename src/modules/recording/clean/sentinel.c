@@ -16,15 +16,16 @@
 enum {
     ROWS_MIN = 50,     /* fewer tell too little */
     REPEATED_MIN = 3,  /* times that the value occurs */
-    RUNS_MIN = 2,      /* of it */
+    RUNS_MIN = 2,      /* runs of consecutive rows with the value */
     DIFFERENT_MIN = 5, /* values that the others have: two levels are a signal of their own */
-    RUN_MEAN_MAX = 20, /* in rows; longer ones are a rest */
+    RUN_MEAN_MAX = 20, /* [rows] longer ones are a rest */
     KINDS_MAX = 3      /* different ones of one sensor */
 };
 
-static const double share_max = 0.45;    /* of the rows */
-static const double stray_share = 0.005; /* of the others, which may be anywhere */
-static const double outer_share = 0.15;  /* on either side: what may be another sentinel */
+static const double share_max = 0.45;    /* largest share of the rows */
+static const double stray_share = 0.005; /* share of the other values that may lie anywhere */
+/* share of the other values, on either side, that may be another sentinel */
+static const double outer_share = 0.15;
 /* Distance from the others relative to their range: where the motion may have led up to the value,
  * and where it cannot have. */
 static const double distance_min = 0.25, distance_sure = 1.0;
@@ -36,7 +37,8 @@ static const double usual_step = 0.98, jump_factor = 1.3;
  * of one among them that is repeated far more often than any other. */
 static const double jumps_outside = 0.8, jumps_inside = 0.4, jumps_frequent = 0.2;
 static const double far_more_often = 10;
-static const double inside_share = 0.02; /* of the rows: fewer among the others do no harm */
+/* share of the rows below which repeats of a value among the others do no harm */
+static const double inside_share = 0.02;
 /* Share of the intervals between runs that are alike: the value is part of a periodic signal,
  * unless neighbours of this mean rank, in a motion whose steps are this part of its range, show
  * that it swings out of the range of the sensor. */

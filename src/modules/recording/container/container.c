@@ -99,9 +99,9 @@ static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
 }
 
 /*
- * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of
- * another: units of which both bytes are of numbers, so many in a row as no script has. The length
- * of `bytes`: nowhere.
+ * Returns the offset at which numbers with one byte per character begin after UTF-16 text, as when
+ * a program appends to a file of another, or bytes.len if they do not. Such numbers are more
+ * consecutive units than any script has, in which both bytes are characters of numbers.
  */
 static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
 {

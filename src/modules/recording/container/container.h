@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a file holds, as text: archives, workbooks and XML documents become one or more tables of
+ * Contents of a file as text: archives, workbooks and XML documents become one or more tables of
  * text, UTF-16 becomes UTF-8. Everything after this sees lines of text only. The libraries that
  * read containers are loaded when such a file is met; without them the file is refused with the
- * name of what is missing.
+ * name of the missing library.
  */
 #pragma once
 
@@ -14,8 +14,8 @@
 #define PARTS_MAX 256
 #define PACKED_MAX (64u << 20)     /* bytes of an archive, a workbook, an XML document */
 #define UNPACKED_MAX (128u << 20)  /* bytes of all entries of a zip archive or a workbook */
-#define EXPANSION_MAX 64           /* times its size that an archive may grow to … */
-#define EXPANSION_FREE (16u << 20) /* … beyond so many bytes, which are always allowed */
+#define EXPANSION_MAX 64           /* an archive may grow to this many times its size … */
+#define EXPANSION_FREE (16u << 20) /* … beyond this number of bytes, which are always allowed */
 
 /* Kind of a file, told from its first bytes (intake.c). */
 enum packing {
@@ -60,9 +60,9 @@ struct contents {
     const char *container;       /* "gzip", "zip", "xlsx" …, or NULL for a plain file */
     struct container_part *part; /* [PARTS_MAX] */
     uint64_t sum;                /* checksum of the file's bytes, or 0 if not computed */
-    size_t parts;                /* at least 1 after contents_read */
-    bool grew;                   /* while it was read; its last line is left out */
-    const struct cancel *cancel; /* from the options it was read with */
+    size_t parts;                /* number of parts, at least 1 after contents_read() */
+    bool grew; /* the file grew while it was read, so that its last line is left out */
+    const struct cancel *cancel; /* taken from the options the file was read with */
 };
 
 /* Called in long loops over a container. Returns false with `error` set if reading was stopped. */

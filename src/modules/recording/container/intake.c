@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is seen of a file while it is read, so that one that holds no table is refused from its
- * beginning: the cost of a refusal does not grow with the size that a hostile or mistaken file
- * claims.
+ * Looks at a file while it is read, so that one without a table is refused from its beginning: the
+ * cost of a refusal does not grow with the size that a hostile or mistaken file claims.
  */
 #include "modules/recording/container/container.h"
 #include <hooke/base/file.h>
@@ -12,9 +11,9 @@
 #include <string.h>
 
 #define BYTE_ORDER_MARK TEXT("\xEF\xBB\xBF")
-#define LINE_BYTES (16u << 20)        /* a longer line ends no more: it is no row */
-#define PATIENCE_NS 2000000000        /* [ns] a pipe that is slow gets to end in */
-#define ENOUGH_BYTES (2 * HEAD_BYTES) /* in which the table has to begin */
+#define LINE_BYTES (16u << 20)        /* a longer line is no row */
+#define PATIENCE_NS 2000000000        /* [ns] time that a slow pipe has to reach its end */
+#define ENOUGH_BYTES (2 * HEAD_BYTES) /* bytes within which the table has to begin */
 
 /* ---- kinds of files ---- */
 
@@ -77,7 +76,8 @@ static bool refuse_nul(struct text text, size_t nul, const char *name, struct er
     return error_hint(error, "export the data as CSV text");
 }
 
-/* From byte `offset` on. */
+/* Refuses binary files of known kinds and files with a NUL byte at or after byte `offset`. Returns
+ * false with the error if the file is refused. */
 static bool refuse_binary_from(struct text text, size_t offset, const char *name,
                                struct error *error)
 {

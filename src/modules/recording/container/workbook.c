@@ -36,20 +36,20 @@ struct workbook {
         enum cell_style style;
     } format[STYLES_MAX];
     int formats;
-    unsigned char style[STYLES_MAX]; /* of cells */
+    unsigned char style[STYLES_MAX]; /* styles of cells */
     int styles;
     bool in_cell_styles;
     struct text *word; /* shared strings */
     size_t words, capacity;
-    struct buffer text; /* of the element at hand */
+    struct buffer text; /* text of the current element */
     bool keep;          /* text is wanted */
     /* one sheet */
     struct buffer *output;
-    int column, filled; /* of the cell at hand; cells written in this row */
+    int column, filled; /* column of the current cell; number of cells written in this row */
     char type[16];
     enum cell_style cell_style;
     size_t cells;
-    size_t left; /* [byte] of text that all sheets may still become */
+    size_t left; /* [byte] text that all sheets may still become */
 };
 
 bool workbook_wanted(const char *path)
@@ -307,7 +307,7 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
         book->sheet[i].path ? archive_content_find(book->content, book->sheet[i].path) : NULL;
     for (int k = 0; k < i && sheet; k++)
         if (book->sheet[k].path && strcmp(book->sheet[k].path, book->sheet[i].path) == 0)
-            return true; /* under another name: read already */
+            return true; /* the same sheet was read under another name */
     if (!sheet)
         return true;
     struct container_part *part = contents_add(contents, text_of(book->sheet[i].name));

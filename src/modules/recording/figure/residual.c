@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is left of a recording beside its fit or a run. */
+/* Plots of the residuals of a recording: its values less the fit or the run. */
 #include "modules/recording/fits.h"
 #include <hooke/base/cancel.h>
 #include "modules/recording/known/known.h"
@@ -26,7 +26,8 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
     if (!left)
         return error_memory(d->error);
-    const double shift = recording->zero - fits_of(d->session)->fit_zero; /* since the fit */
+    /* change of the zero since the fit */
+    const double shift = recording->zero - fits_of(d->session)->fit_zero;
     struct data_distance data = {.gain = 1};
     if (fitted)
         session_fit_values(d->session, curve->x, curve->n, left);

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* the axis goes to so many times the main line: beyond it there is little to see */
+/* The axis ends at this multiple of the main line; little is visible beyond it. */
 #define SPECTRUM_AXIS_TIMES 10
 #define SPECTRUM_SAMPLES 4096
 #define SAMPLES_A_PERIOD 24 /* the axis goes to ten times the line */

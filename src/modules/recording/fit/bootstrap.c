@@ -12,8 +12,8 @@ static double normal(uint64_t *state) /* Box & Muller 1958 */
     return sqrt(-2 * log(u)) * cos(TWO_PI * v);
 }
 
-/* What is fitted has no outliers: where the fit was robust, the noise is that of the samples that
- * count. */
+/* Returns the standard deviation of the noise to simulate. Simulated values have no outliers: after
+ * a robust fit the noise is that of the samples with weight. */
 static double noise_of(const struct curve_problem *p, const struct curve_fit *fit)
 {
     double square = 0, weight = 0;

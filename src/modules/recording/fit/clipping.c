@@ -13,7 +13,7 @@
 enum {
     CENSORED_MIN = 6,
     ROUNDS = 25,
-    ROWS_A_CHANGE = 1 << 14, /* one of so many rows may still change sides in the end */
+    ROWS_A_CHANGE = 1 << 14, /* one in this number of rows may still change sides at the end */
 };
 
 /* standard deviations of the second or third harmonic that make it worth a look */
@@ -24,7 +24,8 @@ enum {
 /* standard deviations of the noise by which readings of a flat top may scatter, */
 #define FLAT_NOISE_RATIO_MAX 3.0
 #define FLAT_SHARE 0.02 /* or by this share of what the model does there */
-/* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+/* Largest slope of the readings against the model beyond the level: it is 0 for a flat top, 1
+ * without clipping. */
 #define SLOPE_MAX 0.35
 
 /* A flat top has harmonics; noise has none at all. */
@@ -82,16 +83,17 @@ struct censoring {
     double *residual;   /* [n] */
     double level, rss, slope;
     double excess;  /* distance of the model beyond the level */
-    double scatter; /* of the readings there about the level */
+    double scatter; /* standard deviation of the censored readings about the level */
     size_t censored;
 };
 
-/* From a first level and sine on: censor beyond it, fit the rest, read the level again from what is
- * censored. */
+/* Iterates from a first level and sine: censors samples beyond the level, fits the others, and
+ * reads the level again from the censored ones. */
 static bool settle_level(const struct motion *m, int side, const struct harmonic *start,
                          struct censoring *c)
 {
-    static const double small = 1e-6, unseen = 1e-2; /* of the amplitude, of the uncertainty */
+    /* change of the level, relative to the amplitude and to its uncertainty */
+    static const double small = 1e-6, unseen = 1e-2;
     struct samples x = m->samples;
     x.use = c->use;
     c->harmonic = *start;
@@ -201,7 +203,7 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
     for (size_t k = 0; k < COUNT_OF(heights) + !all; k++) {
         const bool last = k == COUNT_OF(heights);
         trial->level = last ? level : h->c + side * heights[k] * swing;
-        /* From between a start and where it led, the way leads there, too. */
+        /* A start between an earlier one and its result would lead to the same result. */
         if (!last && side * trial->level >= settled)
             continue;
         if (!isfinite(trial->level) ||

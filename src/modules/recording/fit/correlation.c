@@ -11,7 +11,7 @@
 
 enum {
     PEAKS_MAX = 8,
-    SAMPLES_A_PERIOD = 32, /* at least; more are averaged */
+    SAMPLES_A_PERIOD = 32, /* smallest number of samples per period; more are averaged */
     BLOCKS = 4,
     BLOCK_MIN = 1024,
     PERIODS_IN_BLOCK = 4 * PEAKS_MAX,
@@ -258,7 +258,8 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
         most = fmax(most, spread[k]);
     }
     for (size_t k = 0; k < PLACES && all < series->n; k++) {
-        const size_t place = k % 2 ? MIDDLE + (k + 1) / 2 : MIDDLE - k / 2; /* from the middle on */
+        /* order from the middle outwards */
+        const size_t place = k % 2 ? MIDDLE + (k + 1) / 2 : MIDDLE - k / 2;
         if (spread[place] >= lively_share * most) {
             first = (series->n - all) * place / (PLACES - 1);
             break;

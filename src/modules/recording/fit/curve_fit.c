@@ -11,8 +11,8 @@
 enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY };
 
 #define SOFT_L1 1.345
-#define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
-/* of the step that is polished no further, relative to value or uncertainty */
+#define WEIGHTS_STAY 1e-3 /* change of a weight below which the weights are frozen */
+/* Step, relative to the value or the uncertainty, below which steps are no longer refined. */
 #define LENGTH_EXACT 1e-14
 #define LENGTH_COSTLY 1e-10
 #define TRUST_ROUGH 1e-8 /* variances that the last step of a rough fit may promise */
@@ -20,8 +20,8 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY 
 
 /* ---- the problem ---- */
 
-/* Computes residuals and derivatives at x, in the curve's order. Returns false if the curve has
- * none there. */
+/* Computes residuals and derivatives at x, in the curve's order. Returns false if the curve has no
+ * value there. */
 static bool evaluate(struct curve_problem *p, const double *x)
 {
     const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
@@ -89,7 +89,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
 
 static bool curvature(void *context, const double *x, const double *step, struct triangle *t)
 {
-    static const double part = 0.02; /* of the step, for the difference */
+    static const double part = 0.02; /* fraction of the step over which the difference is taken */
     struct curve_problem *p = context;
     const size_t count = (size_t)p->curve->parameters;
     double ahead[CURVE_PARAMETERS];

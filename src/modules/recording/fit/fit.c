@@ -36,12 +36,11 @@ static void cover(const struct harmonic *h, const double *const gradient[],
 }
 
 /*
- * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t
- * from t0, A >= 0, phi in
- * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the
- * residuals, widened for what the residuals have in common with each parameter (sway, drift). To
- * that the caller adds what two halves tell. Not included: other ways in which the model itself may
- * miss (see the warnings).
+ * Converts the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi),
+ * with t counted from t0, A >= 0 and phi in (-pi, pi]. Uncertainties are the covariance of the
+ * least-squares problem times the variance of the residuals, widened for what the residuals have in
+ * common with each parameter (sway, drift). The caller adds the difference between the halves.
+ * Other errors of the model are not included (see the warnings).
  */
 static void report(const struct samples *x, const double *residual, const struct harmonic *h,
                    int unknowns, double t0, struct fit *fit)
@@ -203,7 +202,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     }
     double sway = NAN;
     if (unknowns == FREE_GAMMA) {
-        /* what rests has no half to compare */
+        /* A recording has no halves to compare where it is at rest. */
         const size_t moves = samples_quiet(&m.samples, TWO_PI / m.harmonic.omega);
         size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + series->t[moves - 1]));
         fit_half(&m, 0, middle, 0, fit);

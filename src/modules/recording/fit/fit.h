@@ -57,9 +57,9 @@ struct curve_fit {
     double interval[CURVE_PARAMETERS][2];
     double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
     double correlation[CURVE_PARAMETERS][CURVE_PARAMETERS];
-    bool determined[CURVE_PARAMETERS]; /* by the data */
-    bool bound[CURVE_PARAMETERS];      /* lies on its bound: no uncertainty */
-    bool converged;                    /* small_step, small_gradient, everything determined */
+    bool determined[CURVE_PARAMETERS]; /* true if the data determine the parameter */
+    bool bound[CURVE_PARAMETERS];      /* the parameter lies on its bound and has no uncertainty */
+    bool converged; /* small_step and small_gradient hold, and every parameter is determined */
     /* the next full step would change no parameter by more than 1e-8 of itself or its
      * uncertainty */
     bool small_step;
@@ -69,25 +69,27 @@ struct curve_fit {
     double rss, sigma; /* (weighted) sum of squares; standard deviation of the residuals */
     size_t used, rejected;
     double autocorrelation; /* lag 1 of the residuals */
-    /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
+    /* Number of runs of equal sign, in standard deviations from what chance gives; below -3 the
+     * residuals are systematic. */
     double runs;
     int bootstrapped; /* samples that converged */
     double *residual; /* [n] y - f, from the arena */
     double *weight;   /* [n] 1, or the robust ones */
-    char said[200];   /* in words: "converged: …", "did not converge: …" */
+    char said[200];   /* the verdict in words: "converged: …", "did not converge: …" */
 };
 
 /*
- * Least squares from the start [parameters]. True: there is an answer, and `converged` and `said`
- * tell what it is worth (ERROR_NUMERICAL is the caller's to set). False: ERROR_COMMAND (fewer
- * samples than parameters, the curve has no value at the start), ERROR_CANCELLED, memory.
+ * Fits the curve by least squares from the start [parameters]. Returns true if there is an answer;
+ * `converged` and `said` tell what it is worth (the caller decides on ERROR_NUMERICAL). Returns
+ * false with ERROR_COMMAND (fewer samples than parameters, no value of the curve at the start),
+ * ERROR_CANCELLED, or if out of memory.
  */
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                struct error *error);
 
-/* A model that more than a fifth of the samples must leave is none, whether they are bad echoes or
- * lie behind flat tops: no fit of any kind that leaves out so many has converged. */
+/* Returns true if more than a fifth of the samples are left out, be they bad echoes or flat tops: a
+ * fit of any kind that leaves out as many has not converged. */
 static inline bool fit_discards_much(size_t rejected, size_t samples)
 {
     return (double)rejected > 0.2 * (double)samples;
@@ -95,32 +97,32 @@ static inline bool fit_discards_much(size_t rejected, size_t samples)
 
 /* ---- formulas ----
  *
- * A formula in t as it is typed: names that nobody knows are its parameters.
+ * A formula in t as the user types it; unknown names are its parameters.
  */
 
 struct formula_column {
     const char *name;
-    const double *value; /* [n] beside the series; where value is NULL: the times */
+    const double *value; /* [n] values at the times of the series; where value is NULL, the times */
 };
 
 struct formula {
     const struct expr *expr;
     const struct cancel *cancel; /* ends its evaluation unless NULL */
     int parameters;
-    const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
+    const char *name[CURVE_PARAMETERS]; /* names in the order in which they first appear */
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
     bool started[CURVE_PARAMETERS];     /* a start was given */
     double start[CURVE_PARAMETERS];
     const struct formula_column *column; /* variables; t is always one */
     int columns;
     double *constant;                /* values of the known names, from the arena */
-    struct formula_program *program; /* during a fit */
+    struct formula_program *program; /* program of the formula, set during a fit */
 };
 
 /*
- * Compiles the longest formula at the start of `text` (see expr_compile). `known`, or NULL: names
- * that are constants, with their present values. columns: more variables than t, or NULL. At least
- * one parameter and at most CURVE_PARAMETERS.
+ * Compiles the longest formula at the start of `text` (see expr_compile()). `known` has the names
+ * that are constants, with their present values, or is NULL; `column` has variables besides t, or
+ * is NULL. Returns false with the error unless it has 1 to CURVE_PARAMETERS parameters.
  */
 bool formula_compile(struct text text, const struct expr_scope *known,
                      const struct formula_column *column, int columns, struct arena *arena,
@@ -129,9 +131,9 @@ bool formula_compile(struct text text, const struct expr_scope *known,
  * such parameter. */
 bool formula_start(struct formula *formula, struct text name, double start, struct error *error);
 /*
- * Fits it. Starts that are not given are looked for: parameters in which the formula is linear are
- * solved for exactly, the others tried on scales that the series suggests (its spectrum, span,
- * range), the best refined. As curve_fit().
+ * Fits the formula; the result is that of curve_fit(). Starts that are not given are searched for:
+ * parameters in which the formula is linear are solved for exactly, the others tried on scales that
+ * the series suggests (its spectrum, span, range), and the best are refined.
  */
 bool formula_fit(const struct formula *formula, const struct series *series,
                  const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
@@ -163,10 +165,10 @@ struct drag_rate {
     const char *bare; /* unit for an angle or a plain number */
 };
 
-/* in the order of the bits of enum drag_law */
+/* Rates in the order of the bits of enum drag_law. */
 extern const struct drag_rate drag_rates[DRAG_RATES];
 
-/* "linear+dry", "not distinguishable", NULL for LAW_NONE */
+/* Returns "linear+dry", "not distinguishable" …, or NULL for LAW_NONE. */
 const char *drag_law_name(enum drag_law law);
 
 enum {
@@ -183,9 +185,10 @@ enum {
  * angle). */
 enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE, RESTORING_FORCES };
 
-const char *restoring_name(enum restoring_force force); /* "linear", "Duffing", "pendulum" */
+/* Returns "linear", "Duffing" or "pendulum". */
+const char *restoring_name(enum restoring_force force);
 
-/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and
+/* A motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and
  * the offset. */
 struct equation {
     double value[EQUATION_PARAMETERS];
@@ -205,7 +208,7 @@ bool equation_solve(const struct equation *equation, const double *t, size_t n, 
 
 enum { EQUATION_ORDER = 18, EQUATION_COLUMNS = EQUATION_OFFSET + 1 };
 
-/* Derivatives that will be wanted: none, all but that by b where b is 0, all. */
+/* Derivatives that an evaluation computes: none, all but that by b where b is 0, or all. */
 enum equation_slopes { EQUATION_VALUES, EQUATION_SLOPES_BUT_B, EQUATION_SLOPES };
 
 /* State of an integration that is evaluated forwards, some samples at a time. */
@@ -213,11 +216,11 @@ struct equation_walk {
     enum restoring_force force;
     int order;
     bool slopes;    /* derivatives are wanted, and */
-    bool quadratic; /* there is such drag, or the derivative by it is wanted */
+    bool quadratic; /* the law has quadratic drag, or the derivative by it is computed */
     double t0, omega, offset;
-    double g, b, f, cubic; /* in the time unit 1/omega */
-    double side;           /* sign of the velocity, or 0 if it rests for good */
-    double phase;          /* [rad] where the step begins */
+    double g, b, f, cubic; /* rates in the time unit 1/omega */
+    double side;           /* sign of the velocity, or 0 if it stays at rest */
+    double phase;          /* [rad] phase at the start of the step */
     /* Taylor coefficients of y, and of its derivatives by the parameters */
     double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
 };
@@ -310,24 +313,25 @@ struct fit_model {
 };
 
 /*
- * Rows damped (the first, which is taken where nothing is said), sine, drag and law need no guess.
- * law: drag under the restoring force that BIC prefers. drag: the fit's values are those of the
- * best law (by BIC), `preferred` is LAW_UNDECIDED where the data do not decide. Uncertainties:
- * least squares, widened for what the residuals share with each parameter (sway, wandering); of
- * period, omega and gamma also half the difference of the window's halves where these differ by
- * more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not
- * converge. GSL's error handler is off (base/numeric.c).
+ * Models of fits; none needs a starting guess. "damped", the first, is the default. "law" is "drag"
+ * under the restoring force that BIC prefers. The values of "drag" are those of the best law (by
+ * BIC); `preferred` is LAW_UNDECIDED where the data do not decide. Uncertainties are those of least
+ * squares, widened for what the residuals share with each parameter (sway, wandering), and for
+ * period, omega and gamma by half the difference of the window's halves if it exceeds 2.5 standard
+ * deviations. A fit returns false with ERROR_COMMAND if the series does not oscillate, with
+ * ERROR_NUMERICAL if it does not converge. GSL's error handler is off (base/numeric.c).
  */
 extern const struct catalog fit_catalog;
-/* finds by exact name or alias, else NULL */
+/* Finds a row by exact name or alias. Returns NULL if there is none. */
 const struct fit_model *fit_model_by_name(struct text name);
 const struct fit_model *fit_model_at(size_t i);
-const struct fit_model *fit_model_from(const struct row *row); /* which is one of them */
+/* Returns the fit_model that row, one of the catalog's, belongs to. */
+const struct fit_model *fit_model_from(const struct row *row);
 
-/* Computes the model's values [n] at n ascending times t [s], not counted from t0; NAN if the
- * motion of a law cannot be integrated that far. */
+/* Computes the model's values [n] at n ascending times t [s], not counted from t0. Values are NAN
+ * from where the motion of a law cannot be integrated. */
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value);
-/* k = m (omega^2 + gamma^2/4) with the mass's and the fit's uncertainties. */
+/* Returns k = m (omega^2 + gamma^2/4) with the uncertainties of the mass and the fit. */
 struct measured fit_stiffness(const struct fit *fit, struct measured mass);
 
 /* ---- modes: several damped sines at once ---- */
@@ -342,11 +346,12 @@ struct normal_mode {
 };
 
 struct modes_fit {
-    /* offset, its drift, rms, warnings and the like; NAN where there is one of each mode */
+    /* Offset, its drift, rms, warnings and the like; values that each mode has of its own are
+     * NAN. */
     struct fit fit;
     int modes;
     struct normal_mode mode[MODES_MAX]; /* the slowest first */
-    /* Of two modes, else NAN: */
+    /* The next three belong to two modes, and are NAN for any other number. */
     struct measured splitting; /* [Hz] */
     /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
     struct measured coupling;

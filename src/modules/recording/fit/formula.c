@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Slots: the columns (t last), then the parameters, then the known names. */
+/* Numbering of the variables: the columns (t last), the parameters, the known names. */
 struct formula_names {
     struct formula *formula;
     const struct expr_scope *known;

@@ -12,11 +12,11 @@
 enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
 
 struct formula_search {
-    struct formula formula; /* with its columns thinned like the series */
+    struct formula formula; /* the formula, with its columns thinned like the series */
     struct series thin;
     struct fit_curve curve;
-    struct curve_problem problem;            /* of these */
-    int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
+    struct curve_problem problem;            /* least-squares problem of the thinned series */
+    int unknown[CURVE_PARAMETERS], unknowns; /* parameters that are neither linear nor given */
     double scale[SCALES_MAX];
     int scales;
     uint64_t state;
@@ -31,7 +31,8 @@ static double uniform(struct formula_search *s)
     return random_fraction(&s->state);
 }
 
-/* Every so many samples one, at an uneven place, so that no frequency hides between them. */
+/* Takes one sample of each `each`, at an uneven place, so that no frequency is hidden between
+ * them. */
 static bool thin_out(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     size_t n = series->n < THIN ? series->n : THIN, columns = (size_t)s->formula.columns;
@@ -144,8 +145,9 @@ struct refining {
     const struct curve_options *options;
     struct arena *arena;
     struct curve_fit *fit;
-    bool found;          /* fit holds an answer */
-    struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
+    bool found; /* fit holds an answer */
+    /* reason if nothing is found; also set if cancelled or out of memory, which ends the search */
+    struct error *error;
 };
 
 /* Copies the result into the memory of the answer. Returns false if out of memory. */

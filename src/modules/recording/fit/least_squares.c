@@ -131,7 +131,8 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
     gsl_matrix_view u = gsl_matrix_view_array(a, (size_t)rows, (size_t)m),
                     v = gsl_matrix_view_array(p->v, (size_t)m, (size_t)m);
     gsl_vector_view s = gsl_vector_view_array(p->s, (size_t)m);
-    /* by one-sided rotations: the other way allocates inside, and does not look whether it could */
+    /* The other algorithm of GSL allocates inside, and does not check whether that succeeded;
+     * one-sided rotations (Jacobi) do not. */
     gsl_linalg_SV_decomp_jacobi(&u.matrix, &v.matrix, &s.vector);
     for (int k = 0; k < m; k++)
         for (int i = 0; i < rows; i++)
@@ -189,7 +190,7 @@ struct walk {
     const struct least_squares *model;
     bool forgets; /* scale is that of the present columns, else the largest so far */
     double scale[CURVE_PARAMETERS];
-    bool held[CURVE_PARAMETERS]; /* on their bounds */
+    bool held[CURVE_PARAMETERS]; /* parameters held on their bounds */
     struct linear_problem problem;
 };
 

@@ -44,7 +44,7 @@ double quadratic_form(int n, int width, const double *a, const double *matrix, c
 /* The linear problem of a triangle in its free parameters, from `first` on: singular values. */
 struct linear_problem {
     int first, free, index[CURVE_PARAMETERS];
-    double scale[CURVE_PARAMETERS];                       /* by which columns are divided */
+    double scale[CURVE_PARAMETERS];                       /* divisors of the columns */
     double s[CURVE_PARAMETERS], turned[CURVE_PARAMETERS]; /* U^T r */
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS];        /* [free][free] */
     double min; /* singular values below are those of directions that no column has */
@@ -59,11 +59,12 @@ double linear_problem_step(const struct linear_problem *problem, double damping,
 
 struct least_squares {
     int parameters;
-    int linears; /* the first so many, in which it is linear, are solved for at each point */
+    /* number of leading parameters in which it is linear; they are solved for at each point */
+    int linears;
     const double *low, *high; /* [parameters] or NULL */
     const double *unit; /* [parameters] sizes of which 1e-7 counts as being on a bound, or NULL */
     void *context;
-    /* Fills the triangle of the first so many parameters at x [parameters]. Returns false if the
+    /* Fills the triangle of the first `columns` parameters at x [parameters]. Returns false if the
      * model has no value there. */
     bool (*linearise)(void *context, const double *x, int columns, struct triangle *triangle);
     /* The same with the second derivative of the residuals along a step in place of these. NULL for
@@ -73,15 +74,15 @@ struct least_squares {
 };
 
 struct descent_options {
-    /* A full step that promises less than so many variances of a residual, or less than `rounding`
-     * of the sum of squares, is taken without another look, and is the last. */
+    /* A full step that promises less than `trust` variances of a residual, or less than `rounding`
+     * of the sum of squares, is taken unchecked, and is the last. */
     double trust, rounding;
-    double exact;   /* above 0: full steps go on as long as they shrink, down to that, relatively */
-    double damping; /* of the first step */
+    double exact; /* relative length to which full steps are refined as long as they shrink, or 0 */
+    double damping;   /* damping of the first step */
     bool accelerated; /* steps follow the model's curvature */
     bool rescaled;    /* damping is that of the present columns, else of the longest so far */
     bool kinks;     /* a minimum may lie in a kink of the sum of squares, where no step is small */
-    int iterations; /* at most */
+    int iterations; /* largest number of iterations */
     const struct cancel *cancel;
 };
 

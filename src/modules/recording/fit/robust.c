@@ -27,7 +27,7 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
     s->a = h.a;
     s->b = h.b;
     s->c = h.c;
-    /* What the model misses is in proportion to the amplitude: the scale is that of the middle. */
+    /* Errors of the model are proportional to the amplitude: the scale is that in the middle. */
     double square = 0,
            growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
     double weight = exp(0.5 * h.gamma * (part.t[0] - h.origin));

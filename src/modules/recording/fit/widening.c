@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How much less than independent residuals the real ones tell about each parameter. Amplitude and
- * decay are read from what is in phase with the oscillation, phase and frequency from what is a
- * quarter period off, the offset from what is slow: sway spoils the first, a wandering offset the
- * last, and neither the others.
+ * Computes how much less the real residuals tell about each parameter than independent ones.
+ * Amplitude and decay are read from what is in phase with the oscillation, phase and frequency from
+ * what is a quarter period off, the offset from what is slow: sway spoils the first, a wandering
+ * offset the last, and neither the others.
  */
 #include "modules/recording/series/internal.h"
 

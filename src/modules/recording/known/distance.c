@@ -35,7 +35,7 @@ static size_t spanned(const struct run *run, const struct series *data)
  * recorded. */
 struct overlap_sums {
     double n, x, y, xx, xy, yy; /* the last three about the means */
-    double apart;               /* of (x - y)^2 */
+    double apart;               /* sum of (x - y)^2 */
 };
 
 /* Means and squares in one pass (Welford 1962). */

@@ -9,12 +9,12 @@
 
 enum {
     TERMS = 3,         /* offset, cosine, sine */
-    WIDTH = TERMS + 1, /* of a row of the normal equations, whose last column is the value */
-    STRETCH_ROWS = 32, /* that are looked at of a stretch */
+    WIDTH = TERMS + 1, /* width of a row of the normal equations, whose last column is the value */
+    STRETCH_ROWS = 32, /* rows used of a stretch */
     ROWS_MIN = 8,
-    END_STRETCHES = 3, /* that are compared with those next to them */
-    SIDE = 16,         /* stretches from each end, */
-    MIDDLE = 16,       /* and between them */
+    END_STRETCHES = 3, /* stretches compared with their neighbours */
+    SIDE = 16,         /* stretches at each end */
+    MIDDLE = 16,       /* stretches between them */
     ALL = 2 * SIDE + MIDDLE,
 };
 
@@ -68,9 +68,9 @@ static double usual_fall(const struct stretch *stretch, size_t n)
 }
 
 /*
- * Returns true if the first of the stretches, counted from an end of the series, are as large as
- * those next to them let expect, and leave no more. fall: of the amplitude towards that end, per
- * stretch. scale: what a stretch leaves as a rule.
+ * Returns true if the first of the stretches, counted from an end of the series, have the
+ * amplitudes and the residuals that those next to them let expect. `fall` is the factor of the
+ * amplitude towards that end per stretch, `scale` the typical residual of a stretch.
  */
 static bool begins_as_it_continues(const struct stretch *stretch[SIDE], size_t n, double fall,
                                    double loss, double scale)

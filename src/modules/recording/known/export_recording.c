@@ -37,7 +37,7 @@ static void add_motion_keys(struct keys *keys, const struct data_motion *motion,
         keys_add_text(keys, "energy", motion->how_k);
 }
 
-/* Of a voltage or a force beside a run: where its numbers lie on it. */
+/* Adds the key "scale" to a voltage or a force beside a run: where its numbers lie on the run. */
 static void add_scale_key(struct keys *keys, const struct session *session,
                           struct recording *recording)
 {

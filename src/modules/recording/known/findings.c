@@ -59,8 +59,7 @@ static size_t count_swings(const struct series *series)
     return swings;
 }
 
-/* Leaves each k-th sample of a long series, so many for each swing at least. Returns false if out
- * of memory. */
+/* Thins a long series, to at least for_swing samples per swing. Returns false if out of memory. */
 static bool findings_series_thin(struct series *series, size_t for_swing, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)

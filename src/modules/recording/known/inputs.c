@@ -5,7 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PARAM_NUDGE_RELATIVE 1e-3 /* of a parameter, to see whether the motion depends on it */
+/* relative change of a parameter that shows whether the motion depends on it */
+#define PARAM_NUDGE_RELATIVE 1e-3
 
 void inputs_use(struct inputs *inputs, const char *name, struct measured value)
 {

@@ -67,9 +67,9 @@ struct measured inputs_widen(const struct inputs *inputs, struct measured value)
 
 /* A line that begins with a newline and says which are exact; nothing where none is. */
 void inputs_put(const struct inputs *inputs, struct buffer *text);
-/* The array `exact` of the open record. */
+/* Adds the array `exact` to the open record. */
 void inputs_reply(const struct inputs *inputs, struct reply *reply);
-/* For the report: the names, and back again (the text has to last). */
+/* Copies the names for the report, and reads them back; the names must outlive `inputs`. */
 void inputs_keep(const struct inputs *inputs, struct exact_names *names);
 void inputs_recall(struct inputs *inputs, const struct exact_names *names);
 
@@ -80,10 +80,10 @@ void inputs_recall(struct inputs *inputs, const struct exact_names *names);
 bool find_faults(struct recording *recording, double period, struct arena *arena,
                  struct error *error);
 /*
- * Which part of a subject is the free oscillation: the one judgement of it, that of 'data clean',
- * in words for every command that works on a window. Nothing where the whole of it is.
+ * Advice on which part of a subject is the free oscillation, as 'data clean' judges it, in words
+ * for every command that works on a window. The text is empty where the whole of it is.
  */
-enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* it knows what rests */ };
+enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* the law describes the rest, too */ };
 
 struct window_advice {
     char text[200]; /* "" if there is none */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which law makes the oscillation die out: the equation of motion under each, integrated
- * (equation.c) and fitted to all samples (law_fit.c); the averaged envelope is only where the
- * search begins. Which samples take part is judged by what the most general of the laws leaves, not
- * by the damped sine; so is whether the baseline wanders.
+ * Finds the law by which the oscillation decays: the equation of motion under each law is
+ * integrated (equation.c) and fitted to all samples (law_fit.c); the averaged envelope is only the
+ * start of the search. Which samples take part, and whether the baseline wanders, is judged by the
+ * residuals of the most general law, not by those of the damped sine.
  */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
@@ -344,7 +344,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     if (!drag_report_offset(&f, &f.fit[best], &factors, arena, result))
         return error_memory(error);
     drag_report(&f, best, &factors, result);
-    /* what is said of samples is said of this fit */
+    /* the counts of left-out samples become those of this fit */
     m->clipped = m->clipped < result->rejected ? m->clipped : 0;
     m->rejected = result->rejected;
     memcpy(m->samples.use, f.use, m->samples.n);

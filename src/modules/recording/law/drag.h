@@ -10,12 +10,14 @@ enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
 /* mean square, relative, to which integration is good: no law is better than that */
 #define INTEGRATION_ROUNDING_SQUARED 1e-16
 
-#define DELTA_MIN 6.0           /* of BIC, for a claim, and */
-#define CHANCE_MAX 0.001        /* of the F-test, for a further term to be claimed, and */
-#define HIDDEN_TERM_CHANCE 0.01 /* to be taken for possible, though not shown */
-/* of the loss, or of the force, that a further term may take (two standard deviations) */
+#define DELTA_MIN 6.0           /* least difference of BIC for a claim */
+#define CHANCE_MAX 0.001        /* F-test chance below which a further term is claimed */
+#define HIDDEN_TERM_CHANCE 0.01 /* F-test chance below which a further term counts as possible */
+/* Largest part of the loss, or of the force, that a further term may have (two standard
+ * deviations). */
 #define SHARE_MAX 0.2
-/* of a variance: slow changes count, so windows are what is independent */
+/* Widening of the variance above which slow changes count, so that windows are the independent
+ * data. */
 #define DRAG_WIDENED 1.05
 
 struct drag_fitting {
@@ -23,7 +25,7 @@ struct drag_fitting {
     struct law_samples samples;
     unsigned char *use; /* [n] */
     size_t *edge;       /* [2 + n/..] of blocks */
-    double rounding;    /* [y^2] of a sum of squares */
+    double rounding;    /* [y^2] rounding of a sum of squares */
     double size;        /* amplitude, as y */
     double t0;
     struct equation start; /* values of the linear law */

@@ -34,16 +34,16 @@ static double factor_of(const struct windows *w, double lag)
 {
     if (w->count < DRAG_WINDOWS_MIN || !(w->expected > 0))
         return autocorrelation_factor(lag);
-    /* up to three parameters of the envelope are fitted */
+    /* The envelope has up to three fitted parameters. */
     const double left = w->count / fmax(w->count - 3, 1);
     return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
 }
 
 /*
- * By how much slow changes of the amplitude (sway) and of the phase make the variance of rates and
- * of the frequency larger than independent residuals would: the residuals' part in phase with the
- * motion and with its velocity, window by window of two periods, against their own size, with its
- * correlation from window to window.
+ * Computes by how much slow changes of the amplitude (sway) and of the phase make the variance of
+ * rates and of the frequency larger than independent residuals would: from the residuals' part in
+ * phase with the motion and with its velocity, in windows of two periods, relative to their own
+ * size, and with its correlation from window to window.
  */
 bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
                   struct drag_factors *factors)
@@ -166,7 +166,8 @@ bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
     return true;
 }
 
-/* Between all that is fitted, as wide as what is reported of each. */
+/* Sets the covariance of all fitted parameters, with the reported standard deviations
+ * [parameters]. */
 static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *result)
 {
     *result = (struct fit_covariance){.n = EQUATION_OFFSET};

@@ -132,8 +132,8 @@ static void expand(struct equation_walk *s)
         expand_values(s);
 }
 
-/* Of the first column or of all: the derivative by time of the given order, at x after the start of
- * the step. */
+/* Computes the derivative by time of the given order, of the first column or of all, at x after the
+ * start of the step. */
 static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
                             double *result)
 {
@@ -159,11 +159,11 @@ static double speed(void *walk, double x)
     return v;
 }
 
-/* Where the velocity changes its sign in (0, h]. */
+/* Returns the time in (0, h] at which the velocity changes its sign. */
 static double turning_time(struct equation_walk *s, double h, double v)
 {
     double low = 0, at_low = speed(s, 0);
-    if (at_low == 0) { /* just turned: the other side is where it accelerates to */
+    if (at_low == 0) { /* the motion has just turned; its side is the one to which it accelerates */
         low = 1e-9 * h;
         at_low = speed(s, low);
         if (at_low * v > 0)

@@ -180,7 +180,7 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
     static const double first_damping = 1e-3;
     struct law_problem problem = {x, fit};
     struct descent d = {.iterations = 0};
-    /* With friction a minimum may lie where a half swing more begins, in a kink: no step promises
+    /* A minimum with friction may be a kink, where one more half swing begins: no step promises
      * little there. */
     bool dry = false;
     for (int j = 0; j < fit->parameters; j++) {

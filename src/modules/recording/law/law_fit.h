@@ -22,7 +22,7 @@ struct law_samples {
     const struct samples *samples;
     const unsigned char *use; /* [n] */
     struct baseline baseline;
-    double middle; /* near the offset: taken off first, for the rounding */
+    double middle; /* value near the offset, subtracted first to reduce rounding */
     const struct cancel *cancel;
 };
 
@@ -33,7 +33,7 @@ struct law_fit {
     int parameters;
     int index[LAW_PARAMETERS];
     struct equation motion; /* the start, then the answer; without the offset */
-    double omega;           /* of the start: what is far from it is no answer */
+    double omega;           /* omega of the start: a result far from it is rejected */
     bool converged;
     double rss;
     size_t used;

@@ -11,7 +11,8 @@
 #include <gsl/gsl_cdf.h>
 #include <stdio.h>
 
-#define DELTA_MORE 10.0 /* of BIC against a law that has more terms, and does not contain it */
+/* least difference of BIC against a law that has more terms and does not contain it */
+#define DELTA_MORE 10.0
 
 static const struct drag_law_row rows[] = {
     {{"linear", "", "viscous: the air at small speeds, eddy currents",
@@ -226,7 +227,7 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
         buffer_char(text, ')');
 }
 
-/* What the claim rests on. */
+/* Appends the evidence for the claimed law. */
 static void say_claimed(const struct law_evidence *e, int best, const struct drag_fit *drag,
                         struct buffer *text)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which force pulls back: a spring, a hardening or softening one (Duffing 1918), or gravity on a
- * pendulum. Where the period changes with the amplitude no sine is near the whole recording: each
- * force is fitted to its first periods, then to twice as many, and so on.
+ * Finds the restoring force: a spring, a hardening or softening one (Duffing 1918), or gravity on a
+ * pendulum. Where the period changes with the amplitude no sine is near the whole recording, so
+ * each force is fitted to its first periods, then to twice as many, and so on.
  */
 #include "modules/recording/law/drag.h"
 
@@ -13,7 +13,8 @@ enum { FIRST_PERIODS = 4, LEAST = 16 };
 
 #define SEARCH_PROMISE_VARIANCES 100.0 /* variances that a step may promise to be taken unseen */
 #define FINAL_PROMISE_VARIANCES 1e-2
-/* variances beyond another force, with which a search that did not end is no answer */
+/* Excess over another force, in variances, with which a search that did not converge is
+ * discarded. */
 #define REFUTED_RSS_VARIANCES 100.0
 
 const char *restoring_name(enum restoring_force force)
@@ -238,7 +239,7 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
     drag->forces = RESTORING_FORCES;
     drag->force = (enum restoring_force)chosen;
     drag->forces_remaining = 1u << chosen;
-    for (int i = 0; i < RESTORING_FORCES; i++) /* of what was not found nothing is known */
+    for (int i = 0; i < RESTORING_FORCES; i++) /* a force without a result is not excluded */
         drag->forces_remaining |=
             drag->restoring[i].converged || far_off(&all, i, chosen) ? 0 : every & 1u << i;
     for (int i = 0; i < RESTORING_FORCES; i++)

@@ -10,18 +10,19 @@
 #define REJECTED_ROBUST_SIGMAS 5.0 /* robust standard deviations */
 /* Smaller deviations, relative to the amplitude, are no outliers of a simulation. */
 #define AMPLITUDE_ROUNDING_RELATIVE 1e-9
-#define MODE_SURE_SIGMAS 3.0 /* standard deviations of an amplitude, and */
-/* where the slowest has fewer than SLOW_MODE_PERIODS: a random walk looks like that */
+#define MODE_SURE_SIGMAS 3.0 /* standard deviations of an amplitude */
+/* The same if the slowest has fewer than SLOW_MODE_PERIODS: a random walk looks like that. */
 #define SURE_SLOW 5.0
-#define MODE_CLEAR_NOISE_RATIO 6.0 /* of the noise beside its line */
-#define BIC_DECIDES 6.0            /* BIC */
-#define RESOLVED_LINE_WIDTHS 1.5   /* line widths 1/span between two frequencies */
-#define LEFT_LINE_SIGMAS 8.0       /* standard deviations of a line that is left */
-#define LEFT_MIN 0.02              /* of the smallest amplitude */
-#define POOR_RESIDUAL_RATIO 0.10   /* rms of the residuals over that of the signal */
+#define MODE_CLEAR_NOISE_RATIO 6.0 /* amplitude of a mode over the noise beside its line */
+#define BIC_DECIDES 6.0            /* difference of BIC */
+#define RESOLVED_LINE_WIDTHS 1.5   /* [1/span] distance of two frequencies */
+#define LEFT_LINE_SIGMAS 8.0       /* [standard deviations] amplitude of a line that remains */
+#define LEFT_MIN 0.02 /* amplitude of a line that remains, over the smallest of the modes */
+#define POOR_RESIDUAL_RATIO 0.10 /* rms of the residuals over that of the signal */
 #define SLOW_MODE_PERIODS 3.0
-#define OVERTONE_LINE_WIDTHS 0.1 /* line widths from a multiple of a slower frequency */
-#define TWO_RATHER 0.3 /* of the sum of squares is left by a second line: a sway leaves more */
+#define OVERTONE_LINE_WIDTHS 0.1 /* [1/span] distance from a multiple of a slower frequency */
+/* share of the sum of squares that a second line leaves; a sway leaves more */
+#define TWO_RATHER 0.3
 
 struct modes_fitting {
     const struct series *series;
@@ -29,7 +30,7 @@ struct modes_fitting {
     struct mode_curve curve;
     struct curve_fit fit;
     double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
-    double *residual;                                      /* [n] of all samples */
+    double *residual;                                      /* [n] residuals of all samples */
     double *scratch;
     struct arena *arena;
     const struct cancel *cancel;
@@ -163,7 +164,8 @@ static struct normal_mode mode_of(const struct modes_fitting *f, int k)
         .phase = {phase <= -PI ? PI : phase, deviation(f, first, of_phase)}};
 }
 
-/* Of what depends on the frequency and the damping of two modes, by its slopes. */
+/* Returns the standard deviation of a quantity that depends on the frequency and the damping of two
+ * modes, from its derivatives by them. */
 static double of_both(const struct modes_fitting *f, const int mode[2], double derivative[2][2])
 {
     double all[CURVE_PARAMETERS] = {0};
@@ -415,7 +417,8 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
 /* Returns true if two lines may hold most of the power, however damped. */
 static bool may_be_two_lines(const struct samples *x)
 {
-    static const double share_min = 0.5, width = 0.15; /* of a line, relative */
+    /* least share of the power, and half width of a line, relative to its frequency */
+    static const double share_min = 0.5, width = 0.15;
     struct arena arena = {0};
     const bool may = power_share_of_peaks(x, 2, width, &arena) > share_min;
     arena_reset(&arena);

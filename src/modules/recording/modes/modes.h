@@ -34,17 +34,17 @@ struct mode_start {
 };
 
 /*
- * Looks for as many modes as `modes`, one after the other, in `x` or in averages of its neighbours
- * where there are many samples: start[k] [modes + 1] is the best that was found with k of them,
- * start[0] the straight line; *samples: how many were looked at. quick: only whether there are
- * several, where these are most of what moves. Returns how many could be found, -1: no memory, or
- * cancelled.
+ * Searches for as many modes as `modes`, one after the other, in `x` or, if there are many samples,
+ * in averages of neighbours. start[k] [modes + 1] becomes the best fit found with k of them,
+ * start[0] the straight line; *samples becomes the number of samples used. A quick search finds
+ * only whether several modes contribute most of the motion. Returns the number of modes found, or
+ * -1 if out of memory or cancelled.
  */
 int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
                  struct mode_start *start, double *samples);
 /*
- * By how much BIC prefers k modes to k - 1, the frequency being the best of n/2 (Bonferroni).
- * Residuals that hang together count as fewer: those with all that were found, since a mode that is
- * still missing makes them hang together, too.
+ * Returns by how much BIC prefers k modes to k - 1, the frequency being the best of n/2
+ * (Bonferroni). Correlated residuals count as fewer: those with all `found` modes, since a mode
+ * that is still missing correlates them, too.
  */
 double modes_evidence(const struct mode_start *start, int k, int found, double samples);

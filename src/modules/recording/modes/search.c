@@ -21,10 +21,10 @@ enum {
     ITERATIONS_QUICK = 10
 };
 
-/* of the sum of squares: what one mode leaves at most, where a quick look goes on */
+/* Largest share of the sum of squares that one mode may leave for a quick search to continue. */
 #define QUICK_LEFT 0.8
 
-#define A_PERIOD 8 /* samples that averaging leaves of the fastest line, at least */
+#define A_PERIOD 8 /* least number of samples per period of the fastest line after averaging */
 
 static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value,
                      double *derivative)
@@ -72,11 +72,12 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
 }
 
-#define SQUARES_ROUNDING_RELATIVE 1e-20 /* of a sum of squares: less says nothing */
+/* relative rounding of a sum of squares; smaller ones mean nothing */
+#define SQUARES_ROUNDING_RELATIVE 1e-20
 
 /* ---- fewer samples ---- */
 
-/* [Hz] of the fastest line that stands out, or 0 if there is none. */
+/* Returns the frequency [Hz] of the fastest line that stands out, or 0 if there is none. */
 static double fastest(const struct samples *x, struct arena *arena)
 {
     const struct series series = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
@@ -92,7 +93,7 @@ static double fastest(const struct samples *x, struct arena *arena)
     return max;
 }
 
-/* Means of so many neighbours that are used. Returns false if out of memory. */
+/* Averages neighbours down to about `wanted` samples. Returns false if out of memory. */
 static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena,
                      struct series *thin)
 {
@@ -120,7 +121,7 @@ struct modes_search {
     struct arena *arena;
     const struct cancel *cancel;
     bool quick;
-    int modes; /* of a trial */
+    int modes; /* number of modes of a trial */
     struct mode_curve curve;
     struct curve_problem problem;
     struct modes_trial best[TRIED];
@@ -175,7 +176,7 @@ static void try_lines(struct modes_search *s, const struct rates *known, const d
     }
 }
 
-/* Each that is known as two, so many line widths 1/span apart. */
+/* Tries each known mode as two, which are `apart` line widths 1/span from each other. */
 static void try_splits(struct modes_search *s, const struct rates *known)
 {
     static const double apart[] = {0.8, 1.6};

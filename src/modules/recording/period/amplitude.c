@@ -79,7 +79,7 @@ static void carry_amplitude(const struct motion *m, double t_begin, double width
         if (bends || fabs(local - change) > doubt) {
             change = local + (bends ? bend : 0);
             relative = hypot((1 - ahead) * log_a[0].uncertainty, ahead * log_a[1].uncertainty);
-            relative = hypot(relative, bend); /* what the next order may add */
+            relative = hypot(relative, bend); /* bound of the next order */
         } else {
             relative = hypot(relative, local - change);
         }
@@ -122,7 +122,7 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
             return error_set(error, ERROR_COMMAND, "no amplitude at %g s: the window is %g..%g s",
                              reading_time[i], first, last);
         }
-        /* At the ends the window is moved inside. */
+        /* The window is moved inside at the ends of the series. */
         double t_begin = fmin(fmax(reading_time[i] - 0.5 * w, first), last - w);
         size_t low = samples_index(x, t_begin - 1e-9 * w),
                high = samples_index(x, t_begin + w * (1 + 1e-9));

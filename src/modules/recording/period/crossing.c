@@ -10,12 +10,13 @@
 #define HALF_WIDTH 0.1 /* [periods] samples on each side of a crossing that place it */
 /* Change of the swing's shape in the window by decay and drift, relative to the swing. */
 #define SHAPE_CHANGE_FRACTION 0.01
-#define NOISE_FREE 1e-6 /* of the amplitude: below, interpolation is better than averaging */
+/* noise relative to the amplitude below which interpolation is better than averaging */
+#define NOISE_FREE 1e-6
 
 struct context {
     const struct series *series;
     double level, mean, noise;
-    double omega; /* [rad/s] 0: unknown */
+    double omega; /* [rad/s] 0 if unknown */
     double half;  /* [s] samples used on each side */
     bool exact;
 };

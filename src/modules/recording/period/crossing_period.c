@@ -168,8 +168,8 @@ static size_t crossing_pattern(const struct crossing *rising, size_t count,
 }
 
 /*
- * Reads the period from the up-crossings of a level (NAN: the middle between the extremes) whose
- * times repeat, from the first crossing on or, if it may settle, from a later one.
+ * Reads the period from the up-crossings of a level (the middle between the extremes if it is NAN)
+ * whose times repeat, from the first crossing on or, if it may settle, from a later one.
  */
 static bool regular_period(const struct series *series, double level, const struct regularity *r,
                            size_t capacity, struct arena *arena, struct period *period)

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum {
-    BINS_MIN = 16, /* of the mean cycle */
+    BINS_MIN = 16, /* bins of the mean cycle */
     BINS_MAX = 256,
     ALIGN_PASSES = 4,
 };
@@ -176,8 +176,8 @@ static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
                         struct arena *arena)
 {
     const double span = x->t[x->n - 1] - x->t[0], samples = guess / (span / (double)(x->n - 1));
-    /* A cut that changes by more than this, against the quietest, is worth the loss of a cycle,
-     * where more than so many are left. */
+    /* A cut that changes by more than change_max times as much as the quietest is worth the loss of
+     * a cycle, if more than CYCLES_LEFT_MIN are left. */
     static const double change_max = 2;
     enum { CYCLES_LEFT_MIN = 5 };
     *c = (struct cycles){.samples = x, .period = guess, .count = (size_t)(span / guess + 0.02)};
@@ -229,7 +229,8 @@ double cycles_share_needed(size_t cycles)
 bool cycles_find(struct cycles *c, const struct samples *x, double guess, double share_min,
                  struct arena *arena)
 {
-    static const double hopeless = 0.75; /* of share_min: better places do not make up for it */
+    /* part of share_min below which better positions of the cycles do not help */
+    static const double hopeless = 0.75;
     static const double gain_min = 1e-3;
     double previous_share = 0;
     if (!cycles_init(c, x, guess, arena))

@@ -18,20 +18,20 @@ struct cycle_times {
     size_t n;
 };
 
-/* Makes room for so many. Returns false if out of memory. */
+/* Allocates `capacity` times. Returns false if out of memory. */
 bool cycle_times_init(struct cycle_times *times, size_t capacity, struct arena *arena);
 void cycle_times_add(struct cycle_times *times, double t, double sigma, double number,
                      bool after_gap);
 /*
- * Sets the period, its uncertainty, first, last and periods by the line through the times; those
- * far off it are left out. The cycles in gaps are counted anew. Warns where the times bend, or
- * where the clock was set in a gap. exact: the uncertainties of the times are rounding only.
- * Returns false if fewer than two are left, or if out of memory.
+ * Sets the period, its uncertainty, first, last and periods by the line through the times, leaving
+ * out times far off it. The cycles in gaps are counted anew. Warns where the times bend, or where
+ * the clock was set in a gap. If exact, the uncertainties of the times are rounding only. Returns
+ * false if fewer than two are left, or if out of memory.
  */
 bool times_period(struct cycle_times *times, bool exact, struct arena *arena,
                   struct period *period);
-/* Returns the second derivative of t by number if it is more than so many standard deviations, or
- * 0. */
+/* Returns the second derivative of t by number if it exceeds this number of standard deviations, or
+ * 0 otherwise. */
 double times_curvature(struct cycle_times *times, double sigmas);
 /* Does the same as times_period() for crossings that are about `guess` [s] apart. Sets *used to the
  * number of those on the line. */
@@ -45,9 +45,11 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
                      struct period *period, struct error *error);
 
 enum wave_kind {
-    WAVE_EXACT, /* without noise: its crossings repeat to 1 % */
-    WAVE_NOISY, /* perhaps noisy: to 1e-4, at least 7 of them, as noise never does */
-    WAVE_FEW,   /* the same of any number, where nothing else is known: coarse rows of a run */
+    WAVE_EXACT, /* a wave without noise, whose crossings repeat to 1 % */
+    /* a perhaps noisy wave: at least 7 crossings that repeat to 1e-4, as those of noise never do */
+    WAVE_NOISY,
+    /* the same with any number of crossings, if nothing else is known: coarse rows of a run */
+    WAVE_FEW,
 };
 
 /*
@@ -70,13 +72,13 @@ bool smooth_period(const struct series *series, struct arena *arena, struct peri
 /* ---- lags.c ---- */
 
 enum {
-    SINC_REACH = 8,  /* samples on either side that a value between two is made of */
-    SINC_PLACES = 7, /* between two samples where a peak is looked for */
+    SINC_REACH = 8,  /* samples on either side from which a value between two is computed */
+    SINC_PLACES = 7, /* positions between two samples at which a peak is searched for */
 };
 
 struct lags {
-    double *correlation; /* [n] of the series with itself, by shift */
-    double *y;           /* [n] its values at equal times, a straight line taken off */
+    double *correlation; /* [n] autocorrelation of the series, by shift */
+    double *y;           /* [n] values of the series at equal times, less a straight line */
     size_t n;
     double dt; /* [s] */
     double weight[SINC_PLACES][2 * SINC_REACH];
@@ -104,10 +106,11 @@ double lags_multiple(const struct lags *lags, double period);
 enum { CYCLES_MIN = 3 }; /* fewer cycles prove nothing */
 
 struct cycle {
-    double t, sigma;           /* [s] its begin */
-    double mean, height;       /* y = mean + height f(phase) */
-    double square, left;       /* variances, about its mean and about the mean cycle */
-    double rows, power, slope; /* of the mean cycle: rows, and sums of squares of it and by time */
+    double t, sigma;     /* [s] start of the cycle, and its uncertainty */
+    double mean, height; /* y = mean + height f(phase) */
+    double square, left; /* variances about its mean and about the mean cycle */
+    /* rows of the mean cycle, and the sums of squares of it and of its derivative */
+    double rows, power, slope;
 };
 
 struct cycles {

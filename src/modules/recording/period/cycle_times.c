@@ -46,7 +46,7 @@ struct times_line {
     double middle, half;  /* numbers */
     double value[TERMS_MAX], sigma[TERMS_MAX];
     double slope_formal; /* uncertainty of value[1] by the times' own */
-    double variance;     /* of the times off the line over their own, widened */
+    double variance;     /* variance of the times off the line over their own, widened */
     size_t used;
 };
 
@@ -295,7 +295,7 @@ static double counting_origin(const struct crossing *rising, size_t count, doubl
 bool crossings_period(const struct crossing *rising, size_t count, double guess, bool exact,
                       struct arena *arena, struct period *period, size_t *used)
 {
-    static const double off_max = 0.1; /* of a period, off the phase of most */
+    static const double off_max = 0.1; /* [periods] largest distance from the phase of most */
     const double origin = count > 0 ? counting_origin(rising, count, guess) : 0;
     double *phase = arena_array(arena, count + 1, sizeof *phase);
     struct cycle_times x;

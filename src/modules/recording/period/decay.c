@@ -52,8 +52,8 @@ static void local_mean(const struct samples *x, size_t first, size_t end,
     reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};
 }
 
-/* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma
- * times half the width. */
+/* Returns by which factor a mean weighted by sin^2 of an exponential exceeds the exponential at its
+ * middle. x is the rate times half the width. */
 static double mean_gain(double x)
 {
     return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
@@ -70,8 +70,8 @@ static int read_energy(const struct samples *x, int count, const struct energy_n
     return count;
 }
 
-/* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share
- * of the energy. */
+/* Returns the relative change of the slope of ln(E - floor) if the floor is wrong by FLOOR_WRONG,
+ * which is its share of the energy. */
 static double floor_fraction(const struct decay *decay, const struct energy_noise *noise)
 {
     double sum = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the cycles of a period leave open, one by one: whether they differ in turn, and how far
- * their times scatter. */
+/* Tests the cycles of a period one by one: whether they differ in turn, and how far their times
+ * scatter. */
 #include "modules/recording/period/cycle.h"
 
 #include <gsl/gsl_cdf.h>
@@ -46,7 +46,7 @@ static double turns_chance(const struct measured *x, size_t n, size_t turns)
     return fmax(chance, gsl_cdf_fdist_Q(gained / ways / (square / freedom), ways, freedom));
 }
 
-/* What is read of every cycle that may tell it from its neighbours. */
+/* Values of a cycle that may distinguish it from its neighbours. */
 enum { CYCLE_HEIGHT, CYCLE_MEAN, CYCLE_TIME, CYCLE_VALUES };
 
 /* Sets [count] values of one kind, whose uncertainties come of a variance of the rows and of how
@@ -86,7 +86,8 @@ static double cycles_square(const struct cycles *c)
  */
 static double edge_error(const struct cycles *c, size_t turns, double noise)
 {
-    static const double edge_min = 0.75, noise_max = 0.1; /* of the range */
+    /* least edge and largest noise, relative to the range */
+    static const double edge_min = 0.75, noise_max = 0.1;
     const struct samples *x = c->samples;
     double low = HUGE_VAL, high = -HUGE_VAL, edge = 0;
     for (size_t i = 0; i < x->n; i++) {
@@ -120,7 +121,7 @@ static double template_error(const struct cycles *c, size_t turns, double left, 
 /* Returns the variance of the rows that the mean cycle leaves, or -1 if it is like none of some. */
 static double cycles_left(const struct cycles *c)
 {
-    static const double least = 0.2; /* of the mean height */
+    static const double least = 0.2; /* least height of a cycle relative to the mean */
     double left = 0, height = 0;
     for (size_t k = 0; k < c->count; k++)
         height += c->cycle[k].height / (double)c->count;
@@ -189,7 +190,8 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
 {
     enum { STEPS = 6 };
     static const double step = 4, first_scatter = 1.0 / 64, first_walk = 1.0 / 16;
-    /* For more than noise, over that for noise alone: it is up to 4 where neither is likelier. */
+    /* Likelihood of more than noise over that of noise alone; it is up to 4 where neither is
+     * likelier. */
     static const double evidence_min = 4, evidence_sure = 20;
     struct line_fit line;
     double place[CYCLES_USED], spread = 0, weight = 0, value = 0, square = 0, variance = 0;
@@ -231,7 +233,7 @@ static bool doubt_rows(const struct series *series, const struct period *p, stru
                        struct series *rows)
 {
     enum { ROWS_A_CYCLE = 64, ROWS_MIN = 16 };
-    /* so many rows in all tell of few cycles how they differ, and of many no less */
+    /* This number of rows shows how few cycles differ, and many no less. */
     static const double whole = 0.8, rows_max = 3072;
     struct series part = *series;
     if (p->last > p->first && p->last - p->first < whole * (part.t[part.n - 1] - part.t[0]))
@@ -283,8 +285,10 @@ static void widen_by_times(const struct cycles *c, double noise, struct measured
  */
 static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residual, double *line)
 {
-    static const double seen = 5, apart = 3, far = 0.15; /* standard deviations; relative */
-    static const double weak = 0.05, spread_max = 2e-3;  /* of the wave; relative */
+    /* two in standard deviations, one relative */
+    static const double seen = 5, apart = 3, far = 0.15;
+    /* amplitude relative to the wave; relative spread */
+    static const double weak = 0.05, spread_max = 2e-3;
     struct samples x = *c->samples;
     const double n = (double)turns, middle = 0.5 * (x.t[0] + x.t[x.n - 1]);
     struct harmonic wave = {.omega = TWO_PI / c->period, .origin = middle},

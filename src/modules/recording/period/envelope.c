@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The envelope, where the search for the laws of damping begins, and what sways about it. Averaging
- * y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2) / (1 + q
- * phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase is unaffected
- * (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear: q = 0; quadratic: gamma = 0, A = A0/(1
- * + q s).
+ * Fits the envelope, at which the search for the laws of damping begins, and measures its sway.
+ * Averaging y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2)
+ * / (1 + q phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase is
+ * unaffected (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). A linear law has q = 0, a quadratic
+ * one gamma = 0 and A = A0/(1 + q s).
  */
 #include "modules/recording/series/internal.h"
 
@@ -14,7 +14,7 @@
 
 enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
 
-/* mean square to which averaging over a period is good: no law is better than that */
+/* Mean square to which averaging over a period is accurate; no law is fitted better. */
 #define MEAN_SQUARE_MIN 1e-10
 
 struct envelope {
@@ -22,7 +22,7 @@ struct envelope {
     double s[WINDOWS_MAX]; /* time since the start over the span: 0 … 1 */
     double a[WINDOWS_MAX]; /* amplitude over the largest one */
     double noise;          /* mean variance of the readings */
-    bool gamma, quadratic; /* which terms the law has */
+    bool gamma, quadratic; /* terms that the law has */
 };
 
 /* Returns the amplitude at s >= 0 since the start, relative to that at the start, and sets its

@@ -17,14 +17,14 @@
 #include <string.h>
 
 #define SURROUNDING_BINS 4 /* bins on each side of a line where its surroundings are looked at */
-#define LINE_FOOT_BINS 1.5 /* bins: nearer to a line that was found is its own foot */
+#define LINE_FOOT_BINS 1.5 /* [bins] half width of the foot of a line that was found */
 #define REFIT_ROUNDS 6     /* each line is fitted again beside the others */
-#define LINE_MIN_FRACTION 0.01 /* of the first line */
-/* a line stands so far above its surroundings: by chance none of 10^4 bins does */
+#define LINE_MIN_FRACTION 0.01 /* amplitude relative to the first line */
+/* A line is this far above its surroundings: none of 10^4 bins is by chance. */
 #define LINE_CLEAR_SIGMAS 8
-/* the first one so far above white noise, its own foot counted as such: it may be broad */
+/* The first line is this far above white noise, in which its own foot counts: it may be broad. */
 #define FIRST_LINE_CLEAR_SIGMAS 6
-/* times the variance of a residual by which a damping has to lower the sum of squares */
+/* Least decrease of the sum of squares by a damping, in variances of a residual. */
 #define DAMPED_BETTER 12.0
 
 double variance_beside(const struct samples *x, const double *residual, double omega)
@@ -63,7 +63,8 @@ static double mean_envelope(const struct samples *x, const struct harmonic *h)
     return sum / used;
 }
 
-/* What a line is, and how certain, beside what all lines together leave. */
+/* Sets the amplitude and the frequency of a line with their uncertainties. Returns true if it
+ * stands out of the residuals of all lines. */
 static bool stands(const struct samples *x, const struct harmonic *h, enum harmonic_free unknowns,
                    const double *residual, bool first, struct spectrum_peak *peak)
 {

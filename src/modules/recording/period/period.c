@@ -15,25 +15,28 @@ enum {
 
 /* Beats are looked for if the amplitude falls below this ratio between two maxima. */
 #define BEAT_AMPLITUDE_RATIO 0.7
-#define AMPLITUDE_CLEAR_SIGMAS 3.0   /* standard deviations of an amplitude */
-#define POOR_RESIDUAL_RATIO 2.0      /* what a damped sine leaves, over the noise, */
-#define RESIDUAL_CORRELATION_MIN 0.5 /* and hangs together */
-#define PERIOD_SHARP_RELATIVE 1e-6   /* of the period: nothing better is looked for */
-/* relative difference of readings of one period */
+#define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of an amplitude */
+/* residuals of a damped sine over the noise above which another model is tried, */
+#define POOR_RESIDUAL_RATIO 2.0
+#define RESIDUAL_CORRELATION_MIN 0.5 /* if their autocorrelation is at least this */
+/* relative uncertainty of a period below which nothing better is searched for */
+#define PERIOD_SHARP_RELATIVE 1e-6
+/* Relative difference of readings of one period. */
 #define SAME_PERIOD 0.05
-/* what is followed window by window and a damped sine in a part of it differ by more only if one of
- * them is wrong: the sine is what leaves nothing but noise */
+/* Difference of ln(period) between following windows and a damped sine in a part of the series
+ * above which one of them is wrong: the sine is right if it leaves only noise. */
 #define OTHER_PERIOD_LOG 0.2
-/* of two periods that are so near, the sum waxes and wanes */
+/* Difference of ln(period) below which the sum of two oscillations beats. */
 #define BEATS_RATIO_LOG 0.4
-/* standard deviations from which on the phases of sines contradict whole cycles */
+/* Standard deviations above which the phases of sines contradict whole cycles. */
 #define CONTRADICTION_SIGMAS 3.0
-/* an edge: of the range, between two samples */
+/* Part of the range between two samples that is an edge. */
 #define EDGE_RANGE_FRACTION 0.4
-#define BEATS_SHARE 0.9  /* of the power about the highest line */
-#define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
+#define BEATS_SHARE 0.9 /* least share of the power about the highest line */
+/* largest share of the power that two lines leave; if it is more, there are others */
+#define BEATS_LEAVE 0.01
 
-/* Of one damped sine, where there are too few windows for a line through their phases. */
+/* Reads the period from one damped sine, for too few windows for a line through their phases. */
 static bool whole_period(const struct motion *m, struct period *period)
 {
     const struct harmonic *h = &m->harmonic;
@@ -45,7 +48,7 @@ static bool whole_period(const struct motion *m, struct period *period)
     if (m->tracked || !h->converged || !isfinite(sigma)) {
         return false;
     }
-    /* what rests has no periods */
+    /* A recording has no periods where it is at rest. */
     const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1];
     *period = (struct period){
         .period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
@@ -57,7 +60,7 @@ static bool whole_period(const struct motion *m, struct period *period)
     return true;
 }
 
-/* At least that, where the window shows an oscillation at all. */
+/* Returns a lower bound of the amplitude, or 0 if the window shows no oscillation. */
 static double sure_amplitude(const struct track_window *w)
 {
     return w->clear ? w->amplitude * fmax(1 - AMPLITUDE_CLEAR_SIGMAS * w->sigma, 0) : 0;
@@ -264,7 +267,7 @@ static void prefer_cycles(const struct series *series, const struct series *rows
         is_same(period, other.period.value) &&
         fabs(other.period.value - period->period.value) >
             CONTRADICTION_SIGMAS * hypot(other.period.uncertainty, period->period.uncertainty)) {
-        /* of few cycles it is not sure which of the two is wrong */
+        /* If cycles are few, either of the two may be wrong. */
         if (other.periods < CYCLES_SURE)
             other.period.uncertainty =
                 hypot(other.period.uncertainty, 0.5 * (other.period.value - period->period.value));

@@ -64,7 +64,8 @@ struct reading {
     struct measured amplitude;
 };
 
-/* Amplitude at the given times (each from a window of `width` [s], 0: two periods). */
+/* Reads the amplitude at the given times, each from a window of `width` [s], or of two periods if
+ * it is 0. Returns false with the error if a window has too few samples, or if out of memory. */
 bool series_amplitudes(const struct series *series, struct arena *arena, const double *reading_time,
                        int count, double width, struct reading *reading, struct error *error);
 
@@ -90,16 +91,17 @@ struct measured measured_reciprocal(double top, struct measured rate, double *le
 /* Mean and spread over time (trapezoids), so that uneven samples count by how long they stand. */
 struct measured series_mean(const struct series *series);
 
-/* energy: the series is an energy with this noise (falls as exp(-gamma t) without crossing zero;
- * the line is fitted to its local means, less what the noise adds); NULL: it is a motion. */
+/* Reads the decay of a motion or, unless energy is NULL, of an energy with this noise, which falls
+ * as exp(-gamma t) without crossing zero; the line is then fitted to its local means, less what the
+ * noise adds. */
 bool series_decay(const struct series *series, struct arena *arena,
                   const struct energy_noise *energy, int readings, struct decay *decay,
                   struct error *error);
 
 /* ---- spectrum ---- */
 
-/* Hann window, zero padding, log-parabolic peak; uneven sampling by Lomb–Scargle. Peak angular
- * frequency [rad/s], NAN if none stands out. */
+/* Returns the angular frequency of the peak [rad/s], or NAN if none stands out. Uses a Hann window,
+ * zero padding and a log-parabolic peak, and Lomb-Scargle for uneven sampling. */
 double series_peak_frequency(const struct series *series, struct arena *arena);
 /* Amplitude spectrum on `bins` frequencies [Hz] from 0 to the Nyquist frequency; arrays from arena.
  */
@@ -122,23 +124,23 @@ struct derivative {
     double gain;   /* [1/s] standard deviation for samples with independent noise of 1 */
     double step;   /* [s] median */
     int points;
-    enum quantity quantity; /* of the values */
+    enum quantity quantity; /* quantity of the values */
 };
 
 #define DERIVATIVE_POINTS 5
 
-/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least),
- * at any times. */
+/* Computes the slope of the least-squares parabola through `points` neighbouring samples (odd, at
+ * least 3), at any times. */
 bool series_derivative(const struct series *series, int points, struct arena *arena,
                        struct derivative *derivative, struct error *error);
-/* By which part the velocities of an oscillation come out too small, because the parabola smooths.
- */
+/* Returns by which part velocities of an oscillation are too small, because the parabola
+ * smooths. */
 double derivative_loss(const struct derivative *derivative, double omega);
 
 /*
- * The period from the shifts at which the series is most like itself, near the multiples of the
- * known one: a cross-check; of a long recording from parts all along it. Returns false if it does
- * not oscillate long enough, or if out of memory.
+ * Reads the period, as a cross-check, from the shifts at which the series is most like itself, near
+ * the multiples of the known period; a long recording is read in parts all along it. Returns false
+ * if it does not oscillate long enough, or if out of memory.
  */
 bool series_correlation_period(const struct series *series, const struct period *known,
                                struct arena *arena, struct measured *period);
@@ -147,7 +149,7 @@ bool series_correlation_period(const struct series *series, const struct period 
 
 struct line_fit {
     struct measured slope, intercept;
-    double covariance; /* of both */
+    double covariance; /* covariance of slope and intercept */
     double chi2;       /* sum of squares over the uncertainties */
     int freedom;       /* points less two */
 };

@@ -9,7 +9,8 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-#define VALUE_ROUNDING_RELATIVE 1e-9 /* of a value: one without noise states nothing */
+/* relative rounding; a value with a smaller uncertainty has no noise and states nothing */
+#define VALUE_ROUNDING_RELATIVE 1e-9
 
 /* Weighted mean with `sigma_between` added to each stated uncertainty; returns the sum of squares
  * in units of these. */
@@ -31,8 +32,8 @@ static double weigh(const struct measured *x, int n, double sigma_between, struc
     return square;
 }
 
-/* What has to be added to every stated uncertainty for a sum of squares of n - 1; 0: nothing. It
- * falls as more is added. */
+/* Returns what has to be added to every stated uncertainty for a sum of squares of n - 1, or 0 if
+ * it is not larger. The sum falls as more is added. */
 static double scatter_between(const struct measured *x, int n, double scatter)
 {
     struct measured mean;

@@ -12,7 +12,7 @@
 
 enum {
     ROWS_MIN = 64,
-    PLACES = 512,      /* at which the noise is looked for */
+    PLACES = 512,      /* positions at which the noise is measured */
     CROSSINGS_MIN = 6, /* fewer do not show that they are equally far apart */
     CENTRE_PASSES = 6, /* Newton's method for the centre */
     INTERPOLATED = 6,  /* samples through which the polynomial at a crossing goes */

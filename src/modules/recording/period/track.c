@@ -8,18 +8,18 @@
 
 enum { COLUMNS = 5, WINDOW_SAMPLES = 10, PERIODS_MAX = 32, FEW = 2, MANY = 8, ROWS_A_PERIOD = 24 };
 
-#define PART_ROWS 14.0 /* of the square root of the rows of a long recording */
+#define PART_ROWS 14.0 /* rows of a part, over the square root of the rows of a long recording */
 #define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
 #define CLEAR_AT 5.0   /* explained over residual variance, per degree of freedom */
 #define PIVOT_MIN 1e-8 /* squared sine of the angle between a column and those before it */
 #define FREQUENCY_GAIN                                                                             \
-    0.5 /* how much of a window's news about the frequency is believed at once                     \
-         */
-#define WINDOW_FILLED_MIN 0.6 /* of a window: less is beside a gap, too short for a phase */
+    0.5 /* part of a window's correction to the frequency that is applied at once */
+/* part of a window that is filled; less is beside a gap, and too short for a phase */
+#define WINDOW_FILLED_MIN 0.6
 /* Largest relative distance of the frequency from where it started. */
 #define FREQUENCY_STRAY_RELATIVE 0.35
 
-/* Of the columns 1, s, s^2, cos, sin and y. */
+/* Gram matrix of the columns 1, s, s^2, cos, sin and y. */
 struct track_gram {
     double gram[COLUMNS + 1][COLUMNS + 1]; /* lower triangle; the last row belongs to y */
     size_t used;
@@ -42,7 +42,7 @@ static struct track_gram collect(const struct samples *x, const struct track_win
 {
     struct track_gram m = {.used = 0};
     double gram[COLUMNS + 1][COLUMNS + 1] = {
-        {0}}; /* on its own, so that it can stay in registers */
+        {0}}; /* a local array, so that it can stay in registers */
     const double scale = 1 / half;
     const double first = w->omega * (x->t[w->begin] - w->t), y0 = x->y[w->begin];
     double c = cos(first), d = sin(first), re = cos(w->omega * x->dt), im = sin(w->omega * x->dt);
@@ -64,7 +64,8 @@ static struct track_gram collect(const struct samples *x, const struct track_win
     return m;
 }
 
-/* In place: the Cholesky factor; false where a column is hardly independent of those before it. */
+/* Replaces the matrix by its Cholesky factor. Returns false if a column is hardly independent of
+ * those before it. */
 static bool factorise(struct track_gram *m)
 {
     double *r = m->gram[COLUMNS], square = r[COLUMNS];
@@ -122,7 +123,8 @@ static size_t after_gap(const struct samples *x, size_t begin, size_t end, doubl
     return i;
 }
 
-/* Times of equal width; at least so many samples each. None reaches over a gap. */
+/* Divides the series into windows of equal width, with enough samples each; none spans a gap.
+ * Returns false if out of memory. */
 static bool divide(const struct samples *x, double width, struct arena *arena, struct track *track)
 {
     const double span = x->t[x->n - 1] - x->t[0];
@@ -172,7 +174,7 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
     return best;
 }
 
-/* From one window on in one direction, each with the frequency that those before it had. */
+/* Fits windows in one direction from `start`, each at the frequency found by those before it. */
 static void follow_frequency(const struct samples *x, struct track *track, size_t start,
                              int direction, double omega)
 {
@@ -309,7 +311,8 @@ bool track_is_oscillation(const struct track *track)
     return all || (track->clear >= MANY && track->coherence > 0.85 && track->fraction > 0.2);
 }
 
-/* Of an oscillation with strong harmonics the fundamental, if it is followed as well. */
+/* Returns true if `track` follows the fundamental of an oscillation whose strong harmonic is
+ * followed as well. */
 static bool is_fundamental(const struct track *track, const struct track *harmonic)
 {
     const double ratio = harmonic->omega / track->omega;
@@ -374,7 +377,7 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
 
 /* ---- long recordings ---- */
 
-/* Makes samples of the means of so many neighbours each. Returns false if out of memory. */
+/* Averages each `each` neighbouring samples. Returns false if out of memory. */
 static bool average(const struct samples *x, size_t each, struct arena *arena,
                     struct samples *result)
 {
@@ -391,7 +394,7 @@ static double window_power(const struct track *track, const struct samples *x)
 
 bool track_long(const struct samples *x, struct arena *arena, struct track *track)
 {
-    /* A part of so many rows has some periods of whatever their means over the whole lose. */
+    /* A part of this size has some periods of any oscillation that means over the whole lose. */
     const size_t rows = (size_t)(PART_ROWS * sqrt((double)x->n));
     struct samples coarse, part = samples_part(x, (x->n - rows) / 2, (x->n + rows) / 2);
     struct track fast, slow;

@@ -16,10 +16,10 @@ struct track_window {
     double amplitude;  /* as y */
     double phase;      /* [rad] at t, counted through */
     double sigma;      /* [rad] of the phase, from the residuals of the window */
-    /* [rad] of the phase from where the windows before expected it; NAN: nothing was expected */
+    /* [rad] phase less that expected from the windows before, or NAN if nothing was expected */
     double phase_error;
-    double mean;      /* of the samples */
-    double explained; /* sum of squares that the sine takes off what the parabola left */
+    double mean;      /* mean of the samples */
+    double explained; /* sum of squares by which the sine reduces the residuals of the parabola */
     double rss;       /* sum of squares that is left */
     size_t used;
     bool clear;     /* the sine stands out of what is left */
@@ -29,25 +29,26 @@ struct track_window {
 struct track {
     struct track_window *window; /* [windows] */
     size_t windows, clear;
-    double periods; /* per window, as asked for */
+    double periods; /* requested periods per window */
     double omega;   /* [rad/s] mean over the clear windows, by their phases */
     /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0 for chance */
     double coherence;
-    /* of the variance about the baseline, in the windows from the first to the last clear one */
+    /* Share of the variance about the baseline, in the windows from the first to the last clear
+     * one. */
     double fraction;
     double explained; /* sum of squares */
 };
 
 /*
- * Windows of so many periods of omega (more where there are few samples a period). Returns false if
- * out of memory.
+ * Follows the oscillation in windows of `periods` periods of omega (more if there are few samples
+ * per period). Returns false if out of memory.
  */
 bool track_follow(const struct samples *samples, double omega, double periods, struct arena *arena,
                   struct track *track);
 
 /*
- * The oscillation of the recording, from the peaks of its spectrum on, in the narrowest windows
- * that show one; omega is NAN where there is none. Returns false if out of memory.
+ * Follows the oscillation of the recording, starting from the peaks of its spectrum, in the
+ * narrowest windows that show one; omega is NAN if none does. Returns false if out of memory.
  */
 bool track_find(const struct samples *samples, struct arena *arena, struct track *track);
 
@@ -55,8 +56,8 @@ bool track_is_oscillation(const struct track *track);
 
 enum { LONG_RECORD = 4096 }; /* rows from which on a recording is followed by track_long() */
 
-/* Of a long recording, from a part of it and from means of neighbours: one pass over all samples.
- * Returns false if out of memory. */
+/* Follows a long recording by a part of it and by means of neighbours, in one pass over all
+ * samples. Returns false if out of memory. */
 bool track_long(const struct samples *samples, struct arena *arena, struct track *track);
 
 /*

@@ -86,7 +86,7 @@ static double find_waves(const struct series *s, double middle, double hysteresi
 }
 
 /* Returns the standard deviation of the times between waves, leaving aside a few that are far off,
- * as where a wave is missing. off: for n values. */
+ * as where a wave is missing. deviation [n] is scratch. */
 static double typical_spread(const struct waves *w, double *deviation)
 {
     static const double normal = 1.4826; /* standard deviations of a median distance */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the fit of an oscillation makes of a scene: its values, and to first order their covariances
- * from those of the fit. */
+/* Derives a scene's values from the fit of an oscillation, and their covariances from those of the
+ * fit to first order. */
 #include "modules/recording/scene/scene_fit.h"
 
 #include <math.h>
@@ -41,7 +41,7 @@ static void start_of(const struct fit *fit, int n, bool at_rest, struct measured
     start[1] = (struct measured){0, 0};
 }
 
-/* Of a law the equation's parameter i, else that of the damped sine. */
+/* Changes the equation's parameter i of a law, or parameter i of the damped sine. */
 static void shift(struct fit *fit, int i, double offset)
 {
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;

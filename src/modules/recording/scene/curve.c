@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TOLERANCE_STIFF 1e-8 /* of rodas5p, at least */
+#define TOLERANCE_STIFF 1e-8 /* least tolerance of rodas5p */
 #define STEPS_MOST 2000000
 
 /* ---- the curve ---- */
@@ -33,8 +33,8 @@ static void take_sample(const struct scene_curve *c, const struct system *system
         derivative[c->frees] = 1;
 }
 
-/* What samples are made of: the series' variable and its derivatives, or all where the rate is
- * asked for. */
+/* Solutions from which samples are computed: the series' variable and its derivatives, or all where
+ * the rate is asked for. */
 struct wanted_solutions {
     int count, index[LIMIT_VARIABLES];
 };

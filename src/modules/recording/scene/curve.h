@@ -14,10 +14,10 @@ struct scene_curve {
     bool rate;    /* or its derivative */
     double tol;
     const struct method *method;
-    struct linear_motion *linear; /* in place of steps, or NULL; owned */
+    struct linear_motion *linear; /* used in place of steps, or NULL; owned */
     double *mesh;                 /* [points] times of the steps' ends, ascending; owned */
     size_t points;
-    double *work;                /* of the method, for the variation; owned */
+    double *work;                /* work memory of the method, for the variation; owned */
     struct variation *variation; /* motion and derivatives, bound by each evaluation; not owned */
     const struct cancel *cancel;
 };

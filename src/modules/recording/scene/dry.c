@@ -15,11 +15,11 @@
 #include <math.h>
 #include <string.h>
 
-#define TURNS_MAX 64  /* within a step of the mesh: it was chosen with at most one */
+#define TURNS_MAX 64  /* turns within a step of the mesh, which was chosen to have at most one */
 #define STEP_LOOKS 32 /* parts of a step in which the last moment before a turn is looked for */
 #define HALVINGS_MAX 60
 #define CORRECTIONS_MAX 3
-#define TURN_KNOWN_RELATIVE 1e-13 /* of the time: a turn that is known so well is there */
+#define TURN_KNOWN_RELATIVE 1e-13 /* relative rounding of the time to which a turn is located */
 
 struct dry_walk {
     const struct scene_curve *c;
@@ -46,7 +46,7 @@ static void go_on_branch(struct dry_walk *w, int branch)
     w->c->variation->dry = branch;
 }
 
-/* With v = 0: on the lower branch, on the upper one. */
+/* Computes the accelerations at v = 0 on the lower and on the upper branch. */
 static void accelerations(const struct dry_walk *w, double t, const double *y, double a[2])
 {
     const double rest_state[2] = {y[0], 0};
@@ -145,7 +145,7 @@ static bool step_again(struct dry_walk *w, const struct dry_state *saved, double
     return method_step(w->c->method, step) == STEP_OK;
 }
 
-/* Where in the step that was just taken the velocity leaves its branch for good. */
+/* Returns the part of the latest step at which the velocity leaves its branch for good. */
 static double turning(const struct dry_walk *w)
 {
     struct dense_polynomial v;

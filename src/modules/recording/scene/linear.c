@@ -11,8 +11,8 @@
 
 enum { STEPS_MOST = 24, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
 
-#define SAME_STEP_RELATIVE 1e-9        /* of a step: nearer ones are the same */
-#define TIME_ROUNDING_RELATIVE 4.4e-16 /* of a time */
+#define SAME_STEP_RELATIVE 1e-9        /* relative difference of equal steps */
+#define TIME_ROUNDING_RELATIVE 4.4e-16 /* relative rounding of a time */
 
 struct linear_propagator {
     double dt;
@@ -29,10 +29,10 @@ struct linear_motion {
     double a[BLOCK * BLOCK], b[BLOCK];
     double coupling[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
     double scratch[3][AUGMENTED * AUGMENTED];                     /* 100 kB: too much for a stack */
-    double storage[];                                             /* of the propagators */
+    double storage[];                                             /* memory of the propagators */
 };
 
-/* Of a propagator with all that it may hold. */
+/* Number of values of the largest propagator. */
 static const size_t storage_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
 
 static bool same_step(double dt, double wanted, double t)
@@ -181,7 +181,7 @@ double linear_motion_advance(struct linear_motion *m, double t_begin, double t, 
     if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t)))
         return t_begin;
     int k = find_step(m, wanted, t);
-    if (k < 0) { /* of other samples than were announced: takes a step's place */
+    if (k < 0) { /* a step that was not announced replaces one of the others */
         k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
         step_position(m, k, wanted);
     }

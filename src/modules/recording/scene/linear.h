@@ -12,12 +12,13 @@
  */
 struct linear_motion;
 
-/* NULL: the times need too many different steps, or no memory. t [n] ascending, from t0 on. free()
- * it. */
+/* Creates a motion whose samples are at t [n], ascending, from t0 on. Returns NULL if the times
+ * need too many different steps or if out of memory. Release with free(). */
 struct linear_motion *linear_motion_create(double t0, const double *t, size_t n);
-/* For the present values of the scene; directions 0: base alone, else all of the variation's. */
+/* Binds the motion to the present values of the scene: to the base alone if directions is 0, else
+ * to all directions of the variation. */
 void linear_motion_bind(struct linear_motion *motion, const struct variation *variation,
                         int directions);
-/* The state [n (1 + directions)] from the time it is at to `t`; returns the time that it is at
- * then, within 1e-9 steps of t: what is off is made up for by the next step. */
+/* Advances the state [n (1 + directions)] from t_begin to `t`. Returns the time reached, within
+ * 1e-9 steps of t: the next step makes up for the difference. */
 double linear_motion_advance(struct linear_motion *motion, double t_begin, double t, double *state);

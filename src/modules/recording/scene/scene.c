@@ -9,20 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RESIDUAL_NOISE_RATIO 1.5 /* times the noise: so much left has a reason */
+#define RESIDUAL_NOISE_RATIO 1.5 /* residuals over noise above which the fit misses something */
 #define PHASE_LOST 0.5         /* residuals over spread at which curve and data are out of phase */
-#define FIRST_PERIODS 1.25     /* of the first part that a lost fit begins with */
-#define FIRST_SHARE 0.02       /* of the series, where its period is not known */
-#define PART_GROWTH_FACTOR 1.7 /* by which the part grows */
+#define FIRST_PERIODS 1.25     /* [periods] first part with which a lost fit begins */
+#define FIRST_SHARE 0.02       /* share of the series taken instead if its period is not known */
+#define PART_GROWTH_FACTOR 1.7 /* growth of the part */
 #define ITERATIONS_MAX 40
-/* residuals of that share are no sensor's: of a simulation, without spikes but not random */
+/* Largest relative residuals of a simulation, which has no spikes, but is not random. */
 #define NEGLIGIBLE_RELATIVE 1e-6
-#define TOLERANCE_MIN 1e-11 /* of the integration */
+#define TOLERANCE_MIN 1e-11 /* tolerance of the integration */
 #define TOLERANCE_MAX 1e-7
 
 /* ---- the start ---- */
 
-/* Where every parameter of the start is free, the start may as well be at the first sample. */
+/* Returns true if the whole start is free, so that it can be at the first sample. */
 static bool start_is_free(const struct scene_curve *c)
 {
     struct parameter_change *d = malloc(sizeof *d);
@@ -63,7 +63,7 @@ static void propose(struct scene_curve *c, int j, double value, double *start)
     c->scene = trial;
 }
 
-/* What a damped oscillation through the samples says of the start, and of a spring. */
+/* Sets the start and a spring's parameters from a damped oscillation through the samples. */
 static void improve_start(struct scene_curve *c, const struct fit *fit, double *start)
 {
     struct system system;
@@ -213,10 +213,8 @@ static bool approach(struct scene_fitting *f, double period, struct error *error
     return true;
 }
 
-/*
- * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W
- * J)^-1 J^T W dF/dq dq.
- */
+/* Adds the uncertainties of held values (the mass …): a change dq moves the answer by (J^T W J)^-1
+ * J^T W dF/dq dq. */
 static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
@@ -259,7 +257,7 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
                 pull[j] += curve->weight[i] *
                            slope[i * columns + (size_t)(j < own ? j : both.frees)] *
                            slope[i * columns + (size_t)q];
-        /* The covariance is that inverse times the variance, widened: formal^2/variance is on its
+        /* The inverse is the covariance over the widened variance: formal^2/variance is on its
          * diagonal. */
         for (int j = 0; j < curve->parameters; j++) {
             const double wide = curve->value[j].uncertainty / curve->formal[j];
@@ -282,7 +280,7 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
     return true;
 }
 
-/* Which variable, or rate of one, a series of this quantity is. */
+/* Chooses the variable, or the rate of one, that a series of this quantity shows. */
 static bool choose_variable(struct scene_curve *c, const struct system *system,
                             enum quantity quantity, struct error *error)
 {
@@ -351,9 +349,9 @@ static double tolerance(const struct scene_fitting *f, const struct overview *ov
 }
 
 /*
- * Of a simulation only errors of two integrations are left, where the sum of squares is too rough
- * for the last digits: a curve that is so close, with parameters that are all determined, has
- * arrived.
+ * Accepts a fit of a simulation. Its residuals are errors of two integrations, and the sum of
+ * squares is too rough for the last digits: a curve this close, all of whose parameters are
+ * determined, has converged.
  */
 static void accept_simulation(const struct scene_fitting *f, struct curve_fit *fit)
 {
@@ -374,8 +372,8 @@ static void accept_simulation(const struct scene_fitting *f, struct curve_fit *f
 }
 
 /*
- * Two periods: what the scene's law misses there for long, as in a loud start, is no outlier. Bad
- * echoes are few among so many samples.
+ * Returns the number of samples in two periods: an error of the scene's law over such a stretch, as
+ * in a loud start, is no outlier. Bad echoes are few in it.
  */
 static size_t stretch_of(const struct series *series, const struct overview *overview)
 {
@@ -385,9 +383,9 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
 }
 
 /*
- * A body that sticks after so many half swings rests elsewhere than after one more: with dry
- * friction the sum of squares has a minimum for each number. Where more than noise is left others
- * are tried: from the asked start, and with friction changed by about a half swing more or less.
+ * Tries other searches if more than noise is left: from the given start, and with friction changed
+ * by about a half swing. The sum of squares has a minimum for each number of half swings before a
+ * body sticks.
  */
 static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
                              struct error *error)

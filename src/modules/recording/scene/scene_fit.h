@@ -14,11 +14,11 @@ struct cancel;
  */
 
 struct scene_fit_request {
-    const struct scene *scene; /* held values, and where the search begins */
+    const struct scene *scene; /* held values, and the start of the search */
     const struct series *series;
-    const int *free; /* [frees] places of the parameters */
+    const int *free; /* [frees] indices of the free parameters */
     int frees;
-    bool offset;   /* of the series: one more unknown */
+    bool offset;   /* true if the offset of the series is one more unknown */
     bool robust;   /* see struct curve_options */
     int bootstrap; /* number of samples, may be 0 */
     uint64_t seed;
@@ -26,13 +26,13 @@ struct scene_fit_request {
 };
 
 struct scene_fit {
-    /* with what was fitted; t0 is the first sample where the whole start was free */
+    /* Scene with the fitted values; t0 is the first sample if the whole start was free. */
     struct scene scene;
     /* index among the curve's parameters; -1 is the offset, the last */
     int index[CURVE_PARAMETERS];
-    const char *name[CURVE_PARAMETERS]; /* of the same */
+    const char *name[CURVE_PARAMETERS]; /* names of the same parameters */
     struct curve_fit curve;             /* uncertainties with those of the held values (the mass) */
-    const struct method *method;        /* that integrated it */
+    const struct method *method;        /* method that integrated it */
     size_t steps;
 };
 
@@ -41,13 +41,14 @@ struct scene_fit {
 bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
                      struct scene_fit *fit, struct error *error);
 /*
- * What is free unless somebody says so: the start, and what a recording can tell of the equation
- * (k, gamma, C of a drag that is there …). Returns how many; those of them that the user has given
- * without an uncertainty are held instead. Both arrays [PARAM_MAX].
+ * Chooses the free parameters if the user names none: the start, and what a recording can tell of
+ * the equation (k, gamma, C of a drag that is there …). Returns their number. Those that the user
+ * has given without an uncertainty are held, and listed in `fixed`. Both arrays have [PARAM_MAX].
  */
 int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count);
 
-/* ---- what the fit of an oscillation makes of a scene: a spring and a mass, or a pendulum ---- */
+/* ---- values of a scene, a spring with a mass or a pendulum, from the fit of an oscillation
+ * ---- */
 
 enum adopted_value {
     ADOPTED_STIFFNESS,
@@ -55,7 +56,7 @@ enum adopted_value {
     ADOPTED_LINEAR,
     ADOPTED_QUADRATIC,
     ADOPTED_DRY,
-    ADOPTED_POSITION, /* from here on: how it starts */
+    ADOPTED_POSITION, /* this and the following describe the start */
     ADOPTED_VELOCITY,
     ADOPTED_LENGTH,
     ADOPTED_ANGLE,
@@ -64,29 +65,29 @@ enum adopted_value {
 };
 
 /*
- * The parameters k, k3, gamma … that move as the fit does, with the mass, gravity and air of the
- * scene; uncertainties are those of the fit, of k and of a length also those of mass and gravity.
- * At its t0, or at_rest at its amplitude; n: how often a position was differentiated to give what
- * was fitted.
+ * Computes the parameters k, k3, gamma … with which the scene moves as the fit does, at the scene's
+ * mass, gravity and air. Uncertainties are those of the fit; those of k and of a length include
+ * mass and gravity. The start is that at the fit's t0, or at_rest that at its amplitude. `n` is how
+ * often a position was differentiated to give the fitted quantity.
  */
 void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     struct measured value[ADOPTED_VALUES]);
-/* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force
- * [N]; and the scale with which its motion is as wide as the scene's, which may be 0. */
+/* Scales the fit: from a voltage [V] or a force [N] to a position [m, rad]. */
 void adopted_scale(struct fit *fit, double scale);
+/* Returns the scale at which the fitted motion is as wide as the scene's; it may be 0. */
 double adopted_scale_of(const struct scene *scene, const struct fit *fit);
 
 /* Covariances of what is uncertain in a scene. */
 struct scene_covariance {
-    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
+    int index[CURVE_PARAMETERS], count; /* indices of the parameters, and their number */
     double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] SI */
 };
 
-/* From those of the fit; the mass counts as exact, as it is one motion. starts: it starts as the
- * fit does. */
+/* Sets the covariances from those of the fit. The mass counts as exact, as there is one motion.
+ * `starts` is true if the scene starts as the fit does. */
 void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     bool starts, struct scene_covariance *adopted);
-/* Sets the covariance of those that were free in a fit of the scene. */
+/* Sets the covariances from those of the parameters that were free in a fit of the scene. */
 void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
                   struct scene_covariance *adopted);
 
@@ -94,21 +95,21 @@ void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
 
 struct spread_request {
     const struct scene *scene;
-    const struct scene_covariance *known; /* of its parameters */
-    int variable;                         /* of the state */
+    const struct scene_covariance *known; /* covariances of its parameters */
+    int variable;                         /* index of the variable in the state */
     const double *t;                      /* [n] [s] ascending, none before the start */
     size_t n;
     const struct cancel *cancel;
 };
 
 /*
- * Standard deviation [n] of the variable to first order: sqrt(s^T C s) with the derivatives s by
- * the parameters of the equation of motion, solved to 1e-10 whatever method a run has (variational
- * equations; Bock 1981). Where its field jumps they are differences of two runs.
+ * Computes the standard deviation [n] of the variable to first order: sqrt(s^T C s) with the
+ * derivatives s by the parameters of the equation of motion, solved to 1e-10 with any method of the
+ * run (variational equations; Bock 1981). Where the field jumps, s are differences of two runs.
  */
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error);
 
-/* The scene from its start to `end` [s] to 1e-10, in rows so dense that a cubic between them is as
- * good; NULL: it does not get there. */
+/* Runs the scene from its start to `end` [s] to 1e-10, with rows dense enough for a cubic between
+ * them. Returns NULL if it does not reach the end. */
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel);

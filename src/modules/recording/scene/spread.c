@@ -14,7 +14,7 @@
 /* ---- where the field jumps: differences of runs ---- */
 
 /*
- * At a turning point with dry friction the derivatives jump, too (saltation; Leine and Nijmeijer
+ * The derivatives also jump at a turning point with dry friction (saltation; Leine and Nijmeijer
  * 2004), which the variational equations of the steps do not see.
  */
 
@@ -79,7 +79,8 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
     }
 }
 
-/* On one side only where the other is no scene: friction is not negative. */
+/* Computes the derivatives from differences of runs. They are one-sided where the other side is no
+ * scene, as with negative friction. */
 static bool differences(const struct spread_request *request, double *slope, struct error *error)
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a fit of a scene leaves free unless somebody says so. */
+/* Chooses which parameters a fit of a scene leaves free by default. */
 #include "modules/recording/scene/scene_fit.h"
 
 #include <hooke/base/catalog.h>
@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same
- * model only shift between these (m, g, area …). */
+/* Parameters of oscillators and pendulums that a recording determines. The others of the same model
+ * only shift between these (m, g, area …). */
 static const struct {
     const char *name, *required,
-        *excluded; /* only where the parameter `required` is not 0, `excluded` is */
+        *excluded; /* free only if the parameter `required` is not 0 and `excluded` is */
 } usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL},
              {"C", "C", NULL},      {"k3", "k3", NULL},    {"mu", "mu", NULL},
              {"width", "mu", NULL}, {"F0", "F0", NULL},    {"phase", "F0", NULL}};

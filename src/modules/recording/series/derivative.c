@@ -19,8 +19,8 @@ static double median_step(const struct series *s, double *work)
     return values_quantile(work, s->n - 1, 0.5);
 }
 
-/* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s].
- */
+/* Returns the slope at t[row] of the parabola through the samples [begin, end). *gain becomes the
+ * factor [1/s] by which it multiplies independent noise. */
 static double slope_at(const struct series *s, size_t begin, size_t end, size_t row, double *gain)
 {
     /* Orthogonal polynomials on these times: 1, u - mean, its square less what is along both. */
@@ -65,8 +65,8 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
             for (end = i + 1; end < n && series->t[end] - series->t[end - 1] <= longest;)
                 end++;
         }
-        /* At the ends the same samples serve for several times; a stretch that is too short says
-         * nothing. */
+        /* The same samples serve several times at the ends; stretches with fewer than three give no
+         * value. */
         size_t first = i >= begin + reach ? i - reach : begin;
         size_t stop = first + 2 * reach + 1;
         if (stop > end) {

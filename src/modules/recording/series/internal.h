@@ -52,8 +52,9 @@ bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *
  * amplitude. */
 struct spectrum {
     double *amplitude; /* [bins] as y */
-    size_t bins;       /* from 0 to half the rate of the samples; 0 if there are too few samples */
-    double step;       /* [Hz] between them */
+    /* frequencies up to half the rate of the samples; 0 if there are too few samples */
+    size_t bins;
+    double step; /* [Hz] distance of two frequencies */
 };
 /* Computes the spectrum. Returns false if out of memory or if cancelled. */
 bool samples_spectrum(const struct samples *samples, struct arena *arena,
@@ -64,12 +65,13 @@ double samples_quantum(const struct samples *samples);
 /* clears `use` of short far excursions */
 void samples_flag_spikes(struct samples *samples, double *scratch);
 
-/* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
+/* ---- y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin (harmonic.c)
  * ---- */
 
 enum { LINEAR_A, LINEAR_B, LINEAR_C, LINEAR_D, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
 
-/* Which parameters a fit may change: the first so many of the list above; d only where `drifts`. */
+/* Number of parameters, in the order of the list above, that a fit may change; d only if
+ * `drifts`. */
 enum harmonic_free { FREE_LINEAR = 4, FREE_OMEGA = 5, FREE_GAMMA = 6 };
 
 struct harmonic {
@@ -158,8 +160,8 @@ struct motion {
     size_t segments;
     double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), or 0 */
     double autocorrelation;
-    bool tracked; /* found window by window: the damped sine is only the nearest there is */
-    bool buried;  /* in noise, so that no part of it has to be looked at */
+    bool tracked; /* followed window by window; the damped sine is only the nearest one */
+    bool buried;  /* buried in noise, so that no part of it has to be examined */
     size_t rejected, clipped; /* clipped are counted in rejected */
 };
 
@@ -269,7 +271,7 @@ double power_share_of_peaks(const struct samples *samples, int peaks, double rat
 
 /* ---- crossing.c ---- */
 
-/* Without noise: interpolation is better than averaging. */
+/* Returns true if there is so little noise that interpolation is better than averaging. */
 bool overview_is_exact(const struct overview *overview);
 
 /* ---- peak.c ---- */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the answer of a least-squares fit is worth: judged from the derivatives at the answer, not
- * from how the iteration ended. The residuals' part in the space of the derivatives is what a
- * further step could still gain (the relative offset of Bates & Watts 1981); the singular values
- * say which parameters the data determine.
+ * Judges the answer of a least-squares fit from the derivatives at the answer, not from how the
+ * iteration ended. The residuals' part in the space of the derivatives is what a further step could
+ * still gain (the relative offset of Bates & Watts 1981); the singular values show which parameters
+ * the data determine.
  */
 #include <hooke/base/cancel.h>
 #include "modules/recording/fit/curve_problem.h"
@@ -14,15 +14,15 @@
 
 #define DOUBLE_EPSILON 2.220446049250313e-16
 #define STEP_MAX 1e-8
-/* of the uncertainty: derivatives of integrated curves have errors, too */
+/* Largest step relative to the uncertainty: derivatives of integrated curves have errors, too. */
 #define STEP_COSTLY 1e-6
 #define GRADIENT_MAX 1e-6
-/* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
+/* Autocorrelation of neighbouring residuals above which the uncertainties are widened. */
 #define AUTOCORRELATION_MIN 0.1
 
 /*
- * Full Gauss-Newton step, covariance for residuals of variance 1, what is determined. Returns the
- * length of what the step takes out of the residuals.
+ * Computes the full Gauss-Newton step, the covariance for residuals of variance 1, and which
+ * parameters are determined. Returns the length of what the step takes out of the residuals.
  */
 static double solve(const struct triangle *t, double *step, struct curve_fit *fit)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a series looks like before any model, and the robust damped sine that every analysis of an
- * oscillation starts from. */
+/* Examines a series before any model, and fits the robust damped sine with which every analysis of
+ * an oscillation starts. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/period/track.h"
 
@@ -8,18 +8,19 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PERIODS_MIN 1.8    /* fewer are no oscillation: nothing repeats */
+#define PERIODS_MIN 1.8    /* [periods] fewer are no oscillation: nothing repeats */
 #define DECREMENT_MAX 3.2  /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
 #define FEW_PERIODS 4          /* periods */
-#define FEW_LEAVE 0.1          /* of their power, where what is left is larger than the noise by */
-#define FEW_NOISES 2.0         /* and hangs together */
-#define FEW_TOGETHER 0.5       /* (autocorrelation) */
+#define FEW_LEAVE 0.1          /* share of the power of few periods that the sine may leave, */
+#define FEW_NOISES 2.0         /* if that exceeds the noise by this factor */
+#define FEW_TOGETHER 0.5       /* and its autocorrelation is at least this */
 #define DRIFT_SLOPE_SIGMAS 3.0 /* a slope of the offset is fitted above this */
-/* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
+/* Least -ln of the chance, per frequency, that noise looks the same; large for wandering
+ * records. */
 #define CHANCE_LOG 20.0
-#define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
+#define WHITE_CHANCE 11.0 /* the same where the residuals are not correlated */
 #define WHITE_CORRELATION 0.2
 #define GONE_DECAY_EXPONENT 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
 
@@ -58,8 +59,8 @@ bool overview_is_constant(const struct overview *o)
     return !(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)));
 }
 
-/* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least
- * correlated. */
+/* Returns the time at which the energy of exp(-gamma t/2) cos lies on average; the parameters are
+ * least correlated there. */
 static double centre(const struct samples *x, double gamma)
 {
     double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
@@ -224,9 +225,8 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
         refuse(o, "its spectrum has no peak above drift");
         return true;
     }
-    /* Over two periods the start is good enough to tell outliers, unless the amplitude changes much
-     * in so short a time.
-     */
+    /* The start is good enough to find outliers after two periods, unless the amplitude changes
+     * much in that time. */
     bool found = start_gamma(m, omega);
     if (found && hope == SINE_TRIED_IF_NEAR && is_hopeless(m)) {
         refuse(o, "one damped sine explains less of it than it leaves");
@@ -243,7 +243,7 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
     }
     m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
     extremes(m);
-    judge(m); /* before a line of its own for the offset makes wandering look like an oscillation */
+    judge(m); /* judged before a drift of the offset can make wandering look like an oscillation */
     if (!o->oscillates)
         return true;
     find_drift(m);
@@ -262,8 +262,8 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
 }
 
 /*
- * What no single damped sine describes, but was followed window by window at a mean frequency: then
- * the period is the mean over the recording, and the damped sine is the nearest there is.
+ * Takes a series that no single damped sine describes, but that was followed window by window at a
+ * mean frequency: the period is the mean over the recording, the damped sine the nearest one.
  */
 static bool fit_tracked(struct motion *m, double omega, double noise, struct arena *arena)
 {
@@ -280,8 +280,9 @@ static bool fit_tracked(struct motion *m, double omega, double noise, struct are
     return true;
 }
 
-/* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its
- * first part. Where that is the frequency of a fit that was refused, it would be the same fit. */
+/* Fits the frequency of the first part, because an oscillation that decays within a few periods has
+ * no peak in the spectrum of the whole. Does nothing if a fit with that frequency was refused
+ * already. */
 static bool fit_beginning(struct motion *m, size_t part, double noise, double refused_omega,
                           struct arena *arena)
 {

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SPIKES_MAX 0.2 /* of the samples */
+#define SPIKES_MAX 0.2 /* largest share of the samples */
 
 bool samples_average(const struct samples *x, size_t each, struct arena *arena,
                      struct series *means)

@@ -9,14 +9,15 @@
 
 /* Values transformed at a time: about 5 ms, with the same bits as GSL's transform. */
 #define TRANSFORM_PIECE ((size_t)1 << 17)
-#define PHASE_ROTATIONS_MAX 64 /* of a phase between two that are computed */
-#define LOWEST_PERIODS 1.3     /* a peak below so many periods in the record is drift */
+#define PHASE_ROTATIONS_MAX 64 /* rotations of a phase before it is computed anew */
+#define LOWEST_PERIODS 1.3     /* [periods in the record] a peak with fewer is drift */
 
 enum { PART_MIN = 16, CANDIDATES = 5 };
 
 /* ---- the Fourier transform of real values in pieces, between which it can be ended ---- */
 
-/* Of even and odd values, each half complex, that of all (Cooley and Tukey 1965). */
+/* Combines the transforms of even and odd values, each half complex, to that of all (Cooley and
+ * Tukey 1965). */
 static bool combine(const double *even, const double *odd, size_t n, double *result,
                     const struct cancel *cancel)
 {
@@ -119,7 +120,7 @@ static struct transform transform(const struct samples *x, struct arena *arena)
     double angle = TWO_PI / (double)x->n, c = cos(angle), s = sin(angle), re = cos(0.5 * angle),
            im = sin(0.5 * angle);
     for (size_t i = 0; i < x->n; i++) {
-        double window = 0.5 * (1 - re); /* Hann: re = cos(2 pi (i + 1/2)/n) */
+        double window = 0.5 * (1 - re); /* Hann window, where re = cos(2 pi (i + 1/2)/n) */
         data[i] *= window;
         result.gain += window;
         double next = re * c - im * s;
@@ -132,8 +133,8 @@ static struct transform transform(const struct samples *x, struct arena *arena)
     }
     result.bins = length / 2 + 1;
     result.step = (double)(x->n - 1) / (x->t[x->n - 1] - x->t[0]) / (double)length;
-    for (size_t k = 1; k < length / 2;
-         k++) { /* in place: data[k] and data[length - k] are read before data[k] is written */
+    /* The sum is computed in place: data[length - k] is read before data[k] is written. */
+    for (size_t k = 1; k < length / 2; k++) {
         data[k] = data[k] * data[k] + data[length - k] * data[length - k];
     }
     data[0] *= data[0];
@@ -224,7 +225,7 @@ static int highest(const struct transform *spectrum, double span, double *omega,
     return count;
 }
 
-/* The mean of the spectra of so many equal parts (Welch 1967, without overlap). */
+/* Averages the spectra of `parts` equal parts (Welch 1967, without overlap). */
 static struct transform mean_transform(const struct samples *x, size_t parts, struct arena *arena)
 {
     const size_t n = x->n / parts;

@@ -161,7 +161,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
         return true;
     const double span = x.t[x.n - 1] - x.t[0];
     const size_t finer = x.uniform ? 1 : 2, length = bins_of(span / step + 4, x.n);
-    /* Where a gap is so long that the grid would not end, a coarser one. */
+    /* A gap may be so long that the grid would be too large: it is then coarser. */
     const double apart = fmax(step, span / ((double)length - 4));
     double *grid = arena_array(arena, 2 * finer * length, sizeof *grid);
     if (!grid || cancelled(x.cancel))

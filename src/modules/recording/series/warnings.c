@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a user should know about a fit before believing it. */
+/* Warnings about a fit that a user should know before believing it. */
 #include <hooke/base/number.h>
 #include "modules/recording/series/internal.h"
 
@@ -7,9 +7,9 @@
 #include <stdio.h>
 
 #define SWAY_MIN 0.03     /* relative modulation of the amplitude that is worth a word */
-#define POOR_MIN 0.10     /* residuals over signal (rms): the model misses something, */
-#define POOR_NOISES 1.5   /* where they are more than noise */
-#define POOR_TOGETHER 0.3 /* or hang together (autocorrelation) */
+#define POOR_MIN 0.10     /* residuals over signal (rms) above which the model misses something */
+#define POOR_NOISES 1.5   /* residuals over noise above which it does */
+#define POOR_TOGETHER 0.3 /* autocorrelation above which it does */
 
 void fit_warn(struct fit *fit, const char *format, ...)
 {
@@ -52,8 +52,8 @@ static void warn_halves(struct fit *fit)
     }
 }
 
-/* Two lines clear of the noise beat; what else modulates the amplitude is mostly a swing sideways.
- * poor: residuals over signal. */
+/* Warns of beats if there are two lines clear of the noise; other modulations of the amplitude are
+ * mostly a swing sideways. `poor` is residuals over signal. */
 static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
 {
     struct mode_pair pair;
@@ -70,8 +70,8 @@ static void warn_sway(const struct motion *m, double sway, double poor, struct f
     }
 }
 
-/* Residuals over signal, both rms, of the law that the fit's values are those of; 0: they are
- * noise, no fault of the model. */
+/* Returns residuals over signal, both rms, of the law whose values the fit has, or 0 if the
+ * residuals are noise and no fault of the model. */
 static double poorness(const struct motion *m, const struct fit *fit)
 {
     double signal = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which column is the time, which the value: what the user says, else what names, units and numbers
- * say.
+ * Chooses the columns of the time and the value: those that the user names, or those that names,
+ * units and numbers suggest.
  */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
@@ -18,10 +18,10 @@
     "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia " \
     "posicion posición "                                                                          \
     "desplazamiento posizione spostamento distanza elongation hauteur"
-#define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
-#define TIME_STEPS_UP_MIN 0.9                 /* of the steps of a time column go up */
+#define SIZE_WORDS "absolute magnitude total" /* sizes of a vector, which hide the sign */
+#define TIME_STEPS_UP_MIN 0.9                 /* least share of rising steps in a column of times */
 
-/* What the numbers of a column say. */
+/* Statistics of the numbers of a column. */
 struct profile {
     size_t numbers;
     double low, high, variance;
@@ -31,8 +31,8 @@ struct profile {
     bool whole;
 };
 
-/* Of a long recording every stretch of STRETCH_ROWS rows out of several is looked at: a profile is
- * a guess, not a result. */
+/* Rows of a long recording that are examined: stretches of STRETCH_ROWS rows, because a profile is
+ * only a guess. */
 #define STRETCH_ROWS 1024u
 #define STRETCHES_MAX 256u
 
@@ -117,7 +117,7 @@ static bool is_index(const struct recording *recording, const struct profile *p,
             (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
 
-/* Of the run that is read, or of all. */
+/* Returns true if column i belongs to the chosen run, to all runs, or if none is chosen. */
 static bool in_run(const struct recording *recording, int i)
 {
     const int run = recording->column[i].run;
@@ -141,9 +141,9 @@ static bool starts_with(const char *name, struct text wanted)
     return strlen(name) >= wanted.len && strncasecmp(name, wanted.data, wanted.len) == 0;
 }
 
-/* How many columns are called `wanted`, *column is the last of them: by the name in any case, a
- * number counted from 1, or, of the run, the beginning of a name, with or without the run's own
- * before it. */
+/* Returns how many columns are called `wanted`, and sets *column to the last of them. A column is
+ * called by its name, by its number from 1, or, within the run, by the beginning of its name in any
+ * case, with or without the run's name before it. */
 static int match_column(const struct recording *recording, struct text wanted, int *column)
 {
     struct text name = text_trim(wanted);
@@ -221,10 +221,11 @@ static bool quantity_column_pick(struct recording *recording, const struct profi
         if ((quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
             name_has_word(column->name, SIZE_WORDS))
             rank = COUNT_OF(order) + 1;
-        /* Beside the first rows only: something typed into the table. */
+        /* Values in the first rows only were typed into the table. */
         if (rank > COUNT_OF(order) && 2 * profile[i].numbers < recording->rows)
             rank++;
-        /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */
+        /* The first of the positions is chosen, and of other columns (axes of an accelerometer) the
+         * one that moves most. */
         if (rank < best_rank ||
             (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
             best = i;
@@ -402,13 +403,13 @@ static bool side_by_side(const struct recording *recording)
     return false;
 }
 
-/* Which of the runs that stand side by side: the one said, that of the column said, the first with
- * values. */
+/* Chooses among runs in neighbouring columns: the run that the options name, that of the named
+ * column, or the first with values. */
 static bool choose_run(struct recording *recording, const struct profile *profile,
                        const struct load_options *options, struct error *error)
 {
     int column = -1;
-    if (!side_by_side(recording)) /* below each other, if at all: the times will show */
+    if (!side_by_side(recording)) /* runs below each other are found from the times */
         return true;
     recording->taken = -1;
     if (options->run.len > 0)

@@ -21,8 +21,10 @@ bool rises_evenly(const double *value, size_t n)
 
 bool is_along_line(const double *value, size_t n)
 {
-    static const double distance_max = 0.02; /* of the range */
-    static const double step_max = 0.25;     /* of the range: a clock has more than four stamps */
+    /* largest distance from the line, relative to the range */
+    static const double distance_max = 0.02;
+    /* largest step relative to the range; a clock has more than four stamps */
+    static const double step_max = 0.25;
     if (n < 8 || !isfinite(value[0]) || !(value[n - 1] > value[0]))
         return false;
     const double range = value[n - 1] - value[0];

@@ -50,7 +50,7 @@ bool header_field(struct text *rest, char separator, struct text *field)
 {
     if (!table_field(rest, separator, field))
         return false;
-    /* Between blanks "Time (s)" comes in two; "[s] [cm]" are two units. */
+    /* If blanks separate the fields, "Time (s)" is read as two; "[s] [cm]" are two units. */
     struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->data[0]))
                             ? *rest
                             : (struct text){NULL, 0},
@@ -68,7 +68,7 @@ bool header_field(struct text *rest, char separator, struct text *field)
     return true;
 }
 
-/* How instruments spell units; the factor leads to the unit of the table. */
+/* Units as instruments spell them, the unit of the table, and the factor that leads to it. */
 static const struct {
     const char *spelled, *unit;
     double factor;
@@ -183,8 +183,7 @@ static bool clean(struct text text, struct buffer *output)
     return !output->failed;
 }
 
-/* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it
- * is one. */
+/* Finds the unit in the last brackets of a name. Returns false if there is none. */
 static bool find_bracket(struct text text, struct text *stem, struct text *unit,
                          struct text *suffix)
 {
@@ -203,7 +202,8 @@ static bool find_bracket(struct text text, struct text *stem, struct text *unit,
     return false;
 }
 
-/* "Weg in cm", "in s", "Zeit, s": behind a word or a comma. */
+/* Finds the unit behind a word or a comma: "Weg in cm", "in s", "Zeit, s". Returns false if there
+ * is none. */
 static bool find_spoken(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
@@ -291,10 +291,10 @@ static bool name_column(struct column *column, struct text field, struct text un
     double factor;
     bool has_unit = find_bracket(whole, &stem, &unit, &suffix) || find_tail(whole, &stem, &unit) ||
                     find_spoken(whole, &stem, &unit);
-    /* Where units have a line of their own, brackets in the name may hold something else. */
+    /* If units have a line of their own, brackets in the name may hold something else. */
     has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
     if (has_unit && stem.len + suffix.len == 0) {
-        stem = unit; /* "(s)" and nothing else is a name, too */
+        stem = unit; /* a name that is only "(s)" is kept as the name */
         suffix = none;
     }
     if (!has_unit && unit_field.len == 0 && (units || is_unit_name(whole))) {

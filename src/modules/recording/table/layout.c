@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where the table is in a file, and how its rows are written. For each separator and decimal mark:
- * skip to the first consecutive lines that split into the same number of numbers, keep what reads
- * most of the lines that follow.
+ * Finds the table in a file and the way its rows are written. For each separator and decimal mark,
+ * skips to the first consecutive lines that split into the same number of numbers; the pair that
+ * reads most of the lines that follow is kept.
  */
 #include <hooke/base/unit.h>
 #include "modules/recording/table/table.h"
@@ -10,14 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-#define TABLE_ROWS_MIN 3     /* consecutive rows that make a table, where the file has so many */
+#define TABLE_ROWS_MIN 3     /* consecutive rows that make a table, if the file has that many */
 #define SCORED_LINES_MAX 200 /* lines counted to compare two readings */
 
-/* In the order of preference when two read the same number of lines; '\n' separates nothing: a
- * single column. */
+/* Pairs in the order of preference if two read the same number of lines; '\n' separates nothing,
+ * for a single column. */
 static const struct separator_pair {
     char separator, decimal;
-    bool grouped; /* the other mark may stand between thousands */
+    bool grouped; /* the other mark may be between thousands */
 } readings[] = {
     {'\t', '.', false}, {'\t', ',', false}, {';', '.', false}, {';', ',', false},
     {',', '.', false},  {' ', '.', false},  {' ', ',', false}, {'\n', '.', false},
@@ -136,7 +136,7 @@ static size_t first_row(const struct table_text *text, const struct found *found
 static int field_count(struct text line, char separator)
 {
     struct text field;
-    int fields = 0, used = 0; /* without empty ones at the end */
+    int fields = 0, used = 0; /* number of fields, and the same without empty ones at the end */
     while (fields <= (int)LIMIT_COLUMNS && header_field(&line, separator, &field)) {
         fields++;
         used = field.len > 0 ? fields : used;

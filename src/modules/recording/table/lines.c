@@ -71,8 +71,8 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-/* Where the field ends that starts at text[0] with a quote: behind the closing quote; "" inside
- * stands for ". */
+/* Returns the length of the field that starts at text[0] with a quote, including the closing quote;
+ * "" inside represents ". */
 static size_t quoted_length(struct text text)
 {
     size_t i = 1;
@@ -161,7 +161,7 @@ static bool is_word(struct text text, const char *word)
     return text.len == strlen(word) && strncasecmp(text.data, word, text.len) == 0;
 }
 
-/* What stands where there is no number. */
+/* Returns true for an empty field and for words that programs write in place of a number. */
 static bool is_missing(struct text field)
 {
     static const char *const words[] = {

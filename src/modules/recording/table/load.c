@@ -160,9 +160,8 @@ static bool name_runs(const struct contents *contents, struct recording *recordi
     return true;
 }
 
-/* Of several tables the one that is wanted, else the first. The runs inside of it, if it knows any,
- * are then its own.
- */
+/* Reads the requested one of several tables, by default the first. Runs within it, if it names any,
+ * then belong to it. */
 static bool read_parts(const struct contents *contents, const char *shown,
                        const struct load_options *options, struct recording *recording,
                        struct error *error)

@@ -28,9 +28,9 @@ struct load_options {
 struct table_text; /* the file's text and lines, private */
 struct format {
     struct row row;
-    bool any;   /* takes what no other does */
-    bool whole; /* its read chooses the columns and makes the times, too */
-    int (*probe)(const struct table_text *text); /* from 0 (another format) to 100 (certain) */
+    bool any;   /* the format takes what no other does */
+    bool whole; /* read() also chooses the columns and makes the times */
+    int (*probe)(const struct table_text *text); /* returns 0 (another format) to 100 (certain) */
     bool (*read)(const struct table_text *text, const struct load_options *options,
                  struct recording *recording, struct error *error);
 };
@@ -72,27 +72,27 @@ enum remedy {
 };
 
 struct finding_row {
-    struct row row; /* name, unit "", what it is */
+    struct row row; /* name, unit "", and description */
     enum remedy remedy;
-    const char *done; /* in words */
+    const char *done; /* the remedy in words */
 };
 
-extern const struct catalog finding_catalog; /* at the enum's place */
+extern const struct catalog finding_catalog; /* Kinds of findings, in the order of the enum. */
 
 /*
- * Looks at the whole file, whatever its window is, once; the result belongs to the recording.
- * period [s] is that of the oscillation to a few percent; with NAN only defects that need no period
- * are looked for, and `still` tells why. Returns false if out of memory or if cancelled.
+ * Examines the whole file, whatever its window is, once; the result belongs to the recording.
+ * period [s] is that of the oscillation to a few percent; if it is NAN only defects that need no
+ * period are searched for, and `still` tells why. Returns false if out of memory or if cancelled.
  */
 bool recording_inspect(struct recording *recording, double period, const char *still,
                        struct error *error);
-/* Takes back what was found at the ends: the window is then the whole file. */
+/* Discards what was found at the ends, so that the window is the whole file. */
 void recording_keep_ends(struct recording *recording);
-/* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values
- * are never invented. */
+/* Masks the samples of the findings; the window becomes theirs, unless the user has chosen one.
+ * Values are never invented. */
 void recording_clean(struct recording *recording);
-/* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was
- * not cleaned. */
+/* Appends "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline, or nothing if
+ * the recording was not cleaned. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text);
 
 /* Finds a unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena, or

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the marks inside of numbers stand for where a single number does not tell. */
+/* Finds the meaning of marks inside numbers where a single number does not tell it. */
 #include "modules/recording/table/table.h"
 
 #include <math.h>
@@ -49,9 +49,9 @@ static bool read_group(struct text field, char mark, double *value, double *grou
 }
 
 /*
- * Where a column goes on from whole numbers of three digits (960, 980) to three digits behind the
- * mark (1.000, 1.020), it stands between thousands if the numbers then go on without a jump, and
- * none has another count of digits behind it.
+ * Returns true if the mark is between thousands: in a column that continues from whole numbers of
+ * three digits (960, 980) to three digits behind the mark (1.000, 1.020), the numbers then continue
+ * without a jump, and none has another count of digits behind the mark.
  */
 bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark)
 {
@@ -82,9 +82,10 @@ bool is_grouped(const struct table_text *text, const struct table_layout *layout
 enum { MILLI_DIGITS = 3, MICRO_DIGITS = 6 };
 
 struct unpadded_column {
-    double whole, part, number; /* of the row before */
-    double step_min, step_max;  /* of what is behind the mark, in rows of the same whole number */
-    size_t rows, back;          /* back: rows at which the number would fall */
+    double whole, part, number; /* parts of the number in the row before, and the number */
+    /* steps of the digits behind the mark, in rows of the same whole number */
+    double step_min, step_max;
+    size_t rows, back; /* number of rows, and of those at which the number would fall */
     int digits_max;
     bool excluded;
 };
@@ -140,9 +141,9 @@ static void look_at_column(struct unpadded_column *column, struct text field, ch
 }
 
 /*
- * A program that prints seconds, a point and then milliseconds as a whole number writes 0.80,
- * 0.100, 0.120: the numbers fall, but what stands behind the point rises. Three digits (or six, for
- * microseconds) are the most, and none begins with a 0 that pads it.
+ * Finds columns of a program that prints seconds, a point and then milliseconds as a whole number:
+ * 0.80, 0.100, 0.120. The numbers fall, but the digits behind the point rise. There are at most
+ * three digits (or six, for microseconds), and none begins with a 0 that pads it.
  */
 void find_unpadded(const struct table_text *text, struct table_layout *layout)
 {

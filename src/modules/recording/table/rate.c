@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the lines above a table say about its times. */
+/* Reads the times of a table from the lines above it. */
 #include <hooke/base/number.h>
 #include "modules/recording/table/table.h"
 
 #include <string.h>
 #include <strings.h>
 
-#define LINES_MAX 64 /* looked at */
+#define LINES_MAX 64 /* lines examined */
 
 static const char *find_key(struct text line, const char *key)
 {

@@ -19,7 +19,7 @@
 #define ROWS_KEPT 16      /* rows kept for that: a power of two above BEFORE_LAST */
 
 struct row_problem {
-    size_t count, first; /* how many, and the line of the first */
+    size_t count, first; /* number of such rows, and line of the first */
     char example[SHORT_NAME];
 };
 
@@ -29,14 +29,14 @@ struct row_reader {
     struct row_problem ragged, extra, *words; /* `words` of each column */
     /* Rows of another width that are kept: those that end early, those with numbers behind. */
     struct row_problem shorter, wider;
-    size_t other_line;             /* line of the newest row of another width, 0 before the first */
-    int other_fields;              /* number of its fields */
-    int frequent_fields;           /* width that many lines have, 0 as long as there is none */
-    int long_looks;                /* searches for it so far */
-    struct stamp_column *stamps;   /* of each column */
+    size_t other_line;           /* line of the newest row of another width, 0 before the first */
+    int other_fields;            /* number of its fields */
+    int frequent_fields;         /* number of fields of many lines, or 0 as long as it is unknown */
+    int long_looks;              /* number of searches for it */
+    struct stamp_column *stamps; /* stamps of each column */
     struct text recent[ROWS_KEPT]; /* recent[i % ROWS_KEPT] is row i if it is one of the last */
-    size_t capacity;               /* rows there is memory for */
-    bool ended;                    /* the newest row has a line end */
+    size_t capacity;               /* rows for which there is memory */
+    bool ended;                    /* the newest row has its line end */
 };
 
 /* ---- memory ---- */

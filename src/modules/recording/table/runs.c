@@ -44,7 +44,7 @@ static double trailing_number(const char *name)
     return real_parse(text_of(name + index), &number) == REAL_OK ? number : -1;
 }
 
-/* By its name, by the number in its name, by its place in the file. */
+/* Finds a run by its name, by the number in its name, or by its place in the file. */
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error)
 {
     struct text name = text_trim(wanted);

@@ -8,8 +8,9 @@
 #include <string.h>
 
 #define RUNS_BELOW_MAX 64
-#define ROWS_MIN 8 /* of a run */
-/* of the time that has passed: a clock that goes back less has only stumbled */
+#define ROWS_MIN 8 /* least number of rows of a run */
+/* Part of the elapsed time by which a clock goes back at the start of a run; if it is less, the
+ * clock has only stumbled. */
 #define BACK_MIN 0.5
 
 /* Finds the first rows of the runs. Returns the number of runs, which is 1 for an ordinary table.

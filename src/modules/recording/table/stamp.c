@@ -26,7 +26,7 @@ static void blanks(struct stamp_scan *s)
         s->cursor++;
 }
 
-/* At most `max` digits; returns how many. */
+/* Reads up to `max` digits. Returns their number. */
 static int digits(struct stamp_scan *s, int max, int64_t *value)
 {
     int count = 0;
@@ -84,7 +84,7 @@ static double fraction(struct stamp_scan *s)
                                              1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     const int count = digits(s, 15, &number);
     const double value = (double)number / decimal_power10[count];
-    while (s->cursor < s->end && is_stamp_digit(*s->cursor)) /* beyond what a double holds */
+    while (s->cursor < s->end && is_stamp_digit(*s->cursor)) /* digits beyond those of a double */
         s->cursor++;
     return value;
 }

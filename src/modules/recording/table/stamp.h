@@ -5,9 +5,10 @@
 #include <hooke/data.h>
 
 struct stamp {
-    bool date, clock; /* tells which of the two it has */
-    int64_t day;      /* since 1970-01-01, 0 without a date */
-    /* [s] of the day, in the zone it was written in, moved to UTC where it names one */
+    bool date, clock; /* parts that the stamp has */
+    int64_t day;      /* [d] days since 1970-01-01, 0 without a date */
+    /* [s] time of the day in the zone in which it was written, or in UTC if the stamp names a
+     * zone */
     double second;
 };
 
@@ -22,8 +23,8 @@ bool stamp_parse(struct text text, struct stamp *stamp);
 /* Stamps of a column. */
 struct stamp_column {
     size_t count, clocks; /* stamps, and those with a time of day */
-    bool date;            /* in every one of them */
-    int64_t first;        /* day of the first */
+    bool date;            /* every one of them has a date */
+    int64_t first;        /* day of the first stamp */
 };
 
 /* [s] since the midnight before the column's first stamp. */

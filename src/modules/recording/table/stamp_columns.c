@@ -62,7 +62,7 @@ static void join_dates(struct recording *recording, int clock, int date)
     }
 }
 
-/* From the first row, whose stamp is said. */
+/* Counts the times from the first row, whose stamp a warning gives. */
 static void count_from_first(struct recording *recording, int i)
 {
     struct column *column = &recording->column[i];

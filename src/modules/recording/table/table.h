@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What every format of the data layer shares: the lines of a file, finding the table in it, reading
- * its rows.
- *
- * A new format is one file NAME.def (its probe and read, static, then its row) and its line in
- * formats.def. Its read finds the table (text->layout, or table_find from a line of its own),
- * corrects names and units, and calls table_rows.
+ * Parts that every format of the data layer shares: the lines of a file, the search for the table,
+ * and the reading of its rows. A new format is one file NAME.def (its probe and read, static, then
+ * its row) and its line in formats.def. Its read finds the table (text->layout, or table_find()
+ * from a line of its own), corrects names and units, and calls table_rows().
  */
 #pragma once
 
@@ -19,8 +17,8 @@
 #define TABLE_BYTES (1u << 30) /* most memory that the columns of a recording take */
 
 struct table_line {
-    struct text text; /* without its end */
-    size_t number;    /* in the file, counted from 1 */
+    struct text text; /* text without the line end */
+    size_t number;    /* number in the file, counted from 1 */
 };
 
 struct table_layout {
@@ -53,29 +51,34 @@ struct table_text {
 
 /* Place at which a table ends and another may begin, in files that have them below each other. */
 struct table_block {
-    const char *begin;   /* a line of its header … */
-    size_t line, header; /* … its number, counted from 1, and that of the header's first line */
-    size_t len;          /* to the end of its rows */
+    const char *begin;   /* a line of the header */
+    size_t line, header; /* number of that line, counted from 1, and of the header's first line */
+    size_t len;          /* bytes to the end of its rows */
     struct text name;    /* name of the run, empty if it has none */
     struct text head[3]; /* lines of the header, as the format needs them */
 };
 
 enum cell_kind { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time of day */ };
 
-/* From lines.c. LF, CRLF, CR CR LF and CR end a line. Returns false if nothing is left. */
+/* Cuts the next line off *rest (lines.c). LF, CRLF, CR CR LF and CR end a line. Returns false if
+ * nothing is left. */
 bool table_line(struct text *rest, struct text *line);
-bool table_comment(struct text line); /* # … or % …, or as sigrok-cli writes them: ; word */
-bool table_skipped(struct text line); /* blank, a comment, or a line drawn below the names */
-/* Cuts the next field off *rest, trimmed and without its quotes. Returns false if nothing is left.
- * Separator ' ' is any run of blanks. */
+/* Returns true for comments: # …, % …, or "; word" as sigrok-cli writes them. */
+bool table_comment(struct text line);
+/* Returns true for blank lines, comments, and a line drawn below the names. */
+bool table_skipped(struct text line);
+/* Cuts the next field off *rest, trimmed and without its quotes. Separator ' ' is any number of
+ * blanks. Returns false if nothing is left. */
 bool table_field(struct text *rest, char separator, struct text *field);
-/* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight.
- */
+/* Reads a cell. *value is a number ("inf" is one), a stamp in seconds since 1970 or midnight, or
+ * NAN. */
 enum cell_kind table_cell(struct text field, char decimal, double *value);
-/* a number with marks between thousands */
+/* Reads a number with marks between thousands. Returns false if it is none. */
 bool table_grouped(struct text field, char decimal, double *value);
-size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */
-const char *short_name(struct text text, char output[SHORT_NAME]); /* safe to show */
+/* Returns the number of bytes of whole characters, up to `max`. */
+size_t text_fitting(struct text text, size_t max);
+/* Writes the text, cut and safe to show, into `output`, and returns it. */
+const char *short_name(struct text text, char output[SHORT_NAME]);
 
 /* Returns false with the error if the text is binary or empty (intake.c). */
 bool refuse_binary(struct text text, const char *name, struct error *error);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * From the chosen columns to time [s] that rises and value [SI]. What is odd about the times is
- * counted and said.
+ * Makes rising times [s] and values [SI] from the chosen columns. Irregular times are counted and
+ * reported.
  */
 #include "modules/recording/table/table.h"
 
@@ -16,12 +16,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MEDIAN_SAMPLE 4096       /* steps looked at for the median */
-#define UNEVEN_STEP_FRACTION 0.1 /* of the median step: beyond it the sampling is called uneven */
-#define GAP_MEDIAN_STEPS 1.5     /* median steps */
+#define MEDIAN_SAMPLE 4096 /* steps looked at for the median */
+/* [median step] deviation above which the sampling is called uneven */
+#define UNEVEN_STEP_FRACTION 0.1
+#define GAP_MEDIAN_STEPS 1.5 /* median steps */
 
-/* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once.
- */
+/* Converts as unit_convert() does, but by division if the factor is 1/n, so that decimal fractions
+ * are rounded once. */
 static void to_si(const double *number, size_t n, double factor, double *si)
 {
     const double inverse = nearbyint(1 / factor);
@@ -111,7 +112,7 @@ static void set_value_unit(struct recording *recording, const struct unit *unit)
 }
 
 struct dropped {
-    size_t count, line; /* how many, line of the first */
+    size_t count, line; /* number of such rows, and line of the first */
 };
 
 static void dropped_note(struct dropped *dropped, size_t line)
@@ -139,8 +140,8 @@ static void keep_time_row(struct recording *recording, size_t target, size_t sou
 
 /* ---- rounded stamps ---- */
 
-/* Where this part of the rows repeats the stamp before, the clock was rounded, be it uneven. Less
- * is a logger that stumbled. */
+/* Share of rows that repeat the stamp before, above which the clock was rounded, be it uneven. If
+ * it is less, a logger has stumbled. */
 static const double repeats_of_rounded_clock = 0.2;
 
 /* Returns the smallest step [s] between stamps that differ. */
@@ -341,7 +342,8 @@ bool enough_rows(const struct recording *recording, struct error *error)
                      recording->rows, recording->rows == 1 ? "row" : "rows");
 }
 
-/* Between two passes over the rows. */
+/* Returns false with the error if reading was cancelled; called between two passes over the
+ * rows. */
 static bool goes_on(const struct recording *recording, struct error *error)
 {
     return !cancelled(recording->cancel) ||
