@@ -28,6 +28,19 @@ bool export_run_keys(const struct session *session, int index, struct export *ex
 /* The same: the present scene. */
 bool export_scene_keys(const struct session *session, struct export *export, struct error *error);
 
+/* ---- coefficients of a method (coefficients.c) ----
+ *
+ * All return false for methods that have none: those that are algorithms, and external ones.
+ */
+
+/* Appends lines of at most max cells, set in by two; also returns false if they would be longer. */
+bool coefficients_text(const struct method *method, int max, struct buffer *output);
+/* Appends a displayed array. */
+bool coefficients_tex(const struct method *method, struct buffer *output);
+/* Fills in a row for each stage, and one for each kind of weights; also returns false if out of
+ * memory. */
+bool coefficients_table(const struct method *method, struct arena *arena, struct table *table);
+
 /* ---- files of tables ---- */
 
 struct table_kind {

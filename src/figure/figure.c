@@ -188,7 +188,7 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
 
 /* Appends "0.1 [ .:-=+*%@#] 2.3 cm": what the shades of a map stand for. */
 static void put_heat_scale(const struct heat *heat, const struct charset *charset,
-                           struct buffer *out)
+                           struct buffer *output)
 {
     const struct heat_scale scale = heat_scale_of(heat);
     const double factor = heat->factor > 0 ? heat->factor : 1;
@@ -196,10 +196,10 @@ static void put_heat_scale(const struct heat *heat, const struct charset *charse
     const int shades = heat_shades(charset, &shade);
     if (!(scale.low <= scale.high) || heat->letters)
         return;
-    buffer_format(out, "%.4g [", scale.low / factor);
+    buffer_format(output, "%.4g [", scale.low / factor);
     for (int i = 0; i < shades; i++)
-        buffer_codepoint(out, shade[i]);
-    buffer_format(out, "] %.4g%s%s%s", scale.high / factor, *heat->unit ? " " : "", heat->unit,
+        buffer_codepoint(output, shade[i]);
+    buffer_format(output, "] %.4g%s%s%s", scale.high / factor, *heat->unit ? " " : "", heat->unit,
                   scale.log ? ", logarithmic" : "");
 }
 

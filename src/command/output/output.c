@@ -154,6 +154,40 @@ static bool export_scene(struct session *session, const struct arguments *args, 
     return true;
 }
 
+/* Coefficients of a method, to a file or, by the name of a format alone, to the output. */
+static bool export_method(struct session *session, const struct arguments *args,
+                          struct reply *reply, struct error *error)
+{
+    const struct text file = argument_value(args, "FILE")->item->text;
+    const struct method *method = method_from(argument_value(args, "method")->item->row);
+    const bool shown = text_ending(file).len == 0;
+    const struct text end = shown ? file : text_ending(file);
+    const struct row *format = catalog_find(&table_format_catalog, end);
+    const char *path = arena_text(args->arena, file);
+    struct export export = {.arena = args->arena};
+    struct buffer text = {0};
+    if (!text_is(end, "tex") && !format)
+        return refuse_ending(file, error);
+    if (!coefficients_table(method, args->arena, &export.table))
+        return error_at(error, argument_value(args, "method")->where,
+                        "%s has no table of coefficients: 'help %s' has its formula",
+                        method->row.name, method->row.name);
+    if (text_is(end, "tex"))
+        coefficients_tex(method, &text);
+    else
+        table_put(&export.table, format_of_kind(format), &text);
+    bool ok = (path && !text.failed) || error_memory(error);
+    if (ok && shown)
+        reply_data(reply, "export", buffer_text(&text));
+    else if (ok)
+        ok = file_write(path, buffer_text(&text),
+                        session_policy(session, has_argument(args, "force")), error);
+    if (ok && !shown)
+        reply_exported(reply, file, &export.table);
+    buffer_free(&text);
+    return ok;
+}
+
 HANDLER(export)
 {
     const struct item *file = argument_value(args, "FILE")->item;
@@ -164,6 +198,8 @@ HANDLER(export)
         return error_memory(error);
     if (has_argument(args, "scene"))
         return export_scene(session, args, reply, error);
+    if (has_argument(args, "method"))
+        return export_method(session, args, reply, error);
     if (!choose_format(args, file->text, &format, error))
         return false;
     if (!fill_table(session, args, &export, error))
@@ -256,9 +292,10 @@ HANDLER(echo)
 COMMAND(export, .group = "OUTPUT", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
-                  WORD("scene", TYPE_NONE, .group = 1), WORD("data", TYPE_NONE, .group = 1),
-                  WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
-                  WORD("events", TYPE_NONE, .group = 1),
+                  WORD("scene", TYPE_NONE, .group = 1),
+                  WORD("method", TYPE_CHOICE, .choices = &method_catalog, .group = 1),
+                  WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
+                  WORD("table", TYPE_NONE, .group = 1), WORD("events", TYPE_NONE, .group = 1),
                   WORD("of", TYPE_CHOICE, .choices = &result_catalog),
                   PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),

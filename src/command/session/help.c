@@ -4,6 +4,7 @@
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
+#include <hooke/method/coefficients.h>
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
@@ -156,8 +157,11 @@ static void help_method(const struct row *row, struct buffer *text)
                  {METHOD_EXACT, "exact"},
                  {METHOD_EXTERNAL, "an external solver: not hooke's own"}};
     const struct method *method = method_from(row);
+    struct coefficient_row row_of;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
+    if (!coefficients_text(method, HELP_WIDTH, text) && method_coefficients(method, 0, &row_of))
+        buffer_format(text, "coefficients: export method %s FILE.csv\n", row->name);
     if (method->order > 0)
         buffer_format(text, "%s %d", method->flags & METHOD_EXTERNAL ? "orders up to" : "order",
                       method->order);

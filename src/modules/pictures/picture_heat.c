@@ -21,12 +21,12 @@ static void level_color(const struct heat *heat, int level, double color[3])
 {
     enum { LAST = (int)COUNT_OF(anchors) - 1 };
     const double place = (double)level / (LEVELS - 1) * LAST;
-    const int from = place < LAST ? (int)place : LAST - 1;
+    const int anchor = place < LAST ? (int)place : LAST - 1;
     for (int c = 0; c < 3; c++)
-        color[c] =
-            heat->letters /* letters stand on these */
-                ? 0.65 + 0.35 * style_palette[(size_t)level % style_palette_count][c]
-                : anchors[from][c] + (place - from) * (anchors[from + 1][c] - anchors[from][c]);
+        color[c] = heat->letters /* letters stand on these */
+                       ? 0.65 + 0.35 * style_palette[(size_t)level % style_palette_count][c]
+                       : anchors[anchor][c] +
+                             (place - anchor) * (anchors[anchor + 1][c] - anchors[anchor][c]);
 }
 
 /* Returns the number of a value's colour, or -1 if there is no value. */
@@ -98,13 +98,14 @@ static void label_bar(const struct page *page, const struct heat *heat,
             : ticks_linear(scale->low / factor, scale->high / factor, BAR_TICKS, 2 * BAR_TICKS);
     char text[TICK_TEXT_SIZE];
     for (int i = 0; i < ticks.count; i++) {
-        const double at =
+        const double tick_y =
             page->bottom - height * heat_share(scale, factor * tick_value(&ticks, i, scale->log));
         tick_text(&ticks, i, scale->log, text);
-        page_straight(page, right, at, right + style->tick, at, style_black, style->frame_line);
+        page_straight(page, right, tick_y, right + style->tick, tick_y, style_black,
+                      style->frame_line);
         buffer_clear(page->text);
         put_number_symbols(page->text, text_of(text));
-        page_text(page, right + style->tick + style->tick_gap, at, 0, style_black,
+        page_text(page, right + style->tick + style->tick_gap, tick_y, 0, style_black,
                   buffer_view(page->text));
     }
     buffer_clear(page->text);

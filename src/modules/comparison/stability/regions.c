@@ -31,11 +31,11 @@ const struct catalog region_catalog = CATALOG("plane", planes);
 
 #define AT(member) .offset = offsetof(struct region_row, member)
 /* clang-format off */
-#define REGION_COLUMNS(across, up) \
+#define REGION_COLUMNS(horizontal, vertical) \
     {.name = "part", .kind = COLUMN_NAME, AT(part)}, \
     {.name = "curve", .kind = COLUMN_NAME, AT(curve)}, \
-    {.name = across, AT(x)}, \
-    {.name = up, AT(y)}, \
+    {.name = horizontal, AT(x)}, \
+    {.name = vertical, AT(y)}, \
     {.name = "dt_max", .quantity = QUANTITY_TIME, AT(dt_max)}
 /* clang-format on */
 
