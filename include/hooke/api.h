@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * api: hooke inside another program. A session, lines in the language of the prompt, and what they
- * found as arrays of doubles: nothing of this changes but by additions (symbol version HOOKE_0).
+ * api: hooke inside another program. A session, lines in the language of the prompt, and their
+ * results as arrays of doubles. The interface changes only by additions (symbol version HOOKE_0).
  *
  *     struct hooke *lab = hooke_open(0);
  *     if (hooke_run(lab, "scene pendulum; method rk4 dt=1ms; run 10 s") != 0)
@@ -11,13 +11,14 @@
  *     hooke_table_free(run);
  *     hooke_close(lab);
  *
- * Sessions know nothing of one another: each may be used by another thread, one by one thread at a
- * time (hooke_cancel() by any). Nothing is printed, no signal is touched, no locale is set; files
- * are read and written only as the lines say. Texts are UTF-8, values in SI units. Texts and the
- * error that a session gives hold until its next hooke_run() or hooke_table().
+ * Sessions are independent: each may be used by a different thread, but only by one thread at a
+ * time (any thread may call hooke_cancel()). Nothing is printed, no signal is touched, no locale is
+ * set; files are read and written only where the lines ask for it. Texts are UTF-8, values in SI
+ * units. Texts and errors that a session returns stay valid until its next hooke_run() or
+ * hooke_table().
  *
- * Where it is said that NULL comes back, NULL may be given to the other functions, too: they find
- * nothing there.
+ * Functions that take an object which another function may return as NULL accept NULL, too; they
+ * then return an empty result.
  */
 #pragma once
 
@@ -43,8 +44,10 @@ enum hooke_open_flag {
 struct hooke_error {
     int status; /* exit status that the program would have: 1 a command failed, 2 wrong usage, 3 the
                  * numbers, 4 reading or writing, 130 stopped */
-    int line, column; /* in the text given to hooke_run(), or in `file`, from 1; 0: nowhere in it */
-    const char *file; /* NULL: the text itself */
+    /* Position in the text given to hooke_run() or in `file`, counted from 1, or 0 if unknown. */
+    int line, column;
+    /* File in which the error occurred, or NULL for the text given to hooke_run(). */
+    const char *file;
     const char *code, *message, *hint; /* "usage"; a sentence; what to do, or "" */
 };
 
@@ -63,8 +66,8 @@ HOOKE_PUBLIC int hooke_run(struct hooke *hooke, const char *lines);
  * says so with status 130; where nothing goes on, nothing is stopped later. */
 HOOKE_PUBLIC void hooke_cancel(struct hooke *hooke);
 
-/* What the last hooke_run() printed; its warnings, notes and errors as the prompt shows them. Never
- * NULL. */
+/* Return the results, and the warnings, notes and errors, that the last hooke_run() printed, in
+ * the form that the prompt shows. Never return NULL. */
 HOOKE_PUBLIC const char *hooke_output(const struct hooke *hooke);
 HOOKE_PUBLIC const char *hooke_messages(const struct hooke *hooke);
 /* Returns the error of the last hooke_run() or hooke_table(), or NULL if it succeeded. */
@@ -80,9 +83,10 @@ HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double
  * 0, 1, …, or NULL if there are no more. Each is hooke_table(hooke, "table of NAME"). */
 HOOKE_PUBLIC const char *hooke_result(const struct hooke *hooke, size_t place);
 
-/* What `export FILE WHAT` would write: "" the current run, "t y energy" columns of it, "run 1 y",
- * "data", "events", "measurements", "table of sweep". A copy, to be freed by hooke_table_free(),
- * also after the session is closed. NULL: hooke_error() says why. */
+/* Returns what `export FILE WHAT` would write. WHAT is "" for the current run, "t y energy" for
+ * columns of it, or "run 1 y", "data", "events", "measurements", "table of sweep". The table is
+ * a copy that stays valid after the session is closed; free it with hooke_table_free(). Returns
+ * NULL on failure, which hooke_error() explains. */
 HOOKE_PUBLIC struct hooke_table *hooke_table(struct hooke *hooke, const char *what);
 HOOKE_PUBLIC void hooke_table_free(struct hooke_table *table);
 HOOKE_PUBLIC size_t hooke_rows(const struct hooke_table *table);

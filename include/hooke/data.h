@@ -17,10 +17,14 @@ struct unit;
 struct column {
     char name[LIMIT_NAME + 1]; /* as in the file, made safe: "distance", "Dist Error" */
     char unit[16];             /* as in the file, "" if it says nothing */
-    enum quantity quantity;    /* QUANTITY_OTHER: unit unknown, values taken as they are */
-    double factor;             /* SI value = number in the file * factor */
-    double *value;             /* [rows] numbers as in the file; NAN if missing */
-    int run;                   /* of recording.run, where runs stand side by side; -1: of all */
+    /* Quantity of the values. With QUANTITY_OTHER the unit is unknown and the values are not
+     * converted. */
+    enum quantity quantity;
+    double factor; /* SI value = number in the file * factor */
+    double *value; /* [rows] numbers as in the file; NAN if missing */
+    /* Index into recording.run where runs are columns beside each other, or -1 for a column of
+     * all runs. */
+    int run;
 };
 
 enum time_source {
@@ -30,9 +34,9 @@ enum time_source {
 };
 
 /*
- * What is known of lines that were collected as they came: the file has the time at which each
- * arrived before it. Where the device sends no times of its own, those of the samples lie on the
- * robust line through the arrivals, unless these are too uneven for one.
+ * Facts about lines that were collected as they arrived; the file has the arrival time before each
+ * line. Where the device sends no times of its own, the sample times lie on a robust line through
+ * the arrivals, unless these are too uneven.
  */
 enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 
@@ -40,9 +44,9 @@ struct collected {
     enum collected_clock clock;
     size_t lines;    /* that came, but for blank ones: the sum of the next five */
     size_t samples;  /* rows with a value */
-    size_t skipped;  /* before the first sample: text, a heading, half a line */
+    size_t skipped;  /* lines before the first sample: text, a heading, half a line */
     size_t garbled;  /* later ones that are no sample, or have none in the chosen column */
-    size_t repeated; /* with the time of the one before */
+    size_t repeated; /* lines with the same time as the previous one */
     size_t remarks;
     size_t lost;     /* that must have been between those that came … */
     bool lost_known; /* … if that can be told; else there may be more */
@@ -51,8 +55,9 @@ struct collected {
      * deviation, and the largest */
     struct measured rate;
     double jitter, largest;
-    double last;           /* [s] arrival of the last line */
-    struct text statement; /* that collected it, as its file says; empty: nobody has said */
+    double last; /* [s] arrival of the last line */
+    /* Statement that collected it, according to its file, or empty if the file has none. */
+    struct text statement;
     struct calibration calibration; /* as its file says */
 };
 
@@ -62,17 +67,19 @@ struct recording_run {
 };
 
 struct recording {
-    char name[LIMIT_NAME + 1]; /* what users call it */
+    char name[LIMIT_NAME + 1]; /* name that users call it by */
     char *path;
     char format[32];       /* the row that read it */
-    const char *container; /* what it was packed in ("zip", "xlsx" …); NULL: plain text */
+    const char *container; /* packing of the file ("zip", "xlsx" …), or NULL for plain text */
     uint64_t sum;          /* bytes_sum() of its file; 0 if that is larger than SUMMED_BYTES */
-    size_t rows;           /* after what was dropped */
+    size_t rows;           /* rows that are left after the dropped ones */
     size_t dropped;        /* rows in the file that could not be used */
     struct column *column;
     int columns;
     struct recording_run *run;
-    int runs, taken; /* runs 0: the file knows of none; taken: the one that was read */
+    /* runs is the number of runs in the file, or 0 if it has no runs; taken is the one that was
+     * read. */
+    int runs, taken;
     int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
     double rate;         /* [1/s] 1/dt */
@@ -84,19 +91,19 @@ struct recording {
     /* relative standard uncertainty of dt that rounded stamps leave; 0 if they are exact */
     double pace;
     int header_lines;
-    char separator;       /* '\t' ',' ';' ' ', '\n': a single column */
-    char decimal;         /* '.' ',' */
-    char **warning;       /* sentences: what is odd about the file, with counts and line numbers */
-    int warnings;         /* at most 10, and one that says how many more kinds there are */
-    int unsaid;           /* these */
-    double window[2];     /* [s] the part in use, in the file's time; the whole file by default */
-    double zero;          /* SI, subtracted from the value; 0 by default */
+    char separator;   /* '\t' ',' ';' ' ', '\n': a single column */
+    char decimal;     /* '.' ',' */
+    char **warning;   /* sentences about peculiarities of the file, with counts and line numbers */
+    int warnings;     /* number of sentences: at most 10, and one that counts the remaining kinds */
+    int unsaid;       /* remaining kinds of warnings */
+    double window[2]; /* [s] the part in use, in the file's time; the whole file by default */
+    double zero;      /* SI, subtracted from the value; 0 by default */
     struct measured mass; /* [kg] of what hung on the spring; 0 if nobody has said */
-    /* name of the recording that holds the sensor's velocities; "": none */
+    /* Name of the recording that holds the sensor's velocities, or "" if there is none. */
     char velocity[LIMIT_NAME + 1];
     size_t repeated, backward; /* rows among the dropped ones whose time repeats or goes back */
     const struct findings *findings; /* NULL if nobody has looked yet */
-    bool cleaned;                    /* what the findings mask is left out */
+    bool cleaned;                    /* samples that the findings mask are left out */
     double *t;                       /* [rows] time [s], rising; NAN never */
     double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN if missing */
     uint32_t *line; /* [rows] line of the file, counted from 1 */
@@ -140,8 +147,8 @@ struct finding {
     size_t stretches; /* stretches that they form */
     /* [s] where the first of these begin; NAN where there are fewer */
     double first[FINDING_STRETCHES];
-    /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its length
-     * [s], of sway the modulation (rms, relative); NAN if it does not apply */
+    /* Size in SI: the largest deviation; the level of a clipped top, the size of steps, the
+     * length of a gap [s], or the modulation of sway (rms, relative). NAN if it does not apply. */
     double size;
 };
 
@@ -153,5 +160,6 @@ struct findings {
     double rests;       /* [s] from when on nothing moves any more; NAN if it moves to the end */
     double period;      /* [s] it was inspected with; NAN if there is none */
     double sway_period; /* [s] NAN: not known */
-    char still[160];    /* why it does not oscillate; "": it does, or nobody has said */
+    /* The reason why it does not oscillate, or "" if it does or has not been inspected. */
+    char still[160];
 };

@@ -24,7 +24,7 @@ enum style {
 };
 
 struct cell {
-    uint32_t codepoint; /* 0: right half of a wide character */
+    uint32_t codepoint; /* 0 marks the right half of a wide character */
     uint8_t style;      /* enum style */
 };
 
@@ -36,7 +36,7 @@ struct canvas {
 /* blanks; returns false if out of memory */
 bool canvas_init(struct canvas *canvas, int width, int height);
 void canvas_free(struct canvas *canvas);
-/* outside: ignored */
+/* Writes one cell; positions outside of the canvas are ignored. */
 void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style);
 /* returns the column after it; clipped */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);
@@ -65,8 +65,9 @@ struct figure_words {
 /* A set of characters that figures are drawn with. */
 struct charset {
     struct dot_grid dots;
-    bool plain;                       /* frames are '-' and '|' */
-    const struct figure_words *words; /* which take the place of drawings; NULL if they are drawn */
+    bool plain; /* frames are '-' and '|' */
+    /* words that replace the drawing, or NULL for figures that are drawn */
+    const struct figure_words *words;
 };
 extern const struct charset charset_ascii, charset_block, charset_braille;
 
@@ -95,7 +96,9 @@ struct heat {
     double factor;
     struct heat_axis x, y; /* y points up */
     const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
-    const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
+    /* Letters for the values -1, 0, 1 ...; the last one also marks all larger values. NULL draws
+     * shades. */
+    const char *letters;
 };
 
 /* The range of values that the shades of a map stand for. low > high if there is no value. */
@@ -119,35 +122,38 @@ int heat_shades(const struct charset *charset, const uint32_t **shade);
 
 struct axis {
     const char *label;              /* "y", "t", "v" */
-    const char *unit;               /* what is printed in brackets, "" for none */
+    const char *unit;               /* unit printed in brackets, or "" for none */
     double factor;                  /* number shown = value / factor; 0 counts as 1 */
     double first_value, last_value; /* range in values; used if fixed */
     bool fixed, log;
-    /* of a log axis: what is smaller is left out of the range and counted; 0: only what is <= 0 */
+    /* Smallest value on a log axis; smaller ones are left out of the range and counted. With 0
+     * only values <= 0 are left out. */
     double min;
-    /* what varies by less than this part of its size is drawn from zero; 0: about its middle
-     * where it hardly varies; < 0: as it is */
+    /* Curves that vary by less than this fraction of their size are drawn with zero on the axis.
+     * With 0 a curve that hardly varies is drawn around its middle; with a negative value its
+     * range is not widened. */
     double flat;
 };
 
 struct curve {
-    const char *label;   /* legend: "verlet", "data" */
+    const char *label;   /* name in the legend, such as "verlet" or "data" */
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
-    bool points;  /* data: marks instead of a line, drawn last */
-    bool plain;   /* has no colour in text, because its mark is enough */
-    bool arrows;  /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
-    bool cloud;   /* points, so many that each is the smallest dot there is */
-    bool joined;  /* of points: a line joins them; in pictures each has a shape, never a letter */
-    char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
-    int look;     /* colour and shape are those of the curve at this place, from 1; 0: its own */
-    int panel;    /* 0, or 1 where the figure has a second one */
-    bool thinned; /* a choice of the samples that looks the same: they are not counted */
-    const double *t;      /* [n] [s] of a plane, where it is known; NULL: not */
+    bool points; /* samples are marks instead of a line, and are drawn last */
+    bool plain;  /* has no colour in text, because its mark is enough */
+    bool arrows; /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
+    bool cloud;  /* points, so many that each is the smallest dot there is */
+    bool joined; /* a line joins the points; in pictures each has a shape, never a letter */
+    char mark; /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'), or 0 to choose by position */
+    /* Index, from 1, of the curve whose colour and shape this one shares, or 0 for its own. */
+    int look;
+    int panel;            /* 0, or 1 where the figure has a second one */
+    bool thinned;         /* a choice of the samples that looks the same: they are not counted */
+    const double *t;      /* [n] [s] times of the points of a plane, or NULL if unknown */
     const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
     const char *spread_label; /* name of the band in the legend */
-    /* [n] of points in a picture: half the length of an error bar; NAN: without one; NULL: none
-       has one. Text figures have no room for them. */
+    /* [n] For points in a picture, half the length of each error bar, NAN for a point without
+     * one. NULL draws none. Text figures have no room for them. */
     const double *bar;
     const struct cancel *cancel; /* ends every loop over its samples; NULL if nobody can */
 };
@@ -168,16 +174,16 @@ struct figure_label {
 struct figure {
     const char *title;
     struct axis x, y;
-    /* x and y of the second panel, for curves of another size: below the first with the same x
-       axis, in a plane beside it or below, whatever gives more room, with its own. NULL: all curves
-       share one panel. */
+    /* x and y of the second panel, for curves of another size. It is drawn below the first one
+     * with the same x axis; in a plane beside it or below, whichever gives more room, with its
+     * own x axis. If NULL, all curves share one panel. */
     const struct axis *second;
-    int panel;  /* which one is drawn: 0, except in what figure_panels() hands out */
+    int panel;  /* panel that is drawn: 0, except in the figures that figure_panels() returns */
     bool part;  /* one of two panels: only its curves are drawn, with labels even on a single row */
     bool plane; /* x is no independent variable: curves leave the plot through all four sides */
     const struct curve *curve;
     int curves;
-    const struct heat *heat; /* shades below the curves, whose axes are fixed; NULL: none */
+    const struct heat *heat; /* shades drawn below the curves, whose axes are fixed; or NULL */
     bool equal;              /* same length for a unit on both axes (phase plot) */
     bool zero_line;
     bool grid;      /* pictures have lines at the labels of both axes */
@@ -188,7 +194,7 @@ struct figure {
     int gutter;       /* least width of the y labels (hysteresis of live plots) */
     /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
     const char *caption;
-    /* what there is to say about it, where its curves do not say it; NULL if they do */
+    /* Words about the figure, where its curves do not say enough, or NULL. */
     const char *words;
     const struct figure_guide *guide; /* [guides] */
     int guides;
@@ -204,7 +210,7 @@ static inline double axis_factor(const struct axis *axis)
 
 /* Returns the glyph of a curve, or 0 if it is drawn with dots. */
 char figure_mark(const struct figure *figure, int curve);
-/* Whether a curve was cancelled: what was made of it is to be dropped. */
+/* Returns true if drawing a curve was cancelled; the caller must then discard the figure. */
 bool figure_stopped(const struct figure *figure);
 /* The first curve (of this panel) that has a band with a name; NULL if there is none. */
 const struct curve *figure_band(const struct figure *figure);
@@ -227,7 +233,7 @@ struct ticks ticks_linear(double range_begin, double range_end, int want, int ma
  * decades. */
 struct ticks ticks_log(double range_begin, double range_end, int max);
 
-/* Where a value lies between the two ends of an axis. Never overflows, whatever the values. */
+/* Scale between the two ends of an axis. Never overflows, whatever the values. */
 struct scale {
     double first_value, last_value; /* values at the ends */
     bool log;
@@ -237,15 +243,15 @@ struct scale {
 /* 0 at from, 1 at to; cut off at +-1e6; NAN for what cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
 
-/* What figure_draw will do with a rectangle: for cursors, and for callers that keep ranges and
- * gutters steady. */
+/* Layout that figure_draw will use in a rectangle, for cursors and for callers that keep ranges
+ * and gutters steady. */
 struct figure_layout {
     const struct charset *charset;
     bool frame, x_labels, y_labels;
     int gutter;                   /* width of the y labels */
     int left, top, columns, rows; /* [cell] the plot, in the rectangle */
     struct scale x, y;
-    struct ticks x_ticks, y_ticks; /* in numbers shown (value / factor) */
+    struct ticks x_ticks, y_ticks; /* positions in displayed numbers (value / factor) */
     bool x_decades, y_decades;     /* ticks are powers of ten */
     size_t hidden; /* values that a log axis does not show: <= 0, or below axis.least */
 };
@@ -258,24 +264,26 @@ struct figure_panel {
     int x, y, width, height;
 };
 #define PANELS_MAX 2
-/* How many there are, and where: labels aligned where panels share an axis. One where there is no
- * room for two. */
+/* Splits the figure into panels, with labels aligned where panels share an axis, and returns
+ * their number. Returns one panel if there is no room for two. */
 int figure_panels(const struct figure *figure, int width, int height, const struct charset *charset,
                   struct figure_panel panel[PANELS_MAX]);
 
-/* What of a curve the axes do not hold. Samples beyond a window of time are left out on purpose and
- * do not count. */
+/* Counts the samples of a curve that lie outside of the axes. Samples beyond a window of time
+ * are left out on purpose and do not count. */
 struct curve_outside {
     size_t count, total; /* samples outside, of all in the window */
     bool leaves;         /* it was inside before */
-    double position;     /* where: t, or x if that is the independent variable; NAN if unknown */
-    double farthest;     /* value that lies farthest beyond the frame */
-    bool along_x;        /* which is one of x */
+    /* Position at which the curve leaves: t, or x if that is the independent variable; NAN if
+     * unknown. */
+    double position;
+    double farthest; /* value that lies farthest beyond the frame */
+    bool along_x;    /* the farthest value is one of x */
     bool is_beyond_upper;
 };
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int curve,
                    struct curve_outside *outside);
-/* The cell (relative to the plot) of a point; false: outside. */
+/* Finds the cell (relative to the plot) of a point. Returns false if it is outside of the plot. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row);
 
 /* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it

@@ -181,7 +181,7 @@ struct argument_value {
 struct arguments {
     const struct command *command;
     struct text word;                           /* the command as typed; empty for an assignment */
-    struct argument_value value[ARGUMENTS_MAX]; /* in the order of the command's arguments */
+    struct argument_value value[ARGUMENTS_MAX]; /* values in the order of the command's arguments */
     const struct expr_scope *scope;             /* scope of conditions and expressions */
     struct arena *arena;                        /* lives as long as the command */
     const struct source *where;

@@ -46,16 +46,16 @@ struct cost {
 };
 
 /*
- * Everything that one step sees.
+ * Input and output of one step.
  *
- * y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
- * h     [s]  any sign, not 0.
- * error [n]  optional: local error estimate in units of y (NULL: not wanted, or the method has
- * none). work       method_work_size() doubles, owned by the caller.
+ *     y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
+ *     h     [s]  any sign, not 0.
+ *     error [n]  local error estimate in units of y; NULL if it is not wanted or not available.
+ *     work       method_work_size() doubles, owned by the caller.
  *
- * `warm` says that work holds what the previous step of the same method left (first same as last,
- * history). method_step() sets it; whoever changes y, the system or t (by more than rounding)
- * between steps clears it.
+ * `warm` is true if work holds the values that the previous step of the same method left (first
+ * same as last, history). method_step() sets it; code that changes y, the system or t (by more than
+ * rounding) between steps clears it.
  */
 struct switches_state;
 
@@ -65,33 +65,35 @@ struct step {
     enum drag drag;
     double t, h;
     double *y, *error, *work;
-    /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain
-     * sums */
+    /* [n] optional: rounding errors lost from y (compensated sums, Kahan 1965), or NULL for
+     * plain sums */
     double *low;
     bool warm;
-    void *library; /* what method_begin() made for an external solver */
-    /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
+    void *library; /* state of an external solver, created by method_begin() */
+    /* Step of the method compiled for this system, from method_step_kernel(), or NULL for the
+     * general one. */
     step_function *kernel;
     controlled_function
         *controlled; /* and accepted ones, by method_controlled_kernel(); NULL if there is none */
     /* Set by method_adapt(): */
     /* the last step was taken back: what was evaluated at t and y before it still holds */
     bool again;
-    /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a
-     * fixed step */
+    /* An error with an RMS of tol max(scale_i, |y_i|) is acceptable, which bounds iterations. 0
+     * marks a fixed step. */
     double tol;
-    const double
-        *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
+    /* [n] sizes along the run, see struct controller, or NULL for those of the system */
+    const double *scale;
     /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it was */
     double square;
     struct cost cost; /* accumulates */
-    struct switches_state
-        *switches; /* of fixed steps: how they slide and pile up is counted there; NULL: nowhere */
+    /* Counts sliding and accumulating switches of fixed steps, or NULL if they are not
+     * counted. */
+    struct switches_state *switches;
 };
 
 enum method_flag {
     METHOD_IMPLICIT = 1,
-    METHOD_SYMPLECTIC = 2, /* for separable conservative scenes */
+    METHOD_SYMPLECTIC = 2, /* symplectic for separable conservative scenes */
     METHOD_SYMMETRIC = 4,  /* a step of h, then one of -h, restores the state */
     METHOD_ENERGY = 8,     /* keeps the energy of an undamped linear oscillator exactly */
     METHOD_A_STABLE = 16,
@@ -102,11 +104,11 @@ enum method_flag {
     METHOD_NO_VELOCITY = 512,  /* only for q'' = a(t, q): no force may depend on velocity */
     METHOD_POTENTIAL = 1024,   /* every force but drag needs a potential */
     METHOD_MULTISTEP =
-        2048, /* remembers steps before: starts by a one-step method, wants a constant step */
+        2048, /* uses previous steps: starts with a one-step method, needs a constant step */
     METHOD_EXTERNAL =
-        4096, /* somebody else's library, for comparison: adaptive only, last in the catalogue */
-    METHOD_UNROLLED = 8192, /* has kernels of its own: people wait for it, or rank others by it */
-    METHOD_CONTROLLED = 16384, /* has kernels of its own for accepted steps: people solve with it */
+        4096, /* external library, for comparison: adaptive only, last in the catalogue */
+    METHOD_UNROLLED = 8192,    /* has its own kernels, since it is common or a yardstick */
+    METHOD_CONTROLLED = 16384, /* has its own kernels for accepted steps, since it is common */
 };
 
 /* Coefficients, private to the layer: each family of methods has one kind. */
@@ -122,31 +124,35 @@ struct switches_state;
 struct method {
     struct row row;      /* name, "", brief, citation, aliases */
     const char *formula; /* one step, as text with textbook letters, for help */
-    int order;           /* order of convergence; 0: exact */
+    int order;           /* order of convergence, or 0 if exact */
     int embedded;        /* order of the embedded method, 0 if there is none */
-    /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
+    /* Fraction of the tolerance that a step's error estimate may reach (see method_adapt); 0
+     * stands for 1/3. */
     double fraction;
-    int evals; /* force evaluations a step (once warm) */
+    int evals; /* force evaluations per step (once warm) */
     unsigned flags;
-    int index; /* in the file of its family: kernels, which compile rows again, find theirs by it */
-    /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    /* Index in the file of its family, by which kernels, which compile rows again, find their
+     * row. */
+    int index;
+    /* Default variant. With DRAG_DEFAULT drag is part of the right-hand side and has no
+     * variants. */
     enum drag drag;
     unsigned drags; /* bit 1 << enum drag for each variant offered */
     enum step_status (*step)(const struct method *method, struct step *step);
     size_t (*work)(const struct method *method, int n); /* doubles */
-    /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through
-     * both ends. */
+    /* Computes the state at t + theta h (0 <= theta <= 1) after a successful step. If NULL, a
+     * cubic Hermite polynomial through both ends is used. */
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
-    /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the
-     * one-step matrix. */
+    /* Computes the growth per step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt. If
+     * NULL, that of the one-step matrix is used. */
     double (*growth)(const struct method *method, double x, double zeta, enum stiffness_sign sign);
-    /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of
-     * its own control. */
+    /* Only for yardsticks: create and free the memory that their library owns (begin returns
+     * NULL if out of memory), and take a step under the library's own control. */
     void *(*begin)(const struct method *method, const struct step *step);
     void (*end)(void *library);
     enum step_status (*adapt)(const struct method *method, struct step *step,
                               struct controller *controller, double t_end);
-    /* The one that is there makes the family. */
+    /* Coefficients of the method's family; the others are NULL. */
     const struct tableau *tableau;
     const struct splitting *splitting;
     const struct nystrom *nystrom;
@@ -156,17 +162,19 @@ struct method {
 };
 
 extern const struct catalog method_catalog;
-const struct method *method_by_name(struct text name); /* by exact name or alias; NULL if none */
+/* Finds a method by its exact name or alias; returns NULL if there is none. */
+const struct method *method_by_name(struct text name);
 const struct method *method_at(size_t i);
-const struct method *method_from(const struct row *row); /* of the catalog */
-const struct method *method_find(const char *name);      /* NULL if not in this build */
+/* Returns the method of a row of the catalog. */
+const struct method *method_from(const struct row *row);
+const struct method *method_find(const char *name); /* NULL if not in this build */
 
-/* Whether this method can step this system with this drag variant; false: a reason. Resolves
- * DRAG_DEFAULT. */
+/* Returns true if this method can step this system with this drag variant, else false with the
+ * reason in error. Resolves DRAG_DEFAULT. */
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag,
                     struct error *error);
-/* Whether it can take steps of h [s] on this system; false: a reason. Splittings of higher order
- * step backwards, which strong drag does not survive. */
+/* Returns true if the method can take steps of h [s] on this system, else false with the reason
+ * in error. Splittings of higher order step backwards, which strong drag makes unstable. */
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error);
 size_t method_work_size(const struct method *method, int n);
@@ -178,9 +186,9 @@ size_t method_work_size(const struct method *method, int n);
 bool method_begin(const struct method *method, struct step *step);
 void method_end(const struct method *method, struct step *step);
 /*
- * Where some force has a kink at v = 0 a step across loses its order (unless the system says to go
- * across). Methods above order 2 that may change their step end one at each turning point then:
- * method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
+ * A step across a kink of a force at v = 0 loses its order (unless the system asks to step across).
+ * Methods above order 2 that may change their step therefore end a step at each turning point:
+ * method_adapt() does so by itself, and method_turning_step() splits steps of fixed size.
  */
 /* Steps of fixed size end at switches, in pieces by method_turning_step(). */
 bool method_meets_switches(const struct method *method, const struct system *system);
@@ -219,8 +227,8 @@ static inline double dense_polynomial_at(const struct dense_polynomial *p, doubl
     return p->end - p->h * (rest * (p->rise - theta * (p->first + theta * (p->twist + bend))));
 }
 
-/* Of variable i; only of explicit Runge-Kutta and Rosenbrock methods with a dense output of their
- * own. */
+/* Computes the polynomial of variable i over the last step. Only for explicit Runge-Kutta and
+ * Rosenbrock methods with their own dense output. */
 void method_polynomial(const struct method *method, const struct step *step, int i,
                        struct dense_polynomial *polynomial);
 
@@ -238,10 +246,10 @@ struct march {
 };
 
 /*
- * Kernels: the same steps, to the bit, in code made for one method and one kind of scene. They
- * return how many steps they took: fewer than `count` where the next one has no solution; otherwise
- * nothing is checked on the way, so states may come out infinite or NaN. They stay only while `make
- * bench` shows their gain.
+ * Kernels take the same steps, to the bit, in code made for one method and one kind of scene. They
+ * return the number of steps taken, which is less than `count` if the next one has no solution.
+ * They check nothing else, so states may become infinite or NaN. A kernel is kept only while `make
+ * bench` shows its gain.
  */
 typedef int64_t march_function(const struct method *method, const struct march *march);
 
@@ -284,35 +292,36 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
  */
 /* The branches of a system's switches at t, where the next step begins. */
 struct switches_state {
-    /* begins: some have changed at t; piled: too many in too short a time */
+    /* begins is true if switches have changed at t; piled is true if too many have changed in
+     * too short a time */
     bool known, begins, piled;
     int fresh;             /* the one at which the last step ended, -1 if there is none */
     double t;              /* [s] */
-    unsigned count;        /* of switches, */
-    int shorter;           /* of blocks of them, each in a much shorter time than the one before, */
+    unsigned count;        /* number of switches */
+    int shorter;           /* number of successive blocks, each much shorter than the one before */
     double t_block, block; /* [s] where this block began, and how long the last one took */
     bool recent[LIMIT_SWITCHES]; /* changed in this block */
     double branch[LIMIT_SWITCHES];
-    /* the motion slides along these, in steps of about `slide_step`; branch: below */
+    /* The motion slides along these switches in steps of about `slide_step`; see branch below. */
     bool slides_along[LIMIT_SWITCHES];
     int released; /* the one along which it slid until the last step, -1 if there is none */
     double slide_step;
     double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
     bool slid_along[LIMIT_SWITCHES];
-    int64_t slides, piles; /* how often each has begun */
+    int64_t slides, piles; /* number of times that sliding and piling up have begun */
     int64_t crossings;     /* steps taken across, because no branch leads on and no sliding does */
     double slid;           /* [s] where the first of all these began, */
     int first;             /* and the switch */
 };
 
 struct controller {
-    double tol;                    /* at least 10 eps */
+    double tol;                    /* relative tolerance, at least 10 eps */
     double scale[LIMIT_VARIABLES]; /* [n] size of each variable along the run, see below */
     /* [n] [s] by how much it was larger than the system's, integrated */
     double excess[LIMIT_VARIABLES];
     double elapsed, sampled; /* [s] since the first step; t of the last sample */
     bool sampling;
-    double h; /* [s] proposal for the next step, 0: choose a first one */
+    double h; /* [s] proposal for the next step, or 0 to choose a first one */
     /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
     double t_low;
     double last; /* [s] the last accepted step */
@@ -343,8 +352,8 @@ const struct system *method_adapted(const struct system *system,
  * than a unit of frequency.
  */
 
-/* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not
- * apply. */
+/* Computes the one-step matrix, row-major, by stepping the two unit vectors. Returns false if
+ * the method does not apply. */
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
                           double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);

@@ -23,7 +23,7 @@ struct store_tools; /* there, too */
 /* Reads scenes of another program, for `load scene FILE`. */
 struct scene_reader {
     const char *ending; /* "ode" for files NAME.ode; NULL if the module reads no scenes */
-    const char *kind;   /* for messages: "files of XPPAUT" */
+    const char *kind;   /* name in messages, such as "files of XPPAUT" */
     /*
      * Makes the file's scene that of the session. set: name of one of the file's sets of values,
      * empty if none was asked for. Returns false with the session unchanged and `error` filled.
@@ -43,8 +43,10 @@ struct scene_writer {
 
 /* Draws figures as pictures, for `plot > FILE`. */
 struct picture_writer {
-    const char *files;           /* ".svg .pdf": what they end in; NULL if the module draws none */
-    const char *where;           /* for messages: "a picture in a file that ends in .svg or .pdf" */
+    /* endings of the files it writes, such as ".svg .pdf", or NULL if the module draws none */
+    const char *files;
+    /* description in messages, such as "a picture in a file that ends in .svg or .pdf" */
+    const char *where;
     const struct catalog *kinds; /* rows are named by these endings, without their points */
     /* Appends the content of a file with a picture of width x height points, or of a usual size if
      * they are 0; kind: place in `kinds`. Returns false with `error` filled. */

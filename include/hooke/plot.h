@@ -19,14 +19,14 @@ enum plot_kind {
     PLOT_PHASE,
     PLOT_VELOCITY,
     PLOT_ERROR,
-    PLOT_ORBIT, /* of two coordinates */
+    PLOT_ORBIT, /* one coordinate against another */
     PLOT_ACCELERATION,
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
 /* The variable on the vertical axis: of first order the rate is the second value. */
 enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
-/* What a recording may hold that such a plot shows as it is. */
+/* Kind of recorded values that such a plot shows without conversion. */
 enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
 
 struct reply;
@@ -36,7 +36,7 @@ struct figure_request;
 /* The plane of a plot whose points are states of the scene. */
 struct plot_plane {
     const struct scene *scene; /* the scene that was drawn */
-    int variable[2];           /* across, up */
+    int variable[2];           /* variables on the axes, horizontal first */
     double box[2][2];
     double state[LIMIT_VARIABLES]; /* SI; gives the variables that are not shown */
 };
@@ -57,13 +57,13 @@ struct study_layer {
     const char *y;     /* column on the vertical axis, or NULL behind the last layer */
     const char *part;  /* word in column `part` of its rows, or NULL if all rows are */
     const char *value; /* column whose value stands behind a curve's name, or NULL */
-    const char *named; /* what that value is called: "slope" */
+    const char *named; /* name of that value, such as "slope" */
     double max;        /* larger values are left out, unless it is 0 */
     bool line;         /* a line with a gap at each row without numbers; otherwise points */
     bool guide;        /* a thin straight line from the first to the last row with numbers */
 };
 
-/* The figure of a study, described by the columns of its table. */
+/* Describes how the table of a study is drawn. */
 enum { STUDY_LAYERS_MAX = 4 };
 struct study_picture {
     const char *table, *made_by; /* kind of the table, and what makes one */
@@ -72,51 +72,58 @@ struct study_picture {
     struct study_layer layer[STUDY_LAYERS_MAX];
     const char *shade;             /* column shown as shades over x and the first layer's y */
     const char *x_label, *y_label; /* names of the axes, or NULL for those of the columns */
-    const char *note;              /* what the lines mean, or NULL */
+    const char *note;              /* explanation of the lines, or NULL */
     bool log;                      /* both axes are logarithmic */
     bool equal;                    /* one length for a unit on both axes */
 };
 
-/* A plot, which is a pane of the screen, too: all about it stands here (src/plot/plots.c). */
+/* Row that describes a plot, which can also be a pane of the screen (src/plot/plots.c). */
 struct plot_row {
     struct row row;
     enum plot_across horizontal; /* the horizontal axis */
-    enum plot_vertical vertical; /* where it shows the state */
-    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
-    const char *label;      /* of that axis, where the names of the variables are not */
-    const char
-        *log_label; /* of its size on a logarithmic one; NULL if that is no plot of both signs */
-    const char *title,
-        *pane_label; /* in a pane: before the axis label, and instead of it; NULL: - */
-    /* What it needs. */
-    bool (*fits)(const struct model *model);        /* NULL: any */
-    const char *needs;                              /* what others lack, for the message */
-    bool (*offered)(const struct session *session); /* NULL: a run that fits, or such a recording */
+    enum plot_vertical vertical; /* state that the vertical axis shows, if it shows the state */
+    /* observable on the vertical axis, or NULL for state variables or something else */
+    const char *observable;
+    const char *label; /* label of the vertical axis, if not the names of the variables */
+    /* label of the magnitude on a logarithmic axis, or NULL if the plot has no values of
+     * both signs */
+    const char *log_label;
+    /* title of the figure; name of the vertical axis in a pane, or NULL for its usual one */
+    const char *title, *pane_label;
+    /* Requirements of the plot. */
+    /* Returns true if the plot makes sense for the model; NULL accepts any model. */
+    bool (*fits)(const struct model *model);
+    const char *needs; /* requirement that other models lack, for the message */
+    /* Returns true if the session has what the plot shows. If NULL, the plot needs a run that
+     * fits or such a recording. */
+    bool (*offered)(const struct session *session);
     enum plot_recorded recorded;
-    bool any_recording; /* without a run it shows whatever was recorded */
-    bool of_motion;     /* of a recording's velocities, which are found from its positions */
+    bool any_recording; /* shows any recording if there is no run */
+    bool of_motion;     /* shows velocities of a recording, which are computed from its positions */
     /* draws what is left of a recording beside a fit or a run; NULL if it is no such plot */
     bool (*residual)(struct drawing *d, const struct recording *recording);
-    bool of_study; /* of what a study has found, not of runs; its figure fails without one */
+    bool of_study; /* Shows the results of a study, not runs; its figure fails if there is none. */
     /* Command whose `> FILE.svg` writes it, or NULL for the one of its own name, if any. */
     const char *command;
-    /* Describes the figure by the table of its study, in place of `figure`; or NULL. */
+    /* Description of how the table of its study is drawn, in place of `figure`, or NULL. */
     const struct study_picture *picture;
-    /* Makes that table, for methods (rows of the catalog; none: those that were studied last, or
-     * the present one), as records of the reply; NULL if no words may follow the plot's name. */
+    /* Computes that table as records of the reply for these methods (rows of the catalog; with
+     * none given, those that were studied last or the current one). NULL if no words may follow
+     * the plot's name. */
     bool (*study)(struct session *session, const struct row *const *method, int methods,
                   struct reply *reply, struct error *error);
     bool whole;    /* its axes hold all points: ranges are refused */
-    bool of_scene; /* of the scene, and of its run where there is one */
-    /* Its curves; NULL: columns of the trace. Of the whole figure nothing else is done then. */
+    bool of_scene; /* shows the scene, and its run if there is one */
+    /* Make its curves; if NULL they are columns of the trace. With `figure`, which makes the
+     * whole figure, nothing else is called. */
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
-    /* of its own; NULL if there is none */
+    /* Writes the plot's own note; NULL if it has none. */
     void (*note)(const struct drawing *d, struct buffer *text);
     struct axis (*axis)(const struct drawing *d); /* horizontal, in place of the usual; or NULL */
     const struct plane_row *plane;                /* NULL where its points are no states */
-    /* Adds the numbers behind the figure to the reply. NULL: there are none. */
+    /* Adds the numbers behind the figure to the reply. NULL if there are none. */
     void (*reply)(const struct session *session, const struct figure_request *request,
                   struct reply *reply);
     /* Gives curves that have only marks their names, for pictures and in words; may be NULL. */
@@ -127,9 +134,10 @@ struct plot_row {
     const char *planned; /* a line of `plan` while its pane has the focus; NULL if there is none */
     bool takes_column;   /* a column may follow its name: what is drawn of it */
     bool coordinates;    /* all of one quantity, on one axis */
-    bool energy;         /* of what all runs have: the kinetic one, where some have no potential */
-    bool scaled;         /* 'set phase-axes': v over omega0 */
-    bool equal;          /* axes of the same scale */
+    /* shows an energy that all runs have, which is the kinetic energy if some have no potential */
+    bool energy;
+    bool scaled; /* 'set phase-axes': v over omega0 */
+    bool equal;  /* axes of the same scale */
     /* Its limits. */
     bool periods; /* each period has to be seen: the window is limited to what the width can show */
     bool positive;   /* never below zero: curves of different size get a logarithmic axis */
@@ -141,16 +149,17 @@ struct plot_row {
 extern const struct catalog plot_catalog; /* struct plot_row, at the enum's place */
 
 const struct plot_row *plot_row(enum plot_kind kind);
-bool plot_is_timed(enum plot_kind kind);      /* against the time */
+bool plot_is_timed(enum plot_kind kind);      /* the horizontal axis is the time */
 bool plot_is_plane(enum plot_kind kind);      /* one part of the state against another */
 bool plot_shows_state(enum plot_kind kind);   /* variables on its vertical axis */
 bool plot_of_recordings(enum plot_kind kind); /* some recordings have one */
-/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not
- * everywhere. */
+/* Returns true if such a plot makes sense for a model; not every model has velocities or a
+ * second coordinate. */
 bool plot_fits(enum plot_kind kind, const struct model *model);
-/* Whether it makes sense for this session: no error where nothing exact is known. */
+/* Returns true if the plot makes sense for this session; for example, an error plot needs a
+ * reference. */
 bool plot_offered(const struct session *session, enum plot_kind kind);
-/* On its axes, of the session's run or scene. */
+/* Returns the quantity on an axis of the plot for the session's run or scene. */
 enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x);
 
 /* The pane that commands and zooming act on. */
@@ -159,15 +168,17 @@ void view_focus_on(struct view *view, enum plot_kind kind);
 
 /* The part of the time that plots over each other share. */
 struct figure_window {
-    struct axis axis;    /* of all of them, fixed */
+    struct axis axis;    /* common axis of all plots, fixed */
     double shown, total; /* [s] of what there is: how long the window is, and all of it */
 };
 
-/* What an axis shall show. An open end is where the curves end; both open: as narrow as that. */
+/* Range that an axis shall show. An open end is where the curves end; if both ends are open the
+ * range is as narrow as the curves. */
 struct figure_range {
-    double end[2];          /* NAN: open */
-    enum quantity quantity; /* of the unit that was given; QUANTITY_OTHER: none, that of the axis */
-    struct text text;       /* as typed, for messages */
+    double end[2]; /* ends, NAN where open */
+    /* quantity of the unit that was given, or QUANTITY_OTHER if the axis decides */
+    enum quantity quantity;
+    struct text text; /* as typed, for messages */
 };
 
 /* A side of a portrait: a variable and its range, SI. */
@@ -180,9 +191,9 @@ struct figure_side {
 #define PEAKS_MAX 16 /* and in all */
 
 struct figure_peak {
-    const char *label; /* of the curve */
+    const char *label; /* label of the curve */
     struct spectrum_peak line;
-    enum quantity quantity; /* of the amplitude */
+    enum quantity quantity; /* quantity of the amplitude */
 };
 
 struct figure_peaks {
@@ -196,39 +207,41 @@ struct figure_request {
     int runs;
     int recording;                   /* place, -1 if there is none */
     const struct row *const *method; /* [methods] of a study's plot: rows of the catalog */
-    int methods;                     /* 0 where none was named */
-    /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
-    const struct text *column; /* names of variables and observables; NULL: the kind says all */
+    int methods;                     /* number of methods, 0 if none was named */
+    /* Columns drawn instead in PLOT_POSITION and PLOT_ORBIT: names of variables and observables, or
+     * NULL if the kind of plot decides. horizontal_column is for PLOT_ORBIT. */
+    const struct text *column;
     int columns;
     struct text horizontal_column;
-    const struct table *table; /* whose columns they are; NULL: those of runs */
-    const char *title;         /* of the table */
-    struct text event;         /* only at the moments of this event, as points; empty: all along */
+    const struct table *table; /* table that has these columns, or NULL for columns of runs */
+    const char *title;         /* title of the table */
+    /* Event at whose moments points are drawn, or empty to draw the whole course. */
+    struct text event;
     /* then the columns at the event after the one where `against` is taken: a return map */
     bool next;
     double window[2];                 /* [s] NAN: choose */
-    const struct figure_range *x, *y; /* of the axes; NULL: automatic */
-    struct figure_side side[2];       /* of a portrait */
+    const struct figure_range *x, *y; /* ranges of the axes, or NULL if automatic */
+    struct figure_side side[2];       /* sides of a portrait */
     int sides;
-    struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
-    bool stored_band; /* with the one that the session keeps, if that is of this run */
+    struct text band; /* band of the adopted fit's uncertainty as typed, or empty for none */
+    bool stored_band; /* draw the band that the session keeps, if it belongs to this run */
     bool full;        /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     const struct charset *charset; /* NULL counts as charset_ascii */
-    double trail;                  /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
-    /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
+    double trail; /* number of periods in phase plot and orbit; 0 stands for 2, HUGE_VAL for all */
+    /* Shows the newest part instead of the first one on a fixed time axis, for a lasting view. */
     bool follow;
     /* no other plot shares the time axis: each period has to be seen only where this one needs
      * it */
     bool alone;
-    bool running;               /* the end moves: nothing that is written depends on it */
-    double span;                /* [s] of time shown, 0: as much as the width can show */
-    int pages;                  /* the window moves on by span / pages */
-    double t_end;               /* [s] the axis reaches to here at least, where known; NAN */
+    bool running; /* the end moves: nothing that is written depends on it */
+    double span;  /* [s] length of time shown, or 0 for as much as the width can show */
+    int pages;    /* the window moves on by span / pages */
+    double t_end; /* [s] the axis reaches to here at least, where known; NAN */
     struct figure_peaks *peaks; /* takes the lines of spectra; NULL if nobody asks */
-    const struct figure_window
-        *shared; /* of all time plots of a screen; NULL: chosen for this one */
+    /* Window that all time plots of a screen share, or NULL to choose one for this plot. */
+    const struct figure_window *shared;
 };
 
 /* Chooses the window for such a time plot and all that share it; returns false if there is nothing
@@ -248,10 +261,10 @@ int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- cursors ---- */
 
-/* What the two cursors say, made from what struct cursors holds. NAN: not known. */
+/* Readings of the two cursors, computed from struct cursors. NAN marks unknown values. */
 struct cursor_reading {
     double dt;                 /* [s] B - A */
-    double periods;            /* between them */
+    double periods;            /* number of periods between them */
     struct measured period;    /* [s] */
     struct measured frequency; /* [Hz] */
     double theory;             /* [s] period of the scene, with its linear damping */
@@ -261,20 +274,21 @@ struct cursor_reading {
     double decrement, quality;
 };
 
-/* False: the cursors are not shown or not both set. Cheap: a screen asks for each frame. */
+/* Computes the readings. Returns false if the cursors are hidden or not both set. Cheap enough
+ * to be called for each frame. */
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading);
 /* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
 void session_cursor_lines(const struct session *session, struct buffer *text);
 
-/* What the point of the cursors moves on: the plane of the plot that has the focus. Returns false
- * where that has none, or it was not drawn yet. */
+/* Finds the plane that the point of the cursors moves on: the plane of the focused plot. Returns
+ * false if that plot has none or has not been drawn yet. */
 bool cursor_plane(const struct session *session, struct plot_plane *plane);
-/* "start x=1,y=0.5": the command that begins a trajectory there. */
+/* Writes the command that begins a trajectory at the point, such as "start x=1,y=0.5". */
 void cursor_plane_start(const struct session *session, struct buffer *line);
 /* Two lines for people: where it stands, and what is there. */
 void cursor_plane_lines(const struct session *session, struct buffer *text);
 
-/* After a command: cursors that stand on something that has changed find their places again. */
+/* Finds the positions of the cursors again after a command that has changed what they point at. */
 void cursors_refresh(struct session *session);
 
 /* ---- a recording beside a run (compared.c) ---- */
@@ -287,11 +301,11 @@ void cursors_refresh(struct session *session);
 struct data_distance {
     double rms;     /* NAN if they do not overlap */
     size_t bad;     /* samples left out: missed echoes would hide how well the run fits */
-    int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
-    enum quantity quantity; /* of the rms: the recording's own */
-    /* What was recorded as Y lies at gain Y + at_zero of the run's first variable. Of a voltage or
-     * a force (scaled) both are fitted by least squares: NAN where it does not follow the run at
-     * all. */
+    int derivative; /* derivative that was recorded: 0 position, 1 velocity, 2 acceleration */
+    enum quantity quantity; /* quantity of the rms, which is the recording's own */
+    /* The recorded Y is compared with gain Y + at_zero of the run's first variable. For a
+     * voltage or a force (scaled) both are fitted by least squares, and NAN if the recording
+     * does not follow the run. */
     bool scaled;
     double gain, at_zero;
     /* Mean of the recording minus the run where it is most of the rms, else NAN. */
@@ -307,8 +321,8 @@ void put_scale(const struct data_distance *data, const struct run *run, struct b
 bool recorded_bare(const struct recording *recording);
 /* Appends "has no unit", or "has the unit 'au', which is not known". */
 void put_bare(const struct recording *recording, struct buffer *text);
-/* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1:
- * neither. */
+/* Returns the same for a recording and the first coordinate of a run (if run is NULL, by the
+ * quantity alone), or -1 if it is neither. */
 int recorded_derivative(const struct recording *recording, const struct run *run);
 struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);

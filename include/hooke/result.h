@@ -22,10 +22,10 @@ struct catalog;
 
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 
-struct source; /* where a line comes from: below */
+struct source; /* position of a line in its source, defined below */
 
 struct sink {
-    /* results; false: they cannot be written (closed, full device) */
+    /* Writes results. Returns false if they cannot be written (closed, full device). */
     bool (*output)(void *context, struct text text);
     bool (*err)(void *context, struct text text); /* messages */
     void *context;
@@ -42,14 +42,14 @@ struct reply {
     struct buffer json;        /* the record under construction */
     struct buffer header, row; /* its CSV form */
     struct buffer lines;       /* lines of a command that may yet make a record */
-    struct buffer last_header; /* what stands above the last CSV row */
-    const char *kind;          /* of the record */
+    struct buffer last_header; /* header above the last CSV row */
+    const char *kind;          /* kind of the record */
     bool begun;                /* there was a table in CSV */
-    /* Told, with the sink's context, that another table in CSV begins; NULL: a blank line and a
-     * comment with its kind stand before it. */
+    /* Called, with the sink's context, when another table in CSV begins. If NULL, a blank line
+     * and a comment with the table's kind are written. */
     void (*part)(void *context, const char *kind);
-    /* Told, likewise, of each error beside its message; column: in the line at `where`, from 1, 0:
-     * nowhere in it. NULL: nobody is. */
+    /* Called, with the sink's context, for each error, in addition to its message. column counts
+     * from 1 in the line at `where`, 0 if unknown. May be NULL. */
     void (*error)(void *context, const struct error *error, const struct source *where,
                   size_t column);
     bool recorded;             /* this command made a record */
@@ -59,8 +59,8 @@ struct reply {
     struct {
         const char *key;
         bool array, empty;
-        int element;           /* of an array: the present one, from 1 */
-        char name[REPLY_NAME]; /* of an object in an array: its first field, where that is "name" */
+        int element;           /* current element of an array, from 1 */
+        char name[REPLY_NAME]; /* first field of an object in an array, if that is "name" */
     } level[REPLY_DEPTH];
 };
 
@@ -74,18 +74,20 @@ void reply_text(struct reply *reply, struct text text); /* the same, ready-made 
 struct buffer *reply_buffer(struct reply *reply);
 /* the same, broken between words into lines of at most `width` columns */
 void reply_paragraph(struct reply *reply, struct text text, int width);
-/* What was asked for as it is: also when quiet, and among records in CSV. */
+/* Writes data that was asked for without changes, also when quiet and among records in CSV. */
 void reply_data(struct reply *reply, const char *kind, struct text text);
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 /* a message on the error stream, as it is */
 void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* Whether anybody wants records, or, of a command that makes records, its lines. */
+/* Return true if the records of a command, or its lines of text, are wanted. A command that
+ * makes records may skip its text. */
 bool reply_wants_records(const struct reply *reply);
 bool reply_wants_text(const struct reply *reply);
 /* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
 void reply_begin(struct reply *reply, const char *kind);
-void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */
+/* a NULL value is written as null */
+void reply_string(struct reply *reply, const char *key, const char *value);
 void reply_real(struct reply *reply, const char *key, double value);
 /* the same; its column has that unit */
 void reply_quantity(struct reply *reply, const char *key, double value, const char *unit);
@@ -119,16 +121,16 @@ void reply_command_end(struct reply *reply, const char *kind);
 
 /* ---- where a line comes from ---- */
 
-/* Of a line of a file, which may be continued on others: where a piece of it comes from. */
+/* Part of a line of a file that may be continued on others, with its position in the file. */
 struct source_piece {
-    size_t position;  /* in the line as it is executed */
-    int line, indent; /* indent: characters left out before it */
+    size_t position;  /* offset in the line as executed */
+    int line, indent; /* indent is the number of characters left out before it */
 };
 
 struct source {
-    const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
+    const char *name;            /* "lab1.hk", "-c", "-"; NULL if typed at the prompt */
     int line;                    /* counted from 1 */
-    const struct source *parent; /* who sourced it */
+    const struct source *parent; /* file or line that sourced it */
     const struct source_piece *piece;
     int pieces;
 };
@@ -163,7 +165,7 @@ const char *value_text_measured(struct value_text *text, struct measured value,
     SHOWN_MEASURED(((struct measured){value, 0}), quantity, digits)
 const char *plural_s(int64_t count); /* returns "s", or "" for one */
 
-/* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
+/* Appends a measured value in the unit that suits it: "199.9 +- 0.1 g", "1.9373 +- 0.0002 s". */
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
                      int digits);
 /* The value as a command that reads back exactly: "0.2 kg", "199.9 +- 0.1 g". */
@@ -188,15 +190,16 @@ struct text_table {
     bool failed;       /* no memory: cells are missing */
 };
 
-void cell_text(struct text_table *table, const char *text); /* copied; NULL: an empty cell */
+/* copies the text; NULL makes an empty cell */
+void cell_text(struct text_table *table, const char *text);
 void cell_format(struct text_table *table, const char *format, ...) PRINTF_LIKE(2, 3);
 /* the same from a buffer, which is freed */
 void cell_take(struct text_table *table, struct buffer *text);
-/* "-": not finite */
+/* Adds a quantity, or "-" if it is not finite. */
 void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits);
 void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
-void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
+void cell_seconds(struct text_table *table, double seconds); /* uses us below a millisecond */
 /* The heading, NAME [UNIT], and the first rows of the first columns of a table. */
 void table_cells(const struct table *source, size_t rows, struct text_table *table);
 void text_table_put(const struct text_table *table, struct buffer *output);
@@ -215,7 +218,7 @@ enum column_kind {
     COLUMN_BOOL,
     COLUMN_NAME,     /* const char *; NULL if there is none */
     COLUMN_MEASURED, /* struct measured of `quantity`; value NAN: there is none. Only in records */
-    COLUMN_CHARS,    /* an array of char, ended by 0; empty: there is none */
+    COLUMN_CHARS,    /* array of char ended by 0; absent if empty */
     COLUMN_ROW,      /* pointer to what begins with a struct row: its name; NULL if there is none */
     COLUMN_CHOICE,   /* an enum: name of that row of `choices`, where its first has choice_first */
     /* An object of struct `part`, or an array of them, which list() returns. Only in records */
@@ -226,24 +229,23 @@ enum column_kind {
 enum column_flag {
     COLUMN_NO_RECORD = 1,
     COLUMN_NO_FILE = 2,
-    COLUMN_IF_ANY =
-        4, /* for people only where a row has a value, not 0 where it is a number of things */
-    COLUMN_WIDE = 8, /* for people only where there is much room */
+    COLUMN_IF_ANY = 4, /* shown to people only if a row has a value (other than 0 for a count) */
+    COLUMN_WIDE = 8,   /* shown to people only if there is much room */
 };
 
 struct result_column {
     const char *name;                       /* key of records, column of files */
-    const char *heading;                    /* for people */
+    const char *heading;                    /* heading for people */
     const char *(*head)(const void *first); /* the same where it depends on the first row */
-    int index; /* among the columns for people, from 1; 0 if it is not there */
-    /* Decides which columns are left out where a table is too wide: the largest rank first, and of
-     * one rank from the right; the first column stays. 0 counts as 2, COLUMN_WIDE as 4, whose
-     * absence nobody misses: only others are named below the table. */
+    int index; /* index among the columns for people, from 1; 0 if it is not shown to them */
+    /* Rank that decides which columns are left out if a table is too wide: the largest rank first,
+     * and within a rank from the right; the first column is always shown. 0 stands for 2, and
+     * COLUMN_WIDE for 4, whose columns are dropped silently; others are named below the table. */
     int rank;
     unsigned flags;
     enum column_kind kind;
-    enum quantity quantity; /* of a real */
-    /* where rows differ; files have the first row's unit */
+    enum quantity quantity; /* quantity of a real */
+    /* Quantity where rows differ; files use the first row's unit. */
     enum quantity (*quantity_of)(const void *row);
     size_t offset;         /* offset in the struct, or in what a pointer in it points to: */
     size_t pointer_offset; /* COLUMN_IN of that pointer; 0 if there is none */
@@ -254,11 +256,13 @@ struct result_column {
     int choice_first;
     const struct result_columns *part; /* COLUMN_OBJECT, COLUMN_LIST */
     const void *(*list)(const void *row, size_t *count);
-    bool (*any)(const void *row);     /* COLUMN_IF_ANY: where that is more than a value */
-    bool (*defined)(const void *row); /* without it the record has no such key */
-    /* Of an object or an array: only records have it. */
+    /* Returns true if COLUMN_IF_ANY shows the column, where that needs more than a value. */
+    bool (*any)(const void *row);
+    /* Returns true if the row has this value; otherwise the record omits the key. */
+    bool (*defined)(const void *row);
+    /* Writes an object or an array, which only records have. */
     void (*record)(struct reply *reply, const char *key, const void *row);
-    int digits; /* for people, of a real; 0: 3 */
+    int digits; /* digits of a real for people; 0 stands for 3 */
     /* a real for people, cell_error for one */
     void (*look)(struct text_table *table, double value);
     void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
@@ -277,8 +281,8 @@ struct result_columns {
         array, (int)COUNT_OF(array), sizeof(type)                                                  \
     }
 
-/* Fields of one row in the object that is open; reply_records(): each row as a record of that kind.
- */
+/* reply_columns() adds the fields of one row to the open object; reply_records() writes each row
+ * as a record of that kind. */
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row);
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count);

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What sine and cosine are made of, for who writes them for vectors of his own
- * width: one text of numbers, so the same bits.
+ * Constants of sine and cosine, shared by scalar code and by code for vectors of any width so that
+ * both return the same bits.
  *
- * x = n pi/2 + r (Cody & Waite 1980), pi/2 in three parts, of which n of at
- * most 19 bits times the first two is exact. Polynomials for |r| <= pi/4 (Remez
- * exchange in 400 bits, weights of the relative error, coefficients rounded one
- * after another, the others found again each time): sin r = r + r^3 S(r^2) to
- * 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
+ * x = n pi/2 + r (Cody & Waite 1980), pi/2 in three parts; the products of n (at most 19 bits) with
+ * the first two are exact. Polynomials for |r| <= pi/4 (Remez exchange in 400 bits, weights of the
+ * relative error, coefficients rounded one after another, the others found again each time): sin r
+ * = r + r^3 S(r^2) to 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
  */
 #pragma once
 

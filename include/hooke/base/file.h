@@ -2,12 +2,12 @@
 /*
  * file: files and folders that are read, written whole, or appended to.
  *
- * Reading: appends the whole file, up to `limit` bytes, from regular files, pipes and links; a
- * failure leaves `content` as it was, a signal ends it with ERROR_CANCELLED (its handler must be
- * without SA_RESTART). Writing: into an unnamed temporary file of the same folder, put in place by
- * writer_commit after flush, fsync and close all succeeded. An existing name is refused without
- * `force`; a link, a directory or a device is never written through. A killed program leaves the
- * old file or none.
+ * Reading appends the whole file, up to `limit` bytes, from regular files, pipes and links. A
+ * failure leaves `content` unchanged; a signal ends the reading with ERROR_CANCELLED (its handler
+ * must be installed without SA_RESTART). Writing goes to an unnamed temporary file in the same
+ * folder, which writer_commit puts in place after flush, fsync and close have all succeeded. An
+ * existing name is refused without `force`; a link, a directory or a device is never written
+ * through. A killed program leaves the old file or none.
  */
 #pragma once
 

@@ -9,7 +9,7 @@ struct cancel;
 struct even_times {
     double first, step; /* [s] sample i was taken at first + i step */
     double pace;        /* relative standard uncertainty of step: what the rounding leaves open */
-    double resolution;  /* [s] the coarsest to which a stamp was rounded; 0: none was */
+    double resolution;  /* [s] the coarsest rounding of a time stamp, or 0 if none was rounded */
     bool even;          /* every stamp lies within its rounding of that line */
 };
 

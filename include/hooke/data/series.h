@@ -32,7 +32,7 @@ struct overview {
     double period;  /* [s] refined estimate from the spectrum, or NAN without an oscillation */
     double periods; /* number of periods in the series, or NAN */
     bool oscillates;
-    char reason[160]; /* why it does not oscillate */
+    char reason[160]; /* the reason why it does not oscillate */
 };
 
 struct crossing {

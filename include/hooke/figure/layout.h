@@ -59,7 +59,7 @@ struct extent_window {
     const double *other_range; /* [2] range on the other axis to which samples belong, or NULL */
     double min;                /* smallest value that counts, if it is positive */
     int panel;                 /* panel whose curves are taken, from 1, or 0 for all panels */
-    bool bands, bars;          /* whether bands and error bars extend it */
+    bool bands, bars;          /* bands and error bars extend the range */
 };
 
 /* Returns what curves hold. An end of `across` that is NAN is open. */

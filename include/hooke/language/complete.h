@@ -29,7 +29,7 @@ void complete_operands(struct completion *c); /* these and functions */
  * give, except for names in `besides`, which may be NULL. */
 void complete_columns(struct completion *c, const struct catalog *besides);
 void complete_events(struct completion *c); /* offers the events that are watched for */
-/* One item of this type; before: what stands to the left of the word. */
+/* Completes one item of this type; `preceding` is the text to the left of the word. */
 void complete_item(struct completion *c, const struct argument *argument, struct text preceding);
 
 char last_letter(struct text text); /* ignores blanks; returns 0 if there is none */

@@ -11,7 +11,7 @@ struct snap_point {
     int crossing;
 };
 
-/* What the cursors stand on; memory from the arena. */
+/* Data under the cursors; memory from the arena. */
 struct ground {
     char name[LIMIT_NAME + 16];
     bool data; /* a recording */
@@ -30,8 +30,8 @@ double ground_spacing(const struct ground *ground); /* [s] between samples */
 /* Puts cursor `which` to t, or to the place it snaps to if that is within `reach` [s]. */
 void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t,
                 double reach);
-/* To the next (forward) or previous crossing, or peak where cursors snap to peaks. Returns false if
- * there is none, with error. */
+/* Moves to the next (forward) or previous crossing, or to a peak if cursors snap to peaks.
+ * Returns false if there is none, with error. */
 bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forward,
                  struct error *error);
 /* B to A + n periods. */
@@ -41,5 +41,5 @@ bool cursor_span(struct cursors *cursors, const struct ground *ground, double n,
 void cursor_spread(struct cursors *cursors, const struct ground *ground);
 /* Puts both where they are, on the ground that they stand on now. */
 void cursors_put_again(struct cursors *cursors, const struct ground *ground);
-/* What follows from the two places: periods, amplitudes. */
+/* Updates the values that follow from the two positions: periods and amplitudes. */
 void cursor_settle(struct cursors *cursors, const struct ground *ground);

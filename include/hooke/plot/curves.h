@@ -25,8 +25,8 @@ struct chosen_rows {
 
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error);
-/* Whether the scene of the start has been in force all along, as far as can be seen from outside.
- */
+/* Returns true if the initial scene was in force during the whole run, as far as can be
+ * determined afterwards. */
 bool run_never_changed(const struct run *run);
 
 /* The observable at these rows; one that sums up over the run, and a run whose parameters were
@@ -41,9 +41,10 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 /* State variable i at these rows. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values);
 /* The first variable between recorded rows; NAN outside. */
-/* of the catalog; NULL if there is none */
+/* Finds an observable of the catalog; returns NULL if there is none. */
 const struct observable *observable_named(const char *name);
 double run_position(const struct run *run, double t);
-/* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by
- * Hermite interpolation; NAN: outside of the run, or a scene of first order has none. */
+/* Returns the first coordinate (derivative 0), its velocity (1) or acceleration (2) at t,
+ * interpolated between rows by Hermite polynomials. Returns NAN outside of the run and if a
+ * scene of first order has no such derivative. */
 double run_motion(const struct run *run, double t, int derivative);

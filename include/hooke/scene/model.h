@@ -125,11 +125,11 @@ bool scene_set_derived(struct scene *scene, const struct derived_row *row, struc
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
-/* ---- models: what moves, and by which laws ----
+/* ---- models: moving things and their laws ----
  *
- * A model is one file, src/scene/model/NAME.c, that ends in its struct model, and a line in
- * models.c: its variables, parameters and terms. The oscillator (the spring and all that can be
- * hung on it) is terms.def.
+ * A model has one file, src/scene/model/NAME.c, with its variables, parameters and terms, which
+ * ends in its struct model, and one line in models.c. The oscillator (the spring and all that can
+ * be hung on it) is terms.def.
  */
 
 struct system;
@@ -330,11 +330,11 @@ void system_jacobian(const struct system *system, double t, const double *y, dou
 double *system_new_jacobian(const struct system *system, double t, const double *y);
 
 /*
- * Short times at which a typed equation does something that samples would miss, as bounds of it
- * prove, along the smooth way from one state to another: between t[0] and t[1] [s], shorter than
- * 1/32 of it each. Appended to those there are, and those that meet become one; the new count, at
- * most `max`. sure: of smooth forces none, as a warning has to be true; else some where a force
- * has no bend, which costs steps and no more.
+ * Finds short intervals between t[0] and t[1] [s] in which a typed equation changes faster than
+ * samples can show, along the smooth path from one state to another, by bounds of the equation.
+ * Each is shorter than 1/32 of the whole. Appends them to the list, merges those that overlap, and
+ * returns the new count, at most `max`. With `sure`, needed for warnings, smooth forces never give
+ * one; otherwise some may be reported without need, which only costs steps.
  */
 struct burst {
     double t_begin, t_end; /* [s] */
@@ -374,10 +374,11 @@ bool system_has_exact(const struct system *system);
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
 /*
- * The same for many times that are h apart but for rounding, [s] in the direction of h, at a
- * fraction of the cost: found anew from time to time, and from there on by what each step does, in
- * long double. Good to an ulp of system_exact(); times elsewhere are right too. NULL: not of use
- * for this system or step, or no memory. The system has to stay.
+ * Computes the same for many times that are h [s] apart but for rounding, at a fraction of the
+ * cost: it evaluates the solution anew from time to time and continues from there by the one-step
+ * map in long double. Accurate to an ulp of system_exact(); other times are accurate, too. Returns
+ * NULL if it has no advantage for this system or step, or if out of memory. The system must outlive
+ * the table.
  */
 struct exact_table;
 struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,

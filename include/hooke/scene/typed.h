@@ -65,8 +65,8 @@ enum typed_kind {
 
 struct typed_line {
     enum typed_kind kind;
-    /* For TYPED_VAR, y' means a velocity's initial value. For TYPED_FORCE, "" is the first
-     * coordinate. */
+    /* name; for TYPED_VAR, y' means a velocity's initial value; for TYPED_FORCE, "" is the first
+     * coordinate */
     struct text name;
     int order;        /* TYPED_EQUATION: 1 or 2 */
     struct text expr; /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
