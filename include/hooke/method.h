@@ -48,7 +48,8 @@ struct cost {
 /*
  * Input and output of one step.
  *
- *     y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
+ *     y     [n]  on entry the state at t, on return that at t + h; bit for bit unchanged
+ *                unless STEP_OK is returned.
  *     h     [s]  any sign, not 0.
  *     error [n]  local error estimate in units of y; NULL if it is not wanted or not available.
  *     work       method_work_size() doubles, owned by the caller.

@@ -20,7 +20,7 @@
 /* A reading may scatter by this part of the distance between both. */
 #define READING_SCATTER_MAX 0.05
 
-/* What the sensor itself read, in the unit of the column or of the calibration. */
+/* Reading of the sensor itself, in the unit of the column or of the calibration. */
 struct raw {
     double mean, scatter;
     size_t n;
@@ -106,7 +106,7 @@ static void calibration_reply(const struct calibration *c, struct reply *reply)
     buffer_free(&text);
 }
 
-/* For what is collected now, and from now on. */
+/* Stores the calibration for the data that is being collected and for later collections. */
 static void calibration_keep(struct session *session, const struct calibration *c,
                              struct reply *reply)
 {

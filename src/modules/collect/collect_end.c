@@ -82,8 +82,8 @@ static void say_end(const struct collection *c, const struct recording *recordin
                       c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
 }
 
-/* What was waited for may be among the last lines. Returns false if it never came, and nobody gave
- * up. */
+/* Looks for the trigger among the last lines. Returns false if it never came and the user did
+ * not stop waiting. */
 static bool await_trigger(struct collection *c, struct recording *recording, struct error *error)
 {
     struct trigger *trigger = &c->trigger;

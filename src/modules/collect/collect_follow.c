@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LOOK_NS 50000000 /* between looks at what has come */
+#define LOOK_NS 50000000 /* interval between looks at the file */
 #define SILENT_S 2.0     /* then it is said what is waited for */
 
 int collect_own_place(const struct session *session)
@@ -86,7 +86,7 @@ static void look_at_calibration(struct collection *c)
     if (!collect_put_calibration(c, &error))
         reply_warning(c->reply, "the calibration is not in the file: %s", error.text);
     collect_view_restart(&c->view);
-    c->live.laid.model = NULL; /* what is laid over it begins anew */
+    c->live.laid.model = NULL; /* the overlaid run is computed anew */
     const int place = collect_own_place(c->session);
     if (place >= 0)
         session_drop_recording(c->session, place);
@@ -127,7 +127,7 @@ void collect_fit_last(struct collection *c)
     }
 }
 
-/* What is waited for, once, when nothing comes, or nothing that can be read. */
+/* Says once what is waited for, if nothing arrives or nothing that can be read. */
 static void say_waiting(struct collection *c)
 {
     const struct feed_look *look = &c->look;
@@ -152,7 +152,7 @@ static void say_waiting(struct collection *c)
     }
 }
 
-/* Where the axes of what is shown end. */
+/* Tells the shown panes where their axes end. */
 static void tell_end(struct collection *c)
 {
     const int place = collect_own_place(c->session);
@@ -168,7 +168,7 @@ static void tell_state(struct collection *c)
 {
     struct collecting *state = &c->state;
     const bool waits = c->trigger.wanted && isnan(c->trigger.t);
-    /* by the clock of the arrivals: a device's may have been going on for hours */
+    /* Uses the clock of the arrivals, because a device's clock may have started hours ago. */
     const double start = c->trigger.wanted ? c->trigger.arrival : c->look.first;
     if (state->state != COLLECT_PAUSED)
         state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;

@@ -13,8 +13,8 @@
 #include <math.h>
 #include <string.h>
 
-#define PERIOD_NS 500000000        /* between readings of the period */
-#define FIT_NS 1000000000          /* between fits */
+#define PERIOD_NS 500000000        /* interval between computations of the period */
+#define FIT_NS 1000000000          /* interval between fits */
 #define PERIOD_ROWS 1024           /* Largest number of rows that a period is read from. */
 #define SHOWN_PERIODS 8            /* The live figure shows this many periods. */
 #define MODEL_STEPS 100            /* a period */
@@ -42,7 +42,7 @@ static bool last_rows(const struct recording *recording, double t_begin, struct 
     return n >= 16;
 }
 
-/* Of whole periods, the last ones. */
+/* Returns the mean over the last whole periods. */
 static double mean_of_periods(const struct series *series, double period)
 {
     const double end = series->t[series->n - 1], span = end - series->t[0];

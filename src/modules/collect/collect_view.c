@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is seen of lines while they come: only the new ones are read, and some before them, so that
- * the last cost as much as the first. */
+/* Reads lines while they arrive: only the new ones and some before them, so that late lines cost
+ * as much as early ones. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/statement.h>
@@ -13,10 +13,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FIRST_BYTES 524288 /* of the file that are read at once, at most */
-#define TAIL_BYTES 32768   /* where times come from arrivals: a line through some thousand */
-#define OVERLAP_BYTES 4096 /* else: so many that the columns are known again */
-#define LOOK_NS 50000000   /* between looks */
+#define FIRST_BYTES 524288 /* largest part of the file that is read at once */
+/* if times come from arrivals: enough for a line through some thousand of them */
+#define TAIL_BYTES 32768
+#define OVERLAP_BYTES 4096 /* if times are in a column, enough to recognize the columns again */
+#define LOOK_NS 50000000   /* interval between looks */
 #define DRAWING_SHARE 40   /* Drawing takes at most one part in this many of the time. */
 
 static bool is_counted(struct text line)
@@ -47,7 +48,7 @@ static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
     return text->len > 0 && !text->failed;
 }
 
-/* What stands before the first sample: the heading and whatever else. */
+/* Stores the lines before the first sample, including the heading. */
 static void keep_head(struct collect_view *view, struct text file,
                       const struct recording *recording)
 {
@@ -172,7 +173,8 @@ static const struct column *trigger_column(const struct trigger *trigger,
     return text_is(trigger->name, "y") ? &recording->column[recording->value] : NULL;
 }
 
-/* What the column's numbers are multiplied with; those without a unit are in that of the level. */
+/* Returns the factor from the column's numbers to SI; numbers without a unit are in the unit of
+ * the level. */
 static double trigger_factor(const struct trigger *trigger, const struct column *column)
 {
     if (!trigger->unit)

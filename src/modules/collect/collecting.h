@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is being collected now: for the screen, and for what is typed meanwhile. */
+/* State of the current collection, for the screen and for commands typed meanwhile. */
 #pragma once
 
 #include <hooke/module.h>
@@ -13,14 +13,14 @@ struct collecting {
     uint64_t lines;
     double seconds;           /* [s] since the first line, or the trigger, without pauses */
     double period, amplitude; /* [s], SI of the last few periods; NAN if unknown */
-    enum quantity quantity;   /* of the amplitude */
+    enum quantity quantity;   /* quantity of the amplitude */
     struct {
         double t;                         /* [s] of the newest sample; NAN if there is no fit */
-        struct measured period, gamma, k; /* NAN: not determined, k: nobody has said the mass */
+        struct measured period, gamma, k; /* NAN if not determined; k also if the mass is unknown */
     } fit;
     struct { /* a calibration that waits for its points */
         bool waits;
-        int taken; /* of two */
+        int taken; /* number of readings taken, of two */
         double truth[2], read[2], scatter[2];
         const struct unit *truth_unit[2], *read_unit; /* NULL if there is none */
     } aim;
@@ -29,7 +29,7 @@ struct collecting {
 
 /* The module's part of a session. */
 struct collect_part {
-    struct collecting *now; /* NULL: nothing is collected */
+    struct collecting *now; /* NULL if nothing is collected */
 };
 
 extern const struct module collect_module;
@@ -37,8 +37,9 @@ extern const struct module collect_module;
 /* Returns what is being collected in the session, or NULL. */
 struct collecting *session_collecting(const struct session *session);
 
-/* Appends time, lines, period and fit to the state line. counts: with the number of lines; blanks:
- * between numbers and units. Returns false where nothing is collected. */
+/* Appends time, lines, period and fit to the state line, with the number of lines if `counts` is
+ * set, with blanks between numbers and units if `blanks` is set. Returns false if nothing is
+ * collected. */
 bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *output);
 /* Appends "calibrate take" where a calibration waits for a point. */
 bool collect_next(const struct session *session, struct buffer *line, bool *insists);

@@ -116,7 +116,8 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
 
 /* ---- its file ---- */
 
-/* Its head, with the statement that makes it again. -1: the error says why. */
+/* Writes the head of the file, with the statement that makes it again. Returns -1 with error on
+ * failure. */
 static int begin_file(const struct collection *c, const struct arguments *args, struct error *error)
 {
     struct stat st, own;
@@ -237,7 +238,7 @@ static bool collection_start(struct collection *c, const struct arguments *args,
 
 /* ---- the commands ---- */
 
-/* What is typed while it goes on. */
+/* Handles commands that are typed during a collection. */
 static bool steer(struct session *session, const struct arguments *args, struct reply *reply,
                   struct error *error)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of `collect` share. */
+/* Declarations shared by the files of `collect`. */
 #pragma once
 
 #include "modules/collect/lines.h"
@@ -13,48 +13,52 @@ struct unit;
 /* Something to wait for: the value passes a level. */
 struct trigger {
     bool wanted;
-    int direction;           /* 1 rising, -1 falling */
-    struct text said;        /* all of it, as it was typed */
-    struct text name;        /* of the column; "y": the value */
-    double level;            /* SI, or as the column has it */
-    const struct unit *unit; /* NULL: none, the level is as the column has its numbers */
-    uint32_t after_line;     /* line of the file: not before */
-    double t;                /* [s] of the recording, where it came; NAN: not yet */
-    uint32_t line;           /* of the file, where it came */
-    double arrival;          /* [s] of that line, by the clock of the arrivals */
+    int direction;    /* 1 rising, -1 falling */
+    struct text said; /* all of it, as it was typed */
+    struct text name; /* name of the column; "y" is the value */
+    double level;     /* SI, or as the column has it */
+    /* unit of the level, or NULL if the level is in the numbers of the column */
+    const struct unit *unit;
+    uint32_t after_line; /* line of the file: not before */
+    double t;            /* [s] time of the recording at which it came, or NAN before that */
+    uint32_t line;       /* line of the file in which it came */
+    double arrival;      /* [s] of that line, by the clock of the arrivals */
 };
 
 /* "y rising 22 cm" */
 bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *error);
-/* Whether it is in what there is by now; the error says why it never can be (code 0: it can). */
+/* Searches the recording for the trigger and returns true if it has come. Sets error if it can
+ * never come; otherwise the error's code is 0. */
 bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error);
-/* What was waited for in vain: between which numbers the column was. */
+/* Writes the range of the column if the trigger never came. */
 void trigger_missed(const struct trigger *trigger, const struct recording *recording,
                     struct buffer *output);
 
-/* What has come, for the panes and the trigger: each look reads on in the file. */
+/* View of the lines collected so far, for the panes and the trigger. Each look continues in the
+ * file. */
 struct collect_view {
     const char *path;
     const struct load_options *options;
-    int fd;                /* of the file; -1: not yet opened */
-    struct buffer head;    /* of the file, before its first sample; empty: not yet known */
-    uint32_t head_lines;   /* in it, without remarks */
+    int fd;                /* descriptor of the file, or -1 before it is opened */
+    struct buffer head;    /* part of the file before its first sample; empty until that is known */
+    uint32_t head_lines;   /* number of lines in the head, without remarks */
     off_t offset;          /* the line at which the next look begins … */
     uint32_t lines_before; /* … and lines in the file before it, without remarks */
-    uint64_t lines;        /* in the file when it was last read */
+    uint64_t lines;        /* number of lines in the file when it was last read */
     int64_t due;           /* [clock_ns] not before */
     uint32_t newest;       /* line of the newest row … */
     double t;              /* [s] … and its time, by the clock of the first look */
     struct error problem;
 };
 
-/* The new rows and some before them. NULL: nothing new, not yet, or nothing can be made of it:
- * problem.text. */
+/* Returns the new rows and some before them. Returns NULL if nothing is new, if it is too early,
+ * or if the lines cannot be read, with the reason in problem.text. */
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines);
-void collect_view_restart(struct collect_view *view); /* from the beginning of the file */
+/* starts again at the beginning of the file */
+void collect_view_restart(struct collect_view *view);
 void collect_view_free(struct collect_view *view);
 
-/* What is found of the lines while they come, each now and then. */
+/* Results computed from time to time while lines arrive. */
 struct collect_live {
     struct lengthening growth;
     int64_t period_due, fit_due; /* [clock_ns] */
@@ -68,10 +72,10 @@ enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
 struct collection {
     struct session *session;
     struct reply *reply;
-    const char *source, *path;         /* path: of its file */
+    const char *source, *path;         /* path is that of the collected file */
     const char *from_shown, *to_shown; /* both, safe to show */
     struct load_options options;
-    struct calibration calibration; /* in force */
+    struct calibration calibration; /* calibration in force */
     struct text put_options;        /* as they stand behind load */
     struct trigger trigger;
     double length, pretrigger; /* [s] HUGE_VAL: no end */
@@ -87,21 +91,21 @@ struct collection {
     double idle, looked; /* [s] paused by now; of the last look */
     enum collect_end how;
     bool said_silent, said_none;
-    struct error never; /* why the trigger cannot come; code 0: it can */
+    struct error never; /* reason why the trigger cannot come; code 0 if it still can */
 };
 
 /* Its place among the recordings while it grows; -1 if it is not shown. */
 int collect_own_place(const struct session *session);
-/* Of what is shown by now: period, fit, the scene laid over it. */
+/* Computes the period, the fit and the overlaid scene for the data shown so far. */
 void collect_find(struct collection *c, struct recording *recording);
-/* Of all that came. */
+/* Fits all collected data. */
 void collect_fit_last(struct collection *c);
-/* What the last fit was. */
+/* Reports the last fit. */
 void collect_say_fit(const struct collection *c);
 void collect_live_free(struct collection *c);
-/* Into the file, where it counts from its beginning. */
+/* Writes the calibration into the file, where it holds from the beginning. */
 bool collect_put_calibration(const struct collection *c, struct error *error);
-/* Until it ends; true: by a Ctrl-C. */
+/* Follows the lines until the collection ends. Returns true if Ctrl-C ended it. */
 bool collect_follow(struct collection *c);
-/* What was collected becomes a recording as any other, which `load` gives again. */
+/* Turns the collected file into an ordinary recording, as `load` would read it. */
 bool collect_finish(struct collection *c, const struct arguments *args, struct error *error);

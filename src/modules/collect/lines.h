@@ -13,27 +13,30 @@
 
 #define COLLECTED_STATEMENT "# statement: "
 #define COLLECTED_CALIBRATION "# calibration: " /* the last one counts */
-#define COLLECTED_PAUSE "# pause"               /* between lines: what came there was not wanted */
-#define COLLECTED_LINE 1024                     /* [byte] of a line that are kept */
+/* mark between lines: lines that came there were left out on purpose */
+#define COLLECTED_PAUSE "# pause"
+#define COLLECTED_LINE 1024 /* [byte] of a line that are kept */
 
 /* Appends one that came, without its end, to the text of the file. */
 void collected_put(struct buffer *file, double arrival, struct text line);
-#define GROWING_ROWS 16384 /* beyond them every second one goes, again and again */
+#define GROWING_ROWS                                                                               \
+    16384 /* number of rows above which every second one is dropped, repeatedly                    \
+           */
 
-/* Where a recording that grows has come to. */
+/* State of a growing recording. */
 struct lengthening {
     size_t stride;           /* so many rows came for each that is kept */
     size_t capacity;         /* [row] of its arrays */
     size_t last_row;         /* counted from 0: the newest that came … */
     uint32_t line;           /* … its line */
     double t;                /* [s] and its time */
-    struct collected *known; /* of the recording */
+    struct collected *known; /* facts about the recording's lines */
 };
 
 /* Clocks that count from the first line that was read, dates among them: they count as those did by
  * which that line of the file was at t [s]. */
 void recording_join_clock(struct recording *more, uint32_t line, double t);
-/* From a recording that was read whole. Returns false if out of memory. */
+/* Begins with a recording that was read completely. Returns false if out of memory. */
 bool growth_begin(struct lengthening *growth, struct recording *recording);
 /*
  * Adds what came: `more` was read from the last lines of the same file, which overlap with those of
@@ -50,8 +53,10 @@ struct arrivals {
     const double *arrival; /* [n] [s] */
     const double *order;   /* [n] of the lines that came, rising; lost ones are not counted */
     size_t n;
-    bool counted;      /* by the device: they are */
-    const bool *pause; /* [n] nothing was wanted before it: none are lost there; NULL: nowhere */
+    bool counted; /* the device counts its lines, so lost ones are counted in `order` */
+    /* [n] true if the collection was paused before the line, so that none are lost there; NULL
+     * if never */
+    const bool *pause;
 };
 /* clock.c: [count/s] of a device's clock v [n] by the arrivals; NAN if they do not say. scratch
  * [n]. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is being collected, in the state line. */
+/* State line of a collection. */
 #include "modules/collect/collecting.h"
 
 #include <hooke/base/unit.h>
@@ -38,7 +38,7 @@ static void put_live_fit(struct buffer *output, const struct collecting *now, bo
     put_fitted(output, "k", now->fit.k, "N/m", blanks);
 }
 
-/* What is collected, instead of what is simulated. */
+/* Writes the state of the collection, in place of the simulation's. */
 static void put_collecting(struct buffer *output, const struct collecting *now, bool counts,
                            bool blanks)
 {

@@ -163,8 +163,9 @@ void document_measured(struct document *document, struct measured value, enum qu
 }
 
 /*
- * In Markdown between more backticks than it holds itself, so that it cannot end its own quotation.
- * A table cell ends at a bar even there, unless it is escaped, and the escape is taken away.
+ * Writes the name; in Markdown it is enclosed in more backticks than it contains, so that it cannot
+ * end its own quotation. A table cell ends at a bar even there, unless it is escaped, and the
+ * escape is taken away.
  */
 void document_name(struct document *document, struct text name)
 {

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What documents and tables are in HTML and LaTeX. */
+/* Markup of documents and tables in HTML and LaTeX. */
 #pragma once
 
 #include "modules/documents/documents.h"
 
-/* What stands for a letter that could be markup. */
+/* Replacement for a character that could be markup. */
 struct sign {
     char c;
     const char *as;
 };
 void buffer_replaced(struct buffer *output, struct text text, const struct sign *signs,
                      size_t count);
-/* What could be markup as text. */
+/* Append text in which characters that could be markup are escaped. */
 void buffer_html(struct buffer *output, struct text text);
 void buffer_markdown(struct buffer *output, struct text text);
 /* The same in LaTeX; letters that pdflatex does not know stay. */
 void buffer_latex(struct buffer *output, struct text text);
-/* From templates.txt: the style of an HTML document, the beginning of an HTML table, and that of a
- * LaTeX document up to \begin{document}. */
+/* Texts from templates.txt. They are the style of an HTML document, the beginning of an HTML table,
+ * and that of a LaTeX document up to \begin{document}. */
 extern const char document_style[], document_table[], document_preamble[];
 
 /* Nothing in it is a command; letters that pdflatex does not know become a question mark. */

@@ -91,7 +91,7 @@ static void put_unit(struct buffer *output, struct text name)
     buffer_char(output, '}');
 }
 
-/* "kg/m^3": factors, each behind * or /. */
+/* Writes units such as "kg/m^3", which are factors preceded by * or /. */
 static void put_units(struct buffer *output, struct text units)
 {
     bool is_denominator = false;
@@ -116,7 +116,7 @@ static void put_units(struct buffer *output, struct text units)
 
 void buffer_siunitx(struct buffer *output, struct text measured)
 {
-    size_t end = measured.len; /* of the number */
+    size_t end = measured.len; /* end of the number */
     while (end > 0 && measured.data[end - 1] != ' ')
         end--;
     double ignored;
@@ -143,7 +143,7 @@ bool begin_longtable(struct buffer *output, size_t begin, int columns)
     output->len = begin;
     buffer_put(output,
                TEXT("\n{\\footnotesize\\setlength{\\tabcolsep}{3pt}\n\\begin{longtable}[l]{@{}"));
-    if (columns == 5) /* of long texts */
+    if (columns == 5) /* a table of long texts */
         buffer_put(output,
                    TEXT(">{\\raggedright}p{3.5cm}l>{\\raggedright}p{1.7cm}"
                         ">{\\raggedright}p{3.4cm}>{\\raggedright\\arraybackslash}p{3.4cm}"));

@@ -23,11 +23,11 @@ enum block {
     BLOCK_PART,
     BLOCK_SECTION,
     BLOCK_QUESTION,
-    BLOCK_TOGETHER, /* on one page, where there are pages */
+    BLOCK_TOGETHER, /* kept on one page, where there are pages */
     BLOCK_PARAGRAPH,
-    BLOCK_LIST, /* of items */
+    BLOCK_LIST, /* contains items */
     BLOCK_ITEM,
-    BLOCK_TABLE, /* of rows: the heading first, closed by document_heading_ends() */
+    BLOCK_TABLE, /* contains rows: the heading first, closed by document_heading_ends() */
     BLOCK_ROW,
     BLOCK_CELL,
     BLOCK_HEAD, /* a cell of the heading */
@@ -35,10 +35,10 @@ enum block {
 
 struct document {
     struct buffer md, html, tex;
-    size_t table;  /* where that of the LaTeX began */
+    size_t table;  /* offset at which the LaTeX table began */
     int heads;     /* cells of the heading under construction */
-    int cells;     /* of the row under construction */
-    bool in_table; /* where a bar ends a cell */
+    int cells;     /* cells of the row under construction */
+    bool in_table; /* inside a table, where a bar ends a cell */
 };
 
 void document_begin(struct document *document, const char *title);
@@ -57,8 +57,8 @@ void document_link(struct document *document, const char *file, const char *word
 void document_put(struct document *document, enum block block, const char *words);
 void document_heading_ends(struct document *document);
 struct document_picture {
-    const char *name;        /* of its files, which end in .svg, .txt and .pdf */
-    const char *alternative; /* in words; own ones */
+    const char *name;        /* base name of its files, which end in .svg, .txt and .pdf */
+    const char *alternative; /* description in words, written by the program */
     struct text svg, text;
     bool pdf; /* there is such a file; else LaTeX has the text */
 };

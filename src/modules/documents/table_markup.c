@@ -14,10 +14,11 @@
 struct markup {
     const char *begin;
     const char *keys, *key, *key_between, *key_end, *keys_end;
-    bool bare_keys;    /* not escaped: a comment */
-    const char *table; /* before what says how columns are aligned, where that comes first */
+    bool bare_keys; /* not escaped: a comment */
+    /* beginning of a table, before the alignment of columns where that comes first */
+    const char *table;
     const char *head, *unit, *unit_end, *head_end, *cell_separator, *heading_end;
-    const char *aligned[3]; /* of text, of numbers, behind all */
+    const char *aligned[3]; /* alignment of texts, of numbers, and the text after all of them */
     const char *row, *text, *number, *cell_end, *row_end;
     const char *end;
     void (*escape)(struct buffer *output, struct text text);

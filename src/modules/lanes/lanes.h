@@ -21,11 +21,11 @@ bool lanes_fit(const struct method *method, const struct system *system, enum dr
 bool lanes_alike(const struct system *a, const struct system *b);
 struct lanes *lanes_create(void); /* Returns NULL if out of memory */
 void lanes_destroy(struct lanes *lanes);
-/* For systems like this one. Returns false if out of memory. */
+/* Prepares lanes for systems like this one. Returns false if out of memory. */
 bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
                  const struct system *like, double h);
-/* Before the first step: this lane starts as the system says, which stays where it is. Every lane
- * has to be set, by a copy if need be. */
+/* Starts this lane at the system's initial state, before the first step; the system must outlive
+ * the lanes. Every lane has to be set, with a copy of another if necessary. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
 /* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
@@ -36,13 +36,14 @@ void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANE_COUNT], n
 void lanes_state(const struct lanes *lanes, int lane, double *y);
 int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
 /*
- * The same by steps of method_adapt(), each lane by its own control from a fresh one with the step
- * of lanes_begin(): can such systems go in lanes? After lanes_begin() and lanes_set() of all lanes
- * lanes_control() takes the first step of the first `used` ones, tol [used]. creep: a lane whose
- * next step becomes shorter than this part of the time since the start goes no further, unless the
- * system is linear. Then lanes_adapt() attempts so many steps; false: all have ended. row
- * [count][3][LANE_COUNT]: t [s], the variable and how fast it changes, after each attempt, as
- * before it where that was rejected; NULL if not wanted.
+ * Adaptive steps in lanes as by method_adapt(). Each lane has its own controller, which starts with
+ * the step of lanes_begin(). lanes_adapt_fit() returns true if such systems can be stepped in
+ * lanes. After lanes_begin() and lanes_set() of all lanes, lanes_control() takes the first step of
+ * the first `used` ones, with tolerances tol [used]. A lane whose next step becomes shorter than
+ * the fraction `creep` of the time since the start stops, unless the system is linear. Then
+ * lanes_adapt() attempts the given number of steps and returns false if all lanes have ended. row
+ * [attempts][3][LANE_COUNT] receives t [s], the variable and its derivative after each attempt,
+ * unchanged if that was rejected; it may be NULL.
  */
 bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
                      double h);

@@ -2,7 +2,7 @@
 /* The command ensemble: many paths of the scene with noise, and their statistics. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
-#include "modules/noise/setup.h" /* for the rows, too */
+#include "modules/noise/setup.h" /* also needed for the rows */
 
 #ifndef COMMAND_ROWS
 #include <stdlib.h>
@@ -19,7 +19,8 @@ struct answer {
     struct ensemble ensemble;
     struct ensemble_row *row;        /* [ensemble.rows] */
     struct measured kinetic, virial; /* [J] m<v^2> and -<(y - <y>) F> at the end; NAN */
-    double half_step;                /* what half the step changes, of the spread at the end; NAN */
+    /* change at the end if the step is halved, relative to the spread; NAN if unknown */
+    double half_step;
 };
 
 /* ---- what a heat bath says of the end ---- */
@@ -73,10 +74,10 @@ static void find_temperature(struct answer *answer, double *scratch)
     }
 }
 
-/* What half the step changes of a few paths, of the variable that it changes most. */
+/* Computes for a few paths how halving the step changes the variable that it changes most. */
 static void find_half_step(struct answer *answer, double *scratch)
 {
-    /* At most a tenth of the work. */
+    /* Takes at most a tenth of the work. */
     enum { SHARE = 20, PATHS_MAX = 20 };
     const int64_t few = answer->ensemble.paths / SHARE;
     const int n = answer->setup->forcing.system.n;
@@ -135,7 +136,7 @@ static void put_rows(const struct answer *answer, struct arena *arena, struct bu
     text_table_put(&table, text);
 }
 
-/* What a bath and the step say of the end. */
+/* Writes how the bath and the step affect the end. */
 static void put_end(const struct answer *answer, struct buffer *text)
 {
     const enum quantity energy = noise_energy_quantity(answer->setup);

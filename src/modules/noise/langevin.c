@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command langevin: one path of the scene with noise. */
-#include "modules/noise/setup.h" /* for the rows, too */
+#include "modules/noise/setup.h" /* also needed for the rows */
 
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
@@ -48,7 +48,8 @@ static bool make_table(const struct system *system, size_t rows, struct arena *a
     return column != NULL;
 }
 
-/* distance [n]: to the end with half the step; NULL: that was left out. */
+/* Describes the path. distance [n] is the distance from the end with half the step, or NULL if
+ * that was not computed. */
 static void say_path(const struct noise_setup *setup, const struct path_grid *grid,
                      const double *end, const double *distance, struct reply *reply)
 {

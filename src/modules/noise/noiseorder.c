@@ -2,7 +2,7 @@
 /* The command noiseorder: strong and weak orders of the methods for the scene, measured. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
-#include "modules/noise/setup.h" /* for the rows, too */
+#include "modules/noise/setup.h" /* also needed for the rows */
 
 #ifndef COMMAND_ROWS
 #include "modules/noise/compute/orders.h"
@@ -87,7 +87,8 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
     const size_t rows = (size_t)(methods * levels);
     struct order_row *row = arena_array(arena, rows, sizeof *row);
     struct text_table table = {.arena = arena, .gap = 3};
-    struct result_columns first = noiseorder_columns; /* of each method */
+    /* columns of the first table of each method */
+    struct result_columns first = noiseorder_columns;
     struct arena kept = {0};
     struct table file;
     bool unknown = false;

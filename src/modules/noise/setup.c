@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From the arguments of a command to a scene with noise. */
+/* Builds a scene with noise from the arguments of a command. */
 #include "modules/noise/setup.h"
 
 #include "modules/noise/compute/random.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of the module have in common: the scene with its noise, and how it is stepped.
- */
+/* Setup that the commands of the module share: the scene with its noise and its stepping. */
 #pragma once
 
 #include "modules/noise/compute/paths.h"
@@ -26,9 +25,9 @@ enum quantity noise_energy_quantity(const struct noise_setup *setup);
 void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *grid,
                        struct reply *reply);
 /*
- * Keeps a table of that kind for `export` and `> FILE`, with keys that say how it was made; the
- * arena that it lives in is taken over. Without memory it is lost. dt: 0 where there are several;
- * of: what was observed, or NULL.
+ * Stores a table of that kind for `export` and `> FILE`, with keys that say how it was made. Takes
+ * over the table's arena. If out of memory the table is dropped. dt is 0 if there are several;
+ * subject is the observed quantity, or NULL.
  */
 void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind,
                       const char *subject, struct arena *arena, const struct table *table,

@@ -22,7 +22,7 @@ double page_tick(const struct page *page, bool vertical, double shown)
                     : page->left + fraction * (page->right - page->left);
 }
 
-/* Of the plot: from its upper end, with tick and label. */
+/* Returns the height of labels below a plot, from the tick at its edge to the label. */
 double page_labels_height(const struct picture_style *style)
 {
     return style->tick + style->tick_gap + style->font + style->leading;
@@ -71,8 +71,8 @@ static const char *tick_label(const struct page *page, bool vertical, int i)
     return page_symbols(page, put_number_symbols, text);
 }
 
-/* Where there is no label, if there is room: unlabelled decades, or 2, 3 … 9 in each, or parts of a
- * step that are whole in its digit. */
+/* Draws ticks without labels, if there is room: unlabelled decades, 2, 3 … 9 in each decade, or
+ * parts of a step that are whole in its digit. */
 static void draw_minor_ticks(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
@@ -103,7 +103,7 @@ static double x_label_middle(const struct page *page, double position, double wi
     return fmin(position, page->to_x + 1.5 * page->style.edge - width / 2);
 }
 
-/* At the frame, with their labels. */
+/* Draws ticks at the frame, with their labels. */
 static void draw_ticks(struct page *page, bool vertical)
 {
     const struct picture_style *style = &page->style;
@@ -161,7 +161,7 @@ double page_fit(const struct page *page, struct buffer *text, const char *end, d
     return fitted;
 }
 
-/* What stands behind the name: " [m·s⁻¹]"; with a power and an offset " − 2.2326 m [10⁻⁶ m]". */
+/* Writes the unit after the name: " [m·s⁻¹]"; with a power and an offset " − 2.2326 m [10⁻⁶ m]". */
 static void put_axis_unit(const struct ticks *ticks, struct text unit, struct buffer *output)
 {
     char offset[TICK_TEXT_SIZE], power[16];
@@ -182,12 +182,13 @@ static void put_axis_unit(const struct ticks *ticks, struct text unit, struct bu
     }
 }
 
-/* In the middle of the plot, or beside it where it is longer; no longer than the panel. */
+/* Draws the title in the middle of the plot, or shifted if it is longer; never longer than the
+ * panel. */
 static void draw_axis_title(struct page *page, bool vertical)
 {
     const struct picture_style *style = &page->style;
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
-    /* beside the title of y */
+    /* the title of x stays clear of the title of y */
     const double low = vertical ? page->from_y : page->from_x + 1.6 * style->font,
                  high = vertical ? page->to_y : page->to_x + style->edge;
     struct buffer name = {0}, unit = {0};
@@ -230,7 +231,7 @@ static double widest_label(struct page *page)
     return width;
 }
 
-/* Whether no two labels come near each other. */
+/* Returns true if all labels are far enough apart. */
 static bool labels_apart(const struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
@@ -268,7 +269,7 @@ void page_lay_out(struct page *page)
     struct extent x = axis_extent(&figure, false, true), y = axis_extent(&figure, true, true);
     const struct picture_style *style = &page->style;
     struct dot_grid grid = charset_braille.dots;
-    double gutter = page->gutter, density = 1; /* of ticks */
+    double gutter = page->gutter, density = 1; /* number of ticks, relative */
     bool fits;
 
     widen_plane(&figure, &x);

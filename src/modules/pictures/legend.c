@@ -28,7 +28,7 @@ static const char *shown_label(struct page *page, const char *label)
     return buffer_view(page->text);
 }
 
-/* Curves, then bands; false: that one says nothing. */
+/* Finds entry e: curves come first, then bands. Returns false if that entry has no label. */
 static bool entry_at(struct page *page, int e, struct legend_entry *entry)
 {
     const int i = e % page->figure->curves;
@@ -101,7 +101,7 @@ double page_heading(struct page *page, bool legend, bool draw)
 
 /* ---- in the plot ---- */
 
-/* What lies between y - spread and y + spread. */
+/* Returns true if the area between y - spread and y + spread meets the box. */
 static bool band_meets(const struct page *page, const struct curve *curve, const double box[4])
 {
     for (size_t i = 1; curve_goes_on(curve, i); i++) {

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * From samples to the path of a curve.
+ * Converts the samples of a curve to a path.
  *
- * Of samples that follow each other in a column the first, the last and the extremes are kept (M4:
- * Jugel, Jerzak, Hackenbroich, Markl 2014, as in raster.c); what a straight line shows as well is
- * left out, and so is a part that passes only where the curve has been already. What has too many
- * corners then is followed again on a coarser grid.
+ * Among successive samples in a column, the first, the last and the extremes are kept (M4: Jugel,
+ * Jerzak, Hackenbroich, Markl 2014, as in raster.c). Points that a straight line represents as well
+ * are left out, and so is a part that passes only where the curve has been already. If the path
+ * then has too many corners, it is computed again on a coarser grid.
  */
 #include "modules/pictures/path.h"
 
 #include <string.h>
 
-#define PATH_COLUMNS 8.0   /* of a point at most, in each of which samples are summed up */
+#define PATH_COLUMNS 8.0   /* columns per point at most; samples are summed up in each */
 #define PATH_STRAIGHT 0.05 /* [pt] */
 
 static void path_put(struct path *path, double x, double y, bool begins)
@@ -40,7 +40,7 @@ struct path_thinning {
     double x, y;            /* the last corner kept */
     double last[2];         /* the last point */
     double low[2], high[2]; /* the cone's sides, if there is one */
-    double farthest;        /* from the corner */
+    double farthest;        /* distance from the corner */
     bool is_down, moved, cone;
 };
 
@@ -124,18 +124,18 @@ static void line_part_clip(double point, double way, double low, double high, do
 
 struct spot {
     double x, y;
-    size_t i; /* of the sample */
+    size_t i; /* index of the sample */
 };
 
 struct tracer {
     const struct plot_area *area;
     struct path_thinning thinning;
-    double columns;              /* of a point */
-    size_t samples;              /* since the last gap */
+    double columns;              /* columns per point */
+    size_t samples;              /* number of samples since the last gap */
     double column;               /* that the last samples are in */
-    struct spot low, high, last; /* of them */
+    struct spot low, high, last; /* extremes and last of the samples in the column */
     double x, y;                 /* followed up to here */
-    bool whole;                  /* which is where the pen is */
+    bool whole;                  /* the pen is at that position */
 };
 
 static void trace_line(struct tracer *tracer, double x, double y)
@@ -156,7 +156,7 @@ static void trace_line(struct tracer *tracer, double x, double y)
     double x1 = end < 1 ? x0 + end * (x - x0) : x, y1 = end < 1 ? y0 + end * (y - y0) : y;
     x0 += begin * (x - x0);
     y0 += begin * (y - y0);
-    /* Of a line that is cut off far away rounding leaves more than the margin has. */
+    /* Rounding of a line that is clipped far away exceeds the margin. */
     if (!tracer->whole || begin > 0)
         thin_begin(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
     thin_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
@@ -224,12 +224,12 @@ static void trace_curve(const struct curve *curve, const struct plot_area *area,
 /* ---- where the curve has been: grains of a grid on the page ---- */
 
 struct grains {
-    uint8_t *bit;      /* with a blank border of one grain */
-    int width, height; /* with it */
-    int bytes;         /* of a row */
-    double density;    /* along a point */
+    uint8_t *bit;      /* has a blank border of one grain */
+    int width, height; /* size with the border */
+    int bytes;         /* bytes of a row */
+    double density;    /* grains per point */
     int run;           /* so many fresh grains in a row are worth a line */
-    bool wide;         /* what passes marks the grains beside, too */
+    bool wide;         /* lines also mark the neighbouring grains */
     double left, top;  /* [pt] of the area, with its margin */
 };
 
@@ -305,7 +305,7 @@ struct follower {
     struct grains *grains;
     size_t most;
     double pen[2];    /* the pen */
-    double end[2];    /* of what was drawn */
+    double end[2];    /* end of the drawn part */
     bool begun, full; /* something was drawn since the pen was put down; too much */
 };
 
@@ -374,7 +374,7 @@ bool path_of_line(const struct curve *curve, const struct plot_area *area,
 static bool dot_at(const struct curve *curve, const struct plot_area *area, size_t i,
                    double place[2])
 {
-    const double edge = 1e-6; /* of rounding */
+    const double edge = 1e-6; /* rounding */
     place[0] = plot_x(area, curve->x[i]);
     place[1] = plot_y(area, curve->y[i]);
     return place[0] >= area->left - edge && place[0] <= area->right + edge &&

@@ -55,8 +55,8 @@ void path_free(struct path *path);
 /* ---- curves ---- */
 
 struct path_limit {
-    size_t corners; /* at most, where the coarsest grid allows it */
-    bool rough;     /* within a point: only to see what the ink meets */
+    size_t corners; /* largest number of corners, where the coarsest grid allows it */
+    bool rough;     /* accurate to a point, to see which ink the curve meets */
 };
 
 /*

@@ -68,7 +68,7 @@ struct foot {
     bool caption;
 };
 
-#define FOOT_PART 6 /* of a page's height the foot is no more than this part of */
+#define FOOT_PART 6 /* largest part of a page's height for the foot, as a divisor */
 
 /* All in one line if that has room for it, else a line for each panel, else with less detail. */
 static void put_notes(const struct picture_sheet *sheet, struct foot *foot)

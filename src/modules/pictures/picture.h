@@ -12,11 +12,11 @@ struct page {
     struct picture_style style;
     const struct figure *figure;
     struct figure_layout layout; /* its columns and rows are cells of style.digit x style.row */
-    double width, height;        /* of the page */
-    double from_x, from_y, to_x, to_y; /* of the page: this panel, with its labels */
-    bool x_labels;                     /* below the plot */
+    double width, height;        /* size of the page */
+    double from_x, from_y, to_x, to_y; /* area of this panel on the page, with its labels */
+    bool x_labels;                     /* labels are drawn below the plot */
     double gutter; /* least width of the y labels: panels over each other are aligned */
-    double left, top, right, bottom; /* of the plot */
+    double left, top, right, bottom; /* area of the plot */
     struct path *path;               /* [curves] of those of this panel, then their error bars */
 };
 
@@ -67,11 +67,11 @@ double page_dot(const struct page *page);
 /* A straight line of its own. */
 void page_straight(const struct page *page, double x0, double y0, double x1, double y1,
                    const double color[3], double width);
-/* Of what stands below a plot: labels and title of its axis. */
+/* Returns the height of labels and title of the axis below a plot. */
 double page_labels_height(const struct picture_style *style);
 /* Chooses the plot of the panel, its ranges and its ticks. */
 void page_lay_out(struct page *page);
-/* Where a number of an axis stands on the page. */
+/* Returns the position on the page of a number of an axis. */
 double page_tick(const struct page *page, bool vertical, double shown);
 void page_grid(struct page *page, bool vertical);
 /* Ticks, labels and titles. */
@@ -92,8 +92,8 @@ double page_bar_width(const struct picture_style *style);
 void page_guides(const struct page *page);
 /* Draws words on paper, so that they can be read above curves. */
 void page_labels(struct page *page);
-/* What stands for a curve in the legend, its middle at height y. Returns its width; only that
- * unless `draw`. */
+/* Draws the legend's sample of a curve, its middle at height y, if `draw` is set. Returns its
+ * width. */
 double page_sample(struct page *page, int curve, double x, double y, bool draw);
 /* Likewise for the band of a curve. */
 double page_band_sample(struct page *page, int curve, double x, double y, bool draw);
@@ -102,7 +102,8 @@ double page_band_sample(struct page *page, int curve, double x, double y, bool d
  * further down than a third of the page: then it says how many are left out. Returns the height at
  * which it ends. Only measures unless `draw`. */
 double page_heading(struct page *page, bool legend, bool draw);
-/* Where in the panel, whose paths are known, the legend of the page's figure covers neither ink nor
- * the line of zero: left, top, right, bottom; false: nowhere. */
+/* Finds a place in the panel, whose paths are known, where the legend of the page's figure
+ * covers neither ink nor the line of zero, as left, top, right, bottom. Returns false if there
+ * is none. */
 bool legend_place(struct page *page, const struct page *panel, double box[4]);
 void legend_draw(struct page *page, const double box[4]);

@@ -281,7 +281,7 @@ static bool point_position(const struct page *page, const struct curve *curve, s
 {
     *x = page_x(page, curve->x[i]);
     *y = page_y(page, curve->y[i]);
-    double edge = 1e-6; /* of rounding */
+    double edge = 1e-6; /* rounding */
     return *x >= page->left - edge && *x <= page->right + edge && *y >= page->top - edge &&
            *y <= page->bottom + edge;
 }

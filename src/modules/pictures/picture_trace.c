@@ -35,7 +35,8 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
     return true;
 }
 
-/* A path, and that of its error bars, with up to so many corners each; 0: roughly. */
+/* Computes a path, and that of its error bars, with up to `corners` corners each; 0 gives a
+ * rough path. */
 static bool trace(const struct page *page, int index, size_t corners)
 {
     const struct curve *curve = &page->figure->curve[index];

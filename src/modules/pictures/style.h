@@ -56,10 +56,12 @@ extern const double style_black[3], style_white[3], style_gray[3], style_grid[3]
 /* Colours of curves, told apart by colour-blind readers. */
 extern const double style_palette[][3];
 extern const size_t style_palette_count;
-#define STYLE_SHRINK 0.7 /* of its size: text that would not fit becomes no smaller */
-#define STYLE_BAND 0.25  /* opacity of a band */
+#define STYLE_SHRINK                                                                               \
+    0.7                 /* smallest part of its size to which text that would not fit is reduced   \
+                         */
+#define STYLE_BAND 0.25 /* opacity of a band */
 
-/* [dash] ink and gaps between round ends, in turn; none: a whole line. */
+/* Dash pattern [dash]: ink and gaps between round ends, in turn. An empty one is a solid line. */
 struct style_dashes {
     double length[4];
     int n;

@@ -30,7 +30,8 @@ static void put_superscript(struct buffer *output, struct text digits)
             buffer_codepoint(output, 0x207B);
 }
 
-/* How many digits lead the text, after a sign if there may be one; 0 if there is none. */
+/* Returns the number of leading digits, after an optional sign if `sign` is set, or 0 if there
+ * are none. */
 static size_t digits_of(struct text text, bool sign)
 {
     const size_t start = sign && text.len && (text.data[0] == '-' || text.data[0] == '+');
@@ -47,7 +48,8 @@ static struct text rest_of(struct text text, size_t i)
 
 /* ---- numbers ---- */
 
-/* Of an exponent "e-06": its length, or 0; the power without leading zeros. */
+/* Returns the length of an exponent such as "e-06", or 0. Sets *power to its digits without
+ * leading zeros. */
 static size_t exponent_of(struct text text, struct text *power, bool *negative)
 {
     const size_t len = text.len > 1 && text.data[0] == 'e' ? digits_of(rest_of(text, 1), true) : 0;

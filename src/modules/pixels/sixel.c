@@ -9,7 +9,7 @@
 
 struct bin {
     uint64_t count, sum[3];
-    int color; /* in the palette */
+    int color; /* index in the palette */
 };
 
 struct palette {

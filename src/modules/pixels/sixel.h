@@ -8,9 +8,9 @@
 #define SIXEL_COLORS 64
 
 /*
- * pixel: rows of `stride` bytes, four a pixel, in the machine's words 0x00RRGGBB. Appends the whole
- * sequence, from ESC P to ESC \; at most SIXEL_COLORS colours, those that are there most often.
- * Returns false if out of memory.
+ * Appends the image as a whole sequence, from ESC P to ESC \, with at most SIXEL_COLORS colours,
+ * the most frequent ones. The rows in `pixel` have `stride` bytes, with four bytes per pixel, in
+ * the machine's words 0x00RRGGBB. Returns false if out of memory.
  */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
                  struct buffer *output);

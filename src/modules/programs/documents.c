@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What does not compute by itself: a scene for XPPAUT, equations as LaTeX. */
+/* Documents that do not compute by themselves: a scene for XPPAUT, equations as LaTeX. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/documents/documents.h"

@@ -36,7 +36,7 @@ static void put_arguments(const struct scene_program *p, struct buffer *output)
     buffer_char(output, ')');
 }
 
-/* What is observed is a function in Octave, and its name a call. */
+/* Chooses the names. An observed quantity is a function in Octave, and its name a call. */
 static bool make_names(struct scene_program *p)
 {
     struct written *w = &p->written;

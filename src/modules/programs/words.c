@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the words of the templates stand for: numbers, names and formulas of a scene, tables of a
- * method. A text that is empty leaves lines of a template out. */
+/* Replacements for the words of the templates: numbers, names and formulas of a scene, tables of
+ * a method. An empty text removes the lines of a template that use it. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/programs/program.h"
@@ -254,7 +254,7 @@ static void put_weights_low(struct scene_program *p)
 
 /* ---- all ---- */
 
-/* Which program of a library takes the steps. */
+/* Returns the library function that takes the steps. */
 static const char *solver(const struct scene_program *p)
 {
     const int order = p->method->order;

@@ -48,7 +48,7 @@ static const struct recording *moved(const struct session *session, int index)
     return strcmp(recording->format, HANDED_IN) == 0 ? recording : NULL;
 }
 
-/* What is said of such a file: rows, separator. */
+/* Returns true if the line describes such a file: rows, separator. */
 static bool is_of_moved(const struct session *session, struct text line)
 {
     for (int i = 0; i < session->recordings; i++) {
@@ -75,8 +75,8 @@ static bool has_line(struct text text, struct text wanted)
     return false;
 }
 
-/* What carries numbers, figures and commands has to be there as it was; answers, headings and words
- * are the student's. */
+/* Compares the lines. Numbers, figures and commands must be unchanged; answers, headings and
+ * words are the student's. */
 static void compare_lines(struct check *check, const char *file, struct text handed,
                           struct text again)
 {

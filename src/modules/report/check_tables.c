@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SAME_DIGITS 1e-6      /* of values without uncertainty, relative */
+#define SAME_DIGITS 1e-6      /* relative tolerance for values without uncertainty */
 #define SAME_UNCERTAINTY 0.05 /* uncertainties have two digits */
 
 /* Largest difference of two numbers of a data file that counts as none, relative to the largest
@@ -66,7 +66,8 @@ static bool same_key(const struct values *a, size_t i, const struct values *b, s
            !(checked_time(a, i) > checked_time(b, j));
 }
 
-/* What is named alike is counted: the row of `b` that is as many-th there as row i is in `a`. */
+/* Returns the row of `b` that corresponds to row i of `a`. Rows with the same name are counted:
+ * the second one in `a` corresponds to the second one in `b`. */
 static size_t find_row(const struct values *a, size_t i, const struct values *b)
 {
     size_t duplicates = 0;
@@ -78,7 +79,8 @@ static size_t find_row(const struct values *a, size_t i, const struct values *b)
     return b->rows;
 }
 
-/* Within the uncertainty, which has to be the same; exact values in their digits. */
+/* Returns true if the values agree within the uncertainty, which must be the same, or exact
+ * values in their digits. */
 static bool agree(struct measured stated, struct measured computed)
 {
     const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0,
@@ -142,7 +144,7 @@ void check_values(struct check *check, struct text handed_text, struct text agai
 
 /* ---- data ---- */
 
-/* Where two tables of the same shape differ, and by how much. */
+/* Difference between two tables of the same shape. */
 struct data_difference {
     size_t count, row; /* cells that differ, and the row of the largest difference */
     int column;

@@ -17,12 +17,13 @@ struct report_value {
     const char *name; /* "period", "gamma, first half" */
     struct measured value;
     enum quantity quantity;
-    const char *subject; /* "run 1", "data disk": the second word is a user's */
+    const char *subject; /* "run 1" or "data disk", where the second word is a user's */
     const char *source;  /* "measured", "fit damped" */
     double t;            /* [s] of an amplitude; NAN */
-    size_t statement;    /* of the log that gave it, counted from 1; 0: the scene's own */
-    const char
-        *brief; /* what a parameter of another scene than the lab's is; NULL: its name says */
+    /* Statement of the log that gave it, counted from 1, or 0 for the scene's own value. */
+    size_t statement;
+    /* Description of a parameter of a scene other than the lab's, or NULL if the name is enough. */
+    const char *brief;
 };
 
 /* Numbered like those of the lab sheet; what is left is of no lab. */
@@ -41,7 +42,7 @@ enum section {
 #define REPORT_FIGURES 1024 /* a session that holds as much as it can has fewer */
 #define REPORT_OVERLAY 4    /* runs in one figure: as many as have marks of their own */
 
-struct material; /* private: material.h */
+struct material; /* defined in material.h */
 
 struct report {
     const struct session *session;
@@ -59,12 +60,13 @@ struct report {
         enum plot_kind kind;
         enum section section;
     } figure[REPORT_FIGURES];
-    bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
-    const struct material *material;                               /* sorted by what it is for */
-    int head; /* lines of session.hk before the first statement */
+    /* runs and recordings that appear in a figure */
+    bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS];
+    const struct material *material; /* sorted by what it is for */
+    int head;                        /* lines of session.hk before the first statement */
     int files;
     bool latex;       /* also report.tex, with the figures as PDF */
-    char no_pdf[600]; /* why these are text there; "": they are not */
+    char no_pdf[600]; /* Reason why the figures are text, or "" if they are not. */
 };
 
 /* Writes all files into the folder, which is open. */
@@ -77,7 +79,7 @@ bool report_owns(const char *name);
 bool report_put(struct report *report, const char *name, const struct buffer *content,
                 struct error *error);
 bool collect_values(struct report *report, struct error *error);
-/* After the values: report->material. */
+/* Sorts the values into report->material; call it after the values are added. */
 bool sort_material(struct report *report, struct error *error);
 /* Values of a run or a recording, all or the measured and fitted ones; nothing where there are
  * none. */
@@ -91,13 +93,14 @@ const struct report_value *find_value(const struct report *report, const char *n
 void say_label(struct document *document, const struct report_value *value);
 /* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */
 void say_value(struct document *document, const struct report_value *value);
-/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without
- * such a plot. */
+/* Puts a figure of these runs and this recording (indices; -1 for none), with its caption. Puts
+ * nothing if there is no such plot. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
                 int runs, int recording, struct error *error);
 /* Place of the recording that a run is to be compared with; -1 if there is none. */
 int recording_beside(struct report *report, int run, enum plot_kind kind);
-/* The runs as a table; distance: from the recordings beside them. */
+/* Puts the runs as a table; with `distance` it has their distances from the recordings compared
+ * with them. */
 void put_runs(struct report *report, const int *run, int runs, bool distance);
 bool write_tables(struct report *report, struct error *error);
 
@@ -108,6 +111,6 @@ void put_questions(struct report *report, enum section section);
 bool write_sections(struct report *report, struct error *error);
 /* The session has something of the lab. */
 bool report_of_lab(const struct report *report);
-/* What the headings lack, each with what to type for it. */
+/* Calls `say` for each thing that the headings lack, with the command to type for it. */
 void report_missing(const struct report *report,
                     void (*say)(void *context, const char *what, const char *type), void *context);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* lab, check, hint, skip, again: a lesson, step by step */
+/* Commands of a lesson, step by step (lab, check, hint, skip, again). */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 #include "modules/report/lesson.h"

@@ -11,19 +11,19 @@
 #include <hooke/module.h>
 #include <hooke/session/names.h>
 
-#define LESSON_DIGITS 0.005 /* relative: what a value without uncertainty may be off */
+#define LESSON_DIGITS 0.005 /* tolerance of a value without uncertainty, relative */
 
 /* The module's part of a session: a lesson that waits. */
 struct lesson {
-    bool waits;         /* false: there is none */
-    struct buffer text; /* what it says */
+    bool waits;         /* false if no lesson is open */
+    struct buffer text; /* text of the lesson */
     int step, steps;    /* counted from 0; step == steps: it is over */
     size_t begun;       /* place in the log at which the step began */
-    long seed;          /* of its recordings */
+    long seed;          /* seed of its recordings */
 };
 
 struct lesson_step {
-    struct text says, command, hint, wanted; /* wanted: a command, or a name */
+    struct text says, command, hint, wanted; /* wanted is a command or a name */
     bool done, measured;                     /* it is a command; what is measured */
     bool bare, disk;                         /* it needs that recording */
 };
@@ -39,8 +39,8 @@ struct lesson *session_lesson(const struct session *session);
 /* The lesson in a session's file. */
 void lesson_put(const void *part, struct buffer *output);
 void lesson_read(struct reader *reader);
-/* After a typed line: continues with the next step, and says it, if that line did what the present
- * one waits for. */
+/* Continues with the next step and prints it, if the last typed line did what the current step
+ * waits for. */
 void lesson_follow(struct session *session, struct reply *reply);
 /* "lab 2/9", for the prompt; nothing without a lesson. */
 void lesson_label(const struct session *session, struct buffer *text);
@@ -50,7 +50,8 @@ void lesson_label(const struct session *session, struct buffer *text);
 bool report_next(const struct session *session, struct buffer *line, bool *insists);
 /* A statement of it succeeded since the step began. */
 bool lesson_done(const struct session *session, struct text command);
-/* What the step wants has a value; measured since it began, if it is to be. */
+/* Returns true if the value that the step wants exists and, if required, was measured since the
+ * step began. */
 bool lesson_found(const struct session *session, const struct lesson_step *step,
                   struct named_value *value);
 /* Writes the recording that the present step needs; one that is there already and differs is an

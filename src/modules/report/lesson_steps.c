@@ -38,7 +38,7 @@ static const char lesson_names[] =
 #define LESSON_MAX (1u << 16)                                           /* [byte] */
 enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS }; /* g, g, N/m, cm, 1/s, cm */
 
-/* What the recordings of a seed were made with. */
+/* Computes the true parameters of the recordings of a seed. */
 static void truths(long seed, double value[TRUTHS])
 {
     static const double lower[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a student of the lab does next with the recording that was loaded last: offered at the
- * prompt, where an empty Enter takes it. */
+/* Suggests what a student of the lab does next with the recording that was loaded last. The
+ * prompt offers it, and an empty Enter takes it. */
 #include <hooke/data.h>
 #include <hooke/command/handler.h>
 #include "modules/report/lesson.h"
@@ -41,7 +41,7 @@ static bool is_measured(const struct session *session, const char *subject, cons
     return false;
 }
 
-/* The statement that fitted the recording last; 0: none did. */
+/* Returns the statement of the last fit of the recording, or 0 if there was none. */
 static size_t last_fit(const struct lab *lab)
 {
     const struct fits *fits = fits_of(lab->session);
@@ -62,7 +62,7 @@ static size_t last_change(const struct session *session)
     return last;
 }
 
-/* A run was made after that statement; method: by it, or NULL. */
+/* Returns true if a run was made after that statement, by this method unless it is NULL. */
 static bool has_run(const struct session *session, const char *method, size_t previous_statement)
 {
     for (int i = session->runs.count; i-- > 0;) {
@@ -106,7 +106,7 @@ static void put_fit(const struct lab *lab, struct buffer *line)
 static void put_adopt(const struct lab *lab, struct buffer *line)
 {
     const double *window = lab->recording->window;
-    if (lab->decays) /* where gamma is what it is in the run, which is laid over it */
+    if (lab->decays) /* a window in which gamma equals that of the overlaid run */
         buffer_format(line, "fit damped window=%g:%g; adopt", window[0], window[0] + DAMPED_S);
     else
         buffer_put(line, TEXT("adopt amplitude; gamma = 0"));
@@ -141,7 +141,7 @@ static void put_compare(const struct lab *lab, struct buffer *line)
                   number, number + 1, number, number + 1);
 }
 
-/* Once: what it has to say is then read, and checked. */
+/* Suggests the first command of the step; done once, so that the answer is read and checked. */
 static void put_step(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);
@@ -154,7 +154,7 @@ static void put_step(const struct session *session, struct buffer *line)
         buffer_put(line, step.command);
 }
 
-/* What is due follows from what there is: measurements, fits, parameters that were set, runs. */
+/* Suggests what is due by what exists: measurements, fits, parameters that were set, runs. */
 static void put_due(const struct lab *lab, struct buffer *line)
 {
     const struct session *session = lab->session;

@@ -18,7 +18,7 @@ enum {
     BLOCK = 32,        /* lines of which one arrives in time; fewer where there are few … */
     AHEAD = 16,        /* blocks in which a line that waited is over */
     BLOCKS_MIN = 8,    /* … but so many blocks, or nothing is said about steps */
-    PASSES = 3         /* of the line and the steps */
+    PASSES = 3         /* passes over the line and the steps */
 };
 #define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
 #define AT_ONCE 0.1   /* [interval] between lines of one packet */
@@ -50,7 +50,7 @@ static double delay(const struct arrivals *a, const double *place, struct arriva
     return a->arrival[i] - line.intercept - line.interval * place[i];
 }
 
-/* Through those that are no later or earlier than `limit` [s] by the line as it is. */
+/* Fits a line by least squares through the arrivals within `limit` [s] of the given line. */
 static void least_squares(const struct arrivals *a, const double *place, double limit,
                           struct arrival_line *line)
 {
@@ -86,7 +86,8 @@ static double smallest(const struct arrivals *a, const double *place, struct arr
     return least;
 }
 
-/* Where lines come several at a time, the smallest of their delays may change by one interval. */
+/* Returns true if lines arrive in groups. Then the smallest of their delays may change by one
+ * interval. */
 static bool several_at_once(const struct arrivals *a, struct arrival_line line)
 {
     size_t at_once = 0;
@@ -133,7 +134,7 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
             continue;
         }
         size_t first = k * each;
-        /* where it begins: behind the last line that came in time */
+        /* the step begins after the last line that came in time */
         const double half = previous + lost_time + 0.5 * whole * line.interval;
         while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
             first++;

@@ -27,7 +27,8 @@ enum { AHEAD = 5 }; /* stamps that tell a new start from a single wrong one */
 #define EVEN_STEP_TOLERANCE 0.25
 #define EVEN_MIN 0.8 /* … does so for that part of the steps */
 
-/* Where the counters of small boards are full: 16 and 32 bit; microseconds sent as ms and s. */
+/* Values at which the counters of small boards overflow: 16 and 32 bit; microseconds sent as ms
+ * and s. */
 static const double full[] = {65536, 4294967296, 4294967.296, 4294.967296, 256};
 
 /* Steps between the stamps of a column. */
@@ -209,7 +210,7 @@ size_t clock_lost(const struct arrivals *a, const double *t, const bool *is_rest
     const double usual = a->n > 1 ? values_quantile(scratch, a->n - 1, 0.5) : NAN;
     for (size_t i = 0; i + 1 < a->n; i++) {
         const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
-                     received = a->order[i + 1] - a->order[i]; /* with those that were garbled */
+                     received = a->order[i + 1] - a->order[i]; /* includes garbled lines */
         even += fabs(steps - whole) < EVEN_STEP_TOLERANCE ? 1 : 0;
         if (steps > GAP_STEPS && steps < 1e9 && whole > received &&
             !(is_restart && is_restart[i + 1]) && !(a->pause && a->pause[i + 1]))

@@ -17,7 +17,9 @@
 
 #define CUT_MARK "\\..."
 #define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF" /* as it is kept */
-#define UNIT_NEAR 0.1 /* the device's clock is in ms, us: its rate over that of the arrivals */
+/* relative tolerance for recognizing ms or us by the rate of the device's clock over that of the
+ * arrivals */
+#define UNIT_NEAR 0.1
 
 /* ---- writing ---- */
 
@@ -51,7 +53,7 @@ void collected_put(struct buffer *file, double arrival, struct text line)
 
 struct collected_text {
     struct buffer lines; /* as they came; what is garbled is empty */
-    double *arrival;     /* [count] of each line, NAN: none is known */
+    double *arrival;     /* [count] arrival of each line, NAN if unknown */
     double *order;       /* [count] counted from 0, without blank ones and remarks */
     bool *pause;         /* [count] it was paused before */
     size_t count, came, remarks;
@@ -141,7 +143,7 @@ static bool lines_of(const struct recording *recording, const struct collected_t
     return arrival && order && pause;
 }
 
-/* Where the device counts its lines, nobody has to guess which are lost. */
+/* Takes the order of the lines from the device's counter, which shows lost lines directly. */
 static bool count_by(const struct arrivals *a, const double *counter, struct arena *arena,
                      struct collected *collected, struct arrivals *counted)
 {
@@ -194,7 +196,7 @@ static bool mend_clock(struct recording *recording, const struct arrivals *arriv
                        int column_index, bool said, struct arena *arena,
                        struct clock_mended *mended)
 {
-    static const double units[] = {1, 1e3, 1e6}; /* of a second: 1, ms, us */
+    static const double units[] = {1, 1e3, 1e6}; /* clock units per second: s, ms, us */
     if (column_index < 0)
         return true;
     const struct column *column = &recording->column[column_index];
@@ -225,7 +227,7 @@ static bool counts_time(double pace)
            fabs(pace / 1e6 - 1) < CLOCK_UNIT_TOLERANCE;
 }
 
-/* By that column. */
+/* Selects the column as time. */
 static bool choose_time(struct recording *recording, struct load_options *options, int column_index,
                         struct arena *arena, struct error *error)
 {
@@ -255,7 +257,7 @@ static bool place_by_rate(struct recording *recording, const struct arrivals *ar
     return true;
 }
 
-/* By the columns alone, if one is a clock; else by the arrivals. */
+/* Selects a clock among the columns alone, if there is one; otherwise uses the arrivals. */
 static bool choose_columns(struct recording *recording, const struct collected_text *lines,
                            struct load_options *options, struct collected *collected,
                            struct clock_mended *mended, struct arena *arena, struct error *error)
@@ -374,7 +376,7 @@ static void warn_clock(struct recording *recording, const struct collected *coll
                            : "they are few, or come several at a time");
 }
 
-/* Of the value, as it was said when it was collected. */
+/* Returns the unit of the value stated in the command that collected it. */
 static const struct unit *stated_unit(struct text statement)
 {
     const struct text key = TEXT(" unit=");

@@ -66,7 +66,7 @@ static void rows_thin(struct lengthening *growth, struct recording *recording)
         move_row(recording, recording, i);
 }
 
-/* Where that line stands in what was read anew; `rows`: nowhere. */
+/* Returns the row of `more` that was read from that line, or `more->rows` if there is none. */
 static size_t row_of_line(const struct recording *more, uint32_t line)
 {
     size_t i = more->rows;
@@ -98,7 +98,7 @@ static void tell_times(struct lengthening *growth, struct recording *recording,
     recording->rate = 1 / recording->dt;
     if (recording->window[1] == end) /* nobody has chosen another */
         recording->window[1] = recording->t[recording->rows - 1];
-    recording->findings = NULL; /* of other rows */
+    recording->findings = NULL; /* the findings refer to other rows */
     recording->cleaned = false;
 }
 

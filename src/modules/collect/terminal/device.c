@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a sensor writes to: opened for reading only, for this program alone, and left as found. */
+/* Source of a sensor's lines: opened for reading only, locked for this program, and restored
+ * when closed. */
 #include <hooke/base/safe_text.h>
 #include "modules/collect/terminal/sensor.h"
 
@@ -41,7 +42,7 @@ static bool device_refuse(const char *path, const char *why, struct error *error
     return false;
 }
 
-/* Who may read it is the group that it belongs to; those of devices are the system's own. */
+/* Names the group that may read the device; groups of devices are defined by the system. */
 static void hint_group(const char *path, struct error *error)
 {
     struct stat st;

@@ -22,7 +22,7 @@
 #define GATHER_NS 20000000 /* lines are written together … */
 #define SYNC_NS 500000000  /* … and put on the disk */
 #define HALF_NS 500000000  /* a serial line that speaks so soon was in the middle of a line */
-#define GROWTH_MS 20       /* between looks at a file that grows */
+#define GROWTH_MS 20       /* interval between looks at a file that grows */
 #define FEED_CHUNK_BYTES 65536u
 
 struct feed {
@@ -32,14 +32,14 @@ struct feed {
     double t_begin; /* [s] */
     int64_t begun;  /* [clock_ns] */
     pthread_t thread;
-    pthread_mutex_t lock; /* of what is below, but `part` and `lines` */
+    pthread_mutex_t lock; /* protects the members below, except `part` and `lines` */
     struct feed_look look;
     double t_end; /* [s] later lines are not wanted */
     bool paused, stopping;
-    /* of the thread alone */
+    /* members used by the thread alone */
     struct buffer part;  /* the line at hand, COLLECTED_LINE + 1 bytes of it at most */
     struct buffer lines; /* complete ones that are not yet in the file */
-    uint64_t count;      /* of these */
+    uint64_t count;      /* number of these lines */
     size_t written;      /* [byte] of the file */
     bool rested;         /* it was paused since the last line */
     bool half;           /* the line at hand may lack its beginning */
@@ -136,7 +136,7 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
     }
 }
 
-/* What there is; false: no more will come. */
+/* Reads the available bytes. Returns false at the end of the input. */
 static bool read_some(struct feed *feed)
 {
     char piece[FEED_CHUNK_BYTES];

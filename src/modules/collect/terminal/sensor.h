@@ -7,10 +7,10 @@
 #include <termios.h>
 
 /*
- * What a cheap sensor before the scene would send, on standard output, in real time, until it is
- * interrupted, nobody reads any more, or for= is over: text at the start, then a line a sample.
- * Words: the scene, then KEY=VALUE of the sensor, or of the scene's parameters. Returns the exit
- * status.
+ * Writes to standard output, in real time, what a cheap sensor observing the scene would send: text
+ * at the start, then one line per sample. Ends when interrupted, when the reader closes the pipe,
+ * or after for=. The words name the scene, then give KEY=VALUE for the sensor or the scene's
+ * parameters. Returns the exit status.
  */
 int simulate_sensor(struct session *session, const char *const *word, int words,
                     struct reply *reply);
@@ -18,10 +18,11 @@ int simulate_sensor(struct session *session, const char *const *word, int words,
 /* feed.c */
 extern const struct feed_access sensor_feed;
 
-/* device.c: a source of lines, opened and locked; a serial line is raw and has that speed. */
+/* Source of lines (device.c), opened and locked; a serial line is in raw mode with the given
+ * speed. */
 struct device {
     int fd;
-    bool serial, grows; /* grows: a file, whose end is none */
+    bool serial, grows; /* grows is true for a file, whose end may still move */
     struct termios old_modes;
 };
 

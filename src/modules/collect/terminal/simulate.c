@@ -27,7 +27,8 @@
 #define SENSOR_DISTANCE 0.3        /* Distance of the position y = 0 from the sensor [m]. */
 
 struct sensor {
-    double rate, noise, length;    /* [Hz], SI of what is measured, [s] (HUGE_VAL: no end) */
+    /* rate [Hz], noise in SI of the measured quantity, length [s] (HUGE_VAL if endless) */
+    double rate, noise, length;
     double quirks, jitter, silent; /* 1 or 0; [s] of silence at the start */
     enum { STAMP_MS, STAMP_S, STAMP_NONE } stamp;
     enum quantity quantity;
@@ -159,7 +160,7 @@ static bool simulation_begin(struct session *session, const char *const *word, i
     return sensor->run != NULL;
 }
 
-/* Until then; false: interrupted. */
+/* Waits until `due` [clock_ns]. Returns false if interrupted. */
 static bool wait_until(int64_t due)
 {
     for (int64_t left = due - clock_ns(); left > 0; left = due - clock_ns()) {

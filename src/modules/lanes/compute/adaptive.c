@@ -161,7 +161,7 @@ INLINE four four_limited(four x)
     return four_either(is_small, 1 + four_atan(four_exp2(x) - 1), series);
 }
 
-/* follow(): what errors are relative to, into lanes->scale */
+/* Updates lanes->scale, the sizes that errors are relative to, as follow() does. */
 INLINE void follow_sizes(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;
@@ -219,7 +219,8 @@ INLINE four estimate(const struct lanes *lanes, four h, int q)
     return fine * four_either(fine > 0, (four){0}, fine / (fine + 0.01 * coarse));
 }
 
-/* plan_next(), next_attempt(); error: in units of the aim, at least MIN_ERROR; squared */
+/* Returns the next step as plan_next() and next_attempt() do, where `error` is the squared error
+ * in units of the aim, at least MIN_ERROR. */
 INLINE four four_next_step(struct lane_control *control, int q, four h, four error, four_masks good)
 {
     const four one = 1 - (four){0}, log = four_log2(error),
@@ -262,8 +263,8 @@ INLINE void put_where(four_masks when, four value, int q, double *number)
     fours(number)[q] = four_either(when, fours(number)[q], value);
 }
 
-/* What the control makes of an attempt in one vector of lanes. Marks in `alone` those that are left
- * as they were, to be taken alone. */
+/* Judges an attempt in one vector of lanes. Marks in `alone` the unchanged lanes that have to be
+ * stepped alone. */
 INLINE void judge(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;

@@ -111,7 +111,7 @@ CLONES static void set_iterate(const struct lane_stage *stage, const struct moti
     }
 }
 
-/* motion_iterate(), once; a: the force at the iterate */
+/* Iterates once, as motion_iterate() does; `a` is the force at the iterate. */
 CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a, bool first)
 {
     for (int q = 0; q < LANE_COUNT / 4; q++) {
@@ -230,7 +230,7 @@ static void step_lane(struct lanes *lanes, int lane, double (*previous)[LANE_COU
     lane_put(N, slope, lane, last[0]);
 }
 
-/* The stages of one step from lanes->y; k: in, the slopes of the step before. */
+/* Computes the stages of one step from lanes->y; on entry k has the slopes of the previous step. */
 static void implicit_stages(struct lanes *lanes, struct lane_stage *stage,
                             double (*k)[N][LANE_COUNT])
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What callers use of lanes: which systems go in them, their room, how they begin. */
+/* Interface of the lanes: systems that fit, memory, and initialization. */
 #include "modules/lanes/compute/state.h"
 
 #include "scene/model/forces.h"
@@ -105,7 +105,7 @@ bool lanes_fit(const struct method *method, const struct system *system, enum dr
 bool lanes_alike(const struct system *a, const struct system *b)
 {
     bool alike = a->model == b->model && a->terms == b->terms;
-    for (int i = 0; alike && i < a->terms; i++) /* typed: those of the same programs */
+    for (int i = 0; alike && i < a->terms; i++) /* typed terms must have the same programs */
         alike = a->term[i].row == b->term[i].row;
     return alike;
 }
@@ -183,7 +183,7 @@ void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, 
         set_drag(lanes, lane, &system->oscillator, h);
 }
 
-/* Before the first step, when all lanes are set. */
+/* Prepares the first step, when all lanes are set. */
 static void lanes_prepare_steps(struct lanes *lanes)
 {
     const struct method *method = lanes->method;

@@ -16,11 +16,11 @@
 #include "scene/formula/program/program.h"
 
 struct lane_operation {
-    enum node_kind kind; /* NODE_KINDS: a copy */
+    enum node_kind kind; /* NODE_KINDS stands for a copy */
     bool once;           /* a function of what is the same in all lanes */
     bool known;          /* its value for `argument` */
     double argument[2], value;
-    double *target; /* NULL: output `output` */
+    double *target; /* NULL for output number `output` */
     int output;
     const double *operand[3];
     const struct node *node;
@@ -112,13 +112,13 @@ static void (*many_of(double (*one)(double)))(int n, const double *x, double *re
                               : NULL;
 }
 
-/* What is known of the value at a place. */
+/* Knowledge about the value in a slot. */
 struct slot_value {
     unsigned lanes;       /* enum program_lanes */
-    const double *values; /* where it is going to be */
+    const double *values; /* address at which it will be stored */
 };
 
-/* Of an intermediate value, kept where that would be. */
+/* Returns the slot of an intermediate value, stored where its values would be. */
 static struct slot_value *value_in_slot(const struct program *p, double *frame, int slot)
 {
     return (struct slot_value *)(void *)(frame + (size_t)(slot - p->names) * PROGRAM_LANES);

@@ -48,8 +48,8 @@ OF_EACH_LANE(cos)
 #undef sin
 #undef cos
 
-/* The sum of terms whose flags under `mask` are `wanted`; c: coefficients
- * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on; cosine: the drive's */
+/* Sums the terms whose flags under `mask` are `wanted`. c has the coefficients
+ * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on, `cosine` is that of the drive. */
 typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q, four v,
                         four cosine);
 
@@ -151,7 +151,7 @@ static int64_t look_ahead(struct lanes *lanes, int64_t count)
 /* Kernels know that there is no drive; a cosine for all lanes; one for each. */
 enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
 
-/* At a place of the next steps. */
+/* Returns the cosine of the drive at an index of the next steps. */
 INLINE four cosine_at(enum drive_known known, const struct lane_drive *drive, int64_t place,
                       int lane)
 {
@@ -277,7 +277,7 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
 {
     const struct tableau *tableau = lanes->method->tableau;
     const double *c = lanes->input + (1 + N) * LANE_COUNT;
-    four w[LANE_COUNT][RK_WEIGHTS]; /* of every fourth */
+    four w[LANE_COUNT][RK_WEIGHTS]; /* weights of every fourth lane */
     for (int lane = 0; lane < LANE_COUNT; lane += WIDE)
         classical_weights(tableau, four_load(lanes->own_h + lane), w[lane]);
     for (int64_t i = 0; i < count; i++, row += row ? 2 * LANE_COUNT : 0)
@@ -322,8 +322,8 @@ INLINE void parts_store(int count, const four *source, double *target)
         fours(target + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = source[j];
 }
 
-/* Lets velocities follow the drag's own flow over h/2: drag_flow_apply(), which forward in time has
- * no pole. half: from the lane on. */
+/* Applies the drag's own flow over h/2 to the velocities, as drag_flow_apply(), which has no
+ * pole forward in time. half is its array from the lane on. */
 INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
 {
     UNROLL for (int p = 0; p < SPLIT_PARTS; p++, half += WIDE) v[p] =
@@ -331,7 +331,7 @@ INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
         (four_load(half + LANE_COUNT) + four_load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
 }
 
-/* As split_kick(); lost: of this kick, from the lane on. */
+/* Kicks as split_kick(); `lost` is the array of this kick from the lane on. */
 INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, const double *c,
                        const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
                        four z[2][SPLIT_PARTS])

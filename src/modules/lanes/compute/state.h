@@ -11,7 +11,7 @@
 #include "modules/lanes/compute/vector.h"
 #include "modules/lanes/lanes.h"
 
-/* Which forces are summed up. */
+/* Subset of the forces that is summed up. */
 enum lane_sum { SUM_ALL, SUM_FORCE, SUM_DRAG, LANE_SUMS };
 
 struct lane_part {
@@ -30,7 +30,7 @@ struct built_in_programs {
 
 /* A time. */
 struct lane_time {
-    const double *t; /* [LANE_COUNT] each lane's own; NULL: the same in all lanes: */
+    const double *t; /* [LANE_COUNT] time of each lane, or NULL if `all` holds for every lane */
     double all;
 };
 
@@ -53,7 +53,7 @@ struct lane_control {
 
 /* A drive that is the same in all lanes follows from the method, c1, c2, t0 and h. */
 struct driven_by {
-    const struct method *method; /* NULL: lanes have their own */
+    const struct method *method; /* method, or NULL if lanes have their own drives */
     double number[4];
 };
 
@@ -74,31 +74,33 @@ struct lane_drive {
 struct lanes {
     const struct method *method;
     enum drag drag;
-    struct split_way way; /* of a splitting */
+    struct split_way way; /* order of substeps of a splitting */
     double t0, h;
     int64_t step; /* taken */
     int n, rows, typed_values, values;
     bool timed, turns;
     bool adapts;          /* lanes_control() was called */
-    bool ready;           /* what the lanes have in common is known */
+    bool ready;           /* the common properties of the lanes are known */
     bool closed, dragged; /* implicit stages are solved in closed form, with quadratic drag */
-    /* Each lane's start of time and step; `own`: they differ. */
+    /* Initial time and step of each lane; `own` is true if they differ. */
     bool own;
     double own_t0[LANE_COUNT], own_h[LANE_COUNT];
     double damping[LANE_COUNT], stiffness[LANE_COUNT], quadratic[LANE_COUNT];
     const struct system *system[LANE_COUNT];
     step_function *scalar;
-    int64_t evals[LANE_COUNT]; /* beyond those of the steps; of implicit and adaptive ones, all */
+    /* evaluations in addition to those of the steps; for implicit and adaptive ones, all */
+    int64_t evals[LANE_COUNT];
     struct lane_part part[TERM_MAX];
     int parts;
     struct lane_part slopes;
     struct built_in_programs built_in;
-    struct weights weights[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
+    /* weights of the stages from the second on; [0] are those of the step */
+    struct weights weights[WEIGHT_STAGES];
     struct lane_control control;
     struct lane_drive drive;
-    /* Of [LANE_COUNT] each, in the room: */
+    /* Arrays of [LANE_COUNT] each, within `memory`: */
     double *input; /* t, the state [n] of the stage, values [values]: names of the programs */
-    double *state; /* of these, the state */
+    double *state; /* the state within `input` */
     double *y;     /* [n] the state at the start of the step */
     double *k;     /* [stages][n] its slopes */
     double *pull, *drags; /* [rows] splittings: forces */
@@ -108,9 +110,9 @@ struct lanes {
     /* [n] adaptive steps: excess of the sizes, the least ones, those that were given, their scale
      */
     double *excess, *min, *given, *scale;
-    double *work; /* of a step alone */
+    double *work; /* scratch memory of a lane that is stepped alone */
     double *memory;
-    size_t size, used; /* of the room */
+    size_t size, used; /* size of `memory` and used part */
 };
 
 /* ---- forces (forces.c) ---- */
@@ -121,16 +123,16 @@ bool lanes_describe_forces(struct lanes *lanes, const struct system *system);
 void lanes_destroy_programs(struct built_in_programs *programs);
 /* Values of the programs' names behind the state. */
 void lanes_set_values(struct lanes *lanes, int lane, const struct system *system);
-/* Before the first step, when all lanes are set: prepares the programs for what lanes share. */
+/* Prepares the programs for what lanes share, before the first step and when all lanes are set. */
 void lanes_prepare_forces(struct lanes *lanes);
-/* out [rows][LANE_COUNT]: a sum of forces at lanes->state */
+/* Computes force [rows][LANE_COUNT]: a sum of forces at lanes->state. */
 void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time stage_time,
                  double *force);
-/* out [n][LANE_COUNT] */
+/* Computes slope [n][LANE_COUNT]. */
 void lanes_slope(struct lanes *lanes, struct lane_time stage_time, double *slope);
 /* Returns the time of this part of the present step; own: [LANE_COUNT], where lanes have theirs. */
 struct lane_time lanes_time(const struct lanes *lanes, double c, double *own);
-/* Goes on by this part of the step; own: as above. */
+/* Advances the time by this part of the step; `own` is the same array as above. */
 void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *stage_time,
                     double *own);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How strong the noise is: from the damping of the scene and a temperature, or as stated. */
+/* Strength of the noise: from the damping of the scene and a temperature, or as stated. */
 #include "modules/noise/compute/forcing.h"
 
 #include <stdlib.h>

@@ -14,12 +14,13 @@
 
 struct catalog;
 
-/* What a user states of the noise; NAN means that it was not given. */
+/* User's statement about the noise; NAN means that it was not given. */
 struct noise_request {
     double energy; /* [J] kB T */
     double gamma;  /* [1/s] linear damping, in place of the scene's own */
     double strength[LIMIT_VARIABLES];
-    int strengths; /* 0: none was given; 1: the same for every variable; else one for each */
+    /* 0 if none was given, 1 if it is the same for every variable, else one for each */
+    int strengths;
 };
 
 struct noise_forcing {
@@ -50,7 +51,7 @@ struct noise_method {
     void (*step)(struct noise_stepper *stepper, double t, double *y, const double *noise);
 };
 
-extern const struct catalog noise_method_catalog; /* of struct noise_method */
+extern const struct catalog noise_method_catalog; /* rows are struct noise_method */
 const struct noise_method *noise_method_at(size_t index);
 /* Returns BAOAB for scenes of second order and Heun's method for those of first order. */
 const struct noise_method *noise_method_natural(const struct noise_forcing *forcing);
@@ -60,7 +61,7 @@ struct noise_stepper {
     const struct noise_forcing *forcing;
     const struct noise_method *method;
     double h;                                            /* [s] */
-    double keep[LIMIT_VARIABLES], kick[LIMIT_VARIABLES]; /* of BAOAB: exact damping over h */
+    double keep[LIMIT_VARIABLES], kick[LIMIT_VARIABLES]; /* exact damping over h, for BAOAB */
     bool warm;                                           /* `slope` is that of the present state */
     double slope[LIMIT_VARIABLES], next[LIMIT_VARIABLES], predicted[LIMIT_VARIABLES];
 };

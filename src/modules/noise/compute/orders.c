@@ -14,7 +14,7 @@ struct orders_work {
     const struct orders_request *request;
     const struct noise_method *method;
     const struct cancel *cancel;
-    int64_t steps;         /* of the largest size */
+    int64_t steps;         /* steps of the largest size */
     double *strong, *weak; /* [levels][paths] */
     double *increment;     /* [threads][fine steps][count] */
 };
@@ -169,7 +169,7 @@ static double linear_moment(const struct orders_work *work, int64_t steps)
     double sum = 0;
     for (int i = 0; i < n; i++)
         sum += (mean[i] / system->scale[i] * mean[i] / system->scale[i] + c[i * n + i]) / 2;
-    return 2 * sum; /* of a path and its mirror image */
+    return 2 * sum; /* accounts for a path and its mirror image */
 }
 
 static void find_linear_weak(const struct orders_work *work, struct method_orders *orders)

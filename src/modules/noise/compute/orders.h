@@ -15,9 +15,10 @@ struct orders_request {
 };
 
 /*
- * A step beside half of it on the same Wiener path, at the end of the span, in natural sizes of the
- * variables. Strong: root mean square distance of the two. Weak: difference of the mean of
- * the sum of squares of the variables. Both fall with dt as the errors themselves do.
+ * Comparison of a step with half of it on the same Wiener path, at the end of the span, in natural
+ * sizes of the variables. `strong` is the root mean square distance of the two, `weak` the
+ * difference of the mean of the sum of squares of the variables. Both decrease with dt as the
+ * errors themselves do.
  */
 struct order_level {
     double dt; /* [s] */

@@ -44,7 +44,7 @@ bool noise_path_grid_make(const struct noise_forcing *forcing, const struct nois
                           double span, double dt, size_t intervals, struct path_grid *grid,
                           struct error *error)
 {
-    static const double rounding = 1e-9; /* of a step: 1 s / 0.1 s are 10 steps */
+    static const double rounding = 1e-9; /* relative to a step: 1 s / 0.1 s are 10 steps */
     if (method->needs_velocity && forcing->system.order != 2) {
         error_set(error, ERROR_COMMAND, "%s needs velocities, and the scene has none",
                   method->row.name);
@@ -244,7 +244,7 @@ void noise_ensemble_free(struct ensemble *ensemble)
 
 struct measured noise_mean_of(const double *value, size_t n)
 {
-    /* About the first value, so that what does not vary has no spread. */
+    /* Sums deviations from the first value, so that constant values have no spread. */
     double sum = 0, largest = 0, squares = 0;
     for (size_t i = 0; i < n; i++)
         sum += (value[i] - value[0]) / (double)n;

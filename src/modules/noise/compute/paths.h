@@ -28,12 +28,13 @@ bool noise_path_grid_make(const struct noise_forcing *forcing, const struct nois
                           struct error *error);
 double noise_path_time(const struct path_grid *grid, size_t row); /* [s] */
 
-/* What is read off a state. */
+/* Quantity computed from a state. */
 struct path_column {
-    const struct observable *observable; /* NULL: number `variable` of the state, or of what a typed
-                                            scene observes behind it */
+    /* observable, or NULL for number `variable` of the state or of what a typed scene observes
+     * after it */
+    const struct observable *observable;
     int variable;
-    struct run *run; /* of the same scene, at its start; NULL: no observable asks for one */
+    struct run *run; /* run of the same scene, at its start, or NULL if no observable needs one */
 };
 
 double noise_path_value(const struct noise_forcing *forcing, const struct path_column *column,
@@ -67,7 +68,7 @@ bool noise_path_half_step(const struct path_request *request, const double *end,
 struct ensemble_row {
     double t, mean, sd, low, lower, median, upper, high; /* SI; low, high: 5 % and 95 % */
     int64_t paths;                                       /* that got there */
-    enum quantity quantity;                              /* of the values; for tables */
+    enum quantity quantity;                              /* quantity of the values, for tables */
 };
 
 struct ensemble {

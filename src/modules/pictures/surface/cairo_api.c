@@ -38,7 +38,7 @@ void cairo_unload(struct cairo_api *api)
 }
 
 struct cairo_work {
-    const struct figure *figure; /* NULL: only whether the library is there */
+    const struct figure *figure; /* figure, or NULL to test only if the library is installed */
     enum picture kind;
     double width, height; /* [pt] */
 };

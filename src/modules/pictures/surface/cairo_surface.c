@@ -147,6 +147,6 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !output->failed;
     api->surface_destroy(surface);
-    return drawn || error_memory(error); /* what else can fail */
+    return drawn || error_memory(error); /* nothing else can fail */
 }
 #endif

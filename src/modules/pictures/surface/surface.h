@@ -16,13 +16,13 @@ enum path_kind { PATH_MOVE, PATH_LINE, PATH_CIRCLE, PATH_CLOSE };
 
 struct path_point {
     enum path_kind kind;
-    double x, y, radius; /* of a circle: its middle; PATH_CLOSE: nothing */
+    double x, y, radius; /* end point, or centre of a circle; unused by PATH_CLOSE */
 };
 
 struct brush {
     const double *color;               /* [3] */
-    double width;                      /* of a line; 0 and fill: no outline */
-    const struct style_dashes *dashes; /* NULL: a whole line */
+    double width;                      /* width of a line; 0 with fill draws no outline */
+    const struct style_dashes *dashes; /* dashes, or NULL for a solid line */
     double dash;                       /* their unit */
     double opacity;                    /* 0 counts as 1 */
     bool fill;                         /* the inside, too */
@@ -30,11 +30,11 @@ struct brush {
 
 struct surface_text {
     double x, y;  /* the baseline */
-    double align; /* 0: starts at x, 0.5: about it, 1: ends there */
-    bool turned;  /* by 90 degrees, to be read from below */
+    double align; /* 0 starts at x, 0.5 is centred, 1 ends there */
+    bool turned;  /* rotated by 90 degrees, to be read from below */
     double size;
     const double *color;
-    const char *text; /* plain: see surface_put_text */
+    const char *text; /* plain text, see surface_put_text */
 };
 
 struct surface;

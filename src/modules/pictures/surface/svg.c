@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Pictures as SVG 1.1: text stays text, places are hundredths of a point, relative to the place
- * before (rounded before the difference is taken, so that nothing adds up).
+ * Writes pictures as SVG 1.1. Text stays text. Coordinates are hundredths of a point, relative to
+ * the previous point (rounded before the difference is taken, so that errors do not accumulate).
  */
 #include "modules/pictures/surface/surface.h"
 
@@ -97,7 +97,7 @@ static void put_point(struct path_writer *state, const struct path_point *point)
         put_pair(state, 'M', x, y);
         state->start[0] = x;
         state->start[1] = y;
-        state->command = '\0'; /* what follows without a letter would be a line */
+        state->command = '\0'; /* coordinates without a letter would be a line */
     } else if (point->kind == PATH_LINE && x == state->x && y == state->y) { /* a dot */
         buffer_put(state->output, TEXT("h0"));
         state->command = 'h';

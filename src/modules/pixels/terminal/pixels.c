@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Figures as pixels. The terminal is asked, once, in three ways: whether it takes kitty's graphics
- * (a query with a picture of one pixel), what it is called (XTVERSION: iTerm2 says so), and for its
- * attributes (DA1: 4 is sixel), which every terminal answers, and after the others.
+ * Shows figures as pixels. The terminal is queried once, for kitty's graphics (with a
+ * picture of one pixel), for its name (XTVERSION, to which iTerm2 responds), and for its attributes
+ * (DA1, in which 4 means sixel). Every terminal answers the last one, and after the others.
  */
 #define _GNU_SOURCE /* memmem */
 #include "modules/pictures/pictures.h"
@@ -22,7 +22,7 @@
 
 #define GRAPHICS_QUERY "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
 #define PATIENCE_NS 1000000000 /* a slow link; who answers does so long before */
-#define LATE_MS 100            /* between two bytes of an answer */
+#define LATE_MS 100            /* largest time between two bytes of an answer */
 #define CELL_WIDTH 10          /* [pixel] of terminals that do not say: those of a VT340 */
 #define CELL_HEIGHT 20
 #define SEQUENCE_BYTES 4096 /* Bytes of a picture in one escape sequence. */
@@ -39,8 +39,8 @@ static struct {
 /* ---- answers ---- */
 
 /*
- * The length of the answer that the text begins with; 0 if it begins with none; SIZE_MAX: it could
- * become one. Answers are ESC _ G ... ESC \, ESC P > | ... ESC \ and ESC [ ? ... c.
+ * Returns the length of the answer that the text begins with, 0 if it begins with none, or SIZE_MAX
+ * if it could become one. Answers are ESC _ G ... ESC \, ESC P > | ... ESC \ and ESC [ ? ... c.
  */
 static size_t answer_length(struct text text)
 {
@@ -71,7 +71,7 @@ static bool has_sixels(struct text attributes)
     return false;
 }
 
-/* What an answer says; returns true if it is the last. */
+/* Evaluates an answer; returns true if it is the last. */
 static bool take_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;
@@ -132,7 +132,7 @@ static enum protocol protocol_query(bool at_prompt)
     raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
     raw.c_cc[VMIN] = 1;
     raw.c_cc[VTIME] = 0;
-    if (!at_prompt) { /* which has seen to that */
+    if (!at_prompt) { /* the prompt has already done this */
         crash_modes();
         crash_arm(TEXT(""));
     }

@@ -24,8 +24,8 @@ const struct catalog dialect_catalog = CATALOG("kind of program", dialects);
 
 /* ---- words ---- */
 
-/* How a function is written in the order of `dialects`, with ~ between: $1, $2, $3 are arguments.
- * An empty form is a call by the function's own name; so are functions without a row. */
+/* Forms of a function in the order of `dialects`, separated by ~; $1, $2, $3 are arguments. An
+ * empty form is a call by the function's own name; so are functions without a row. */
 static const struct {
     const char *name, *forms;
 } calls[] = {
@@ -90,7 +90,7 @@ enum { COMPARISON, SUM, PRODUCT, FACTOR, ATOM };
 /* As the graph of a program marks numbers that are 0. */
 enum zero_kind { NOT_ZERO, NUMBER_ZERO, NAME_ZERO, TERM_ZERO };
 
-/* Of an operand: its text without the sign that was pulled out. */
+/* Text of an operand without the sign that was pulled out. */
 struct piece {
     struct text text;
     int binds; /* as the operation that is done last */
@@ -105,7 +105,7 @@ struct printer {
     enum dialect dialect;
     const char *const *name;
     const bool *zero;
-    bool failed; /* out of memory */
+    bool failed; /* set if out of memory */
     struct piece stack[LIMIT_EXPR_DEPTH + 1];
 };
 
@@ -117,7 +117,7 @@ static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
     return text_of(text ? text : "");
 }
 
-/* In parentheses where it binds less than that; with its sign. */
+/* Writes the operand with its sign, in parentheses if it binds less tightly than `binds`. */
 static void put_piece(struct printer *p, struct buffer *output, const struct piece *piece,
                       int binds)
 {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the row of a method says, for those who write the method down. */
+/* Coefficients of a method, for programs that write the method down. */
 #pragma once
 
 #include <hooke/method.h>
 
-/* k_i = f(t + c_i h, y + sum_j (h a_ij) k_j), y' = y + sum_i (h b_i) k_i, over the weights that are
- * not 0; fsal: the last stage is at y' and the first one of the next step. */
+/* Runge-Kutta method k_i = f(t + c_i h, y + sum_j (h a_ij) k_j), y' = y + sum_i (h b_i) k_i,
+ * over the weights that are not 0. With `fsal` the last stage is at y' and is the first one of
+ * the next step. */
 struct runge_kutta {
     int stages;
     bool fsal;
@@ -17,20 +18,21 @@ struct runge_kutta {
     const double *bend;
 };
 
-/* False: the method is no explicit Runge-Kutta method. */
+/* Returns false if the method is not an explicit Runge-Kutta method. */
 bool method_runge_kutta(const struct method *method, struct runge_kutta *table);
 
 /*
- * How its steps follow the error e = h sum_i (b_i - b_hat_i) k_i: *most is the largest root of the
- * mean square that is accepted, in units of the state's size, *order how e goes with h. False: not
- * by that error, or where the last stage is not the next first.
+ * Describes how its steps follow the error e = h sum_i (b_i - b_hat_i) k_i: *most is the largest
+ * accepted root of the mean square, in units of the state's size, and *order is the power of h in
+ * e. Returns false if steps do not follow that error, or if the last stage is not the first one of
+ * the next step.
  */
 bool method_error_control(const struct method *method, double tol, double *most, int *order);
 
 #define SPLITTING_WEIGHTS 40
 
-/* Drifts q += (w h) v and kicks v += (w h) a in turn. 0: the method is no splitting; else how many.
- */
+/* Stores the weights of drifts q += (w h) v and kicks v += (w h) a in turn. Returns their
+ * number, or 0 if the method is not a splitting. */
 int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHTS],
                      bool *kick_first);
 

@@ -71,7 +71,7 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
     return expr_compile(text_of(text), &scope, &w->arena, &used, error);
 }
 
-/* Of a typed scene in our names. */
+/* Rewrites an expression of a typed scene with the names of this program. */
 static const struct expr *renamed(struct written *w, const struct typed *typed,
                                   const struct expr *expr, struct error *error)
 {

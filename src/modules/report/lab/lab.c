@@ -17,7 +17,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define FIT_VALUES 16    /* of one fit, at most */
+#define FIT_VALUES 16    /* largest number of values of one fit */
 #define RUN_VALUES 8     /* besides its parameters */
 #define OWN_NAME_MAX 200 /* [byte] of a recording's own file; folders take 255 */
 
@@ -53,7 +53,8 @@ static bool same_double(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* What is not known is left out, and what was measured twice with the same result stands once. */
+/* Adds a value. Unknown ones are left out, and repeated measurements with the same result appear
+ * once. */
 static void report_add_value(struct report *report, struct report_value value)
 {
     if (!isfinite(value.value.value))
@@ -281,7 +282,7 @@ static bool write_values(struct report *report, struct error *error)
                      error);
 }
 
-/* What `export FILE table` writes, and how far each run is from its recording. */
+/* Writes the table of `export FILE table`, and the distance of each run from its recording. */
 static bool write_run_table(struct report *report, struct error *error)
 {
     const struct session *session = report->session;

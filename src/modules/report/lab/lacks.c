@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the headings of a report lack, and what to type for it. */
+/* Finds what the headings of a report lack, and the commands that add it. */
 #include "modules/report/lab/material.h"
 #include <hooke/data.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which question a run answers: by its method, its scene, the recording its parameters come from
- * and what it was compared with. Damping alone says nothing: the bare bob is damped a little, and
- * a fit of it is adopted with that.
+ * Finds the question that a run answers by its method, its scene, the recording that its parameters
+ * come from and its comparisons. Damping alone does not decide: the bare bob is damped a little,
+ * too, and adopting its fit takes that over.
  */
 #include "modules/report/lab/material.h"
 
@@ -42,8 +42,8 @@ static double spread(struct arena *arena, const double *y, size_t n)
     return values_quantile(values, n, 0.5);
 }
 
-/* The share of the amplitude that is lost from the first part of all of it to the last; NAN: too
- * short. */
+/* Returns the share of the amplitude that is lost from the first part of the recording to the
+ * last, or NAN if it is too short. */
 static double falls(const struct recording *recording)
 {
     struct recording whole = *recording;
@@ -61,7 +61,8 @@ static double falls(const struct recording *recording)
     return lost;
 }
 
-/* How often the decay of a recording was asked for: a decay counts for two amplitudes. */
+/* Returns true if the decay of a recording was measured often enough; a decay counts for two
+ * amplitudes. */
 static bool decay_asked(const struct report *report, int index)
 {
     int readings = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a session has, sorted by the question of the lab that it answers. */
+/* Content of a session, sorted by the question of the lab that it answers. */
 #pragma once
 
 #include "modules/report/lab.h"
@@ -15,9 +15,10 @@ struct material {
     int first, second;                   /* place of the first recording of each session; -1 */
 };
 
-/* What a value is of, "data disk" or "run 3", belongs to the damped motion. */
+/* Returns true if the subject of a value, such as "data disk" or "run 3", belongs to the damped
+ * motion. */
 bool of_second_session(const struct report *report, const char *subject);
-/* The recording whose fit gave the run its spring; -1: none that is known. */
+/* Returns the recording whose fit gave the run its spring constant, or -1 if unknown. */
 int recording_of(const struct report *report, const struct run *run);
 /* A parameter or a setting. */
 bool is_stated(const struct report_value *value);

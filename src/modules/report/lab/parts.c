@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the sections of a report are made of: figures, tables of values, tables of runs. */
+/* Parts of the sections of a report: figures, tables of values, tables of runs. */
 #include "modules/report/lab.h"
 
 #include "modules/report/lab/material.h"
@@ -19,7 +19,7 @@
 #define ALL_COLUMNS 1000000 /* [cell] so wide that no envelope is drawn */
 #define VALUE_DIGITS 6
 #define ALL_DIGITS 15
-#define FEW_DIGITS 4 /* of what has no uncertainty and was not stated */
+#define FEW_DIGITS 4 /* digits of values that have no uncertainty and were not stated */
 
 /* ---- values ---- */
 
@@ -30,7 +30,7 @@ bool is_stated(const struct report_value *value)
 
 void say_value(struct document *document, const struct report_value *value)
 {
-    /* Of a simulation an uncertainty of rounding says nothing. */
+    /* An uncertainty by rounding is meaningless for a simulation. */
     const bool recorded = text_starts(text_of(value->subject), TEXT("data "));
     const int digits = value->value.uncertainty > 0
                            ? (recorded ? ALL_DIGITS : VALUE_DIGITS)
@@ -211,7 +211,7 @@ static bool put_run_cell(struct document *document, const struct run *run, enum 
     return known;
 }
 
-/* What the heads of the columns mean in which one of the cells is filled. */
+/* Explains the headings of the columns that have a filled cell. */
 static void put_meaning(struct document *document, const bool filled[RUN_STATUS + 1])
 {
     static const char *const meaning[RUN_STATUS + 1] = {
@@ -357,7 +357,8 @@ static void put_caption(struct report *report, const struct figure_request *requ
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* What it shows in words: of all the samples, not of the envelope that a long one is drawn as. */
+/* Describes the figure in words, based on all samples, not on the envelope that a long one is
+ * drawn as. */
 static bool put_words(struct report *report, struct figure_request request, struct buffer *words,
                       struct error *error)
 {
@@ -407,7 +408,7 @@ static bool write_figure(struct report *report, const struct figure_request *req
                     &(struct document_picture){name, buffer_view(words), buffer_text(&svg),
                                                buffer_text(&text), drawn});
     put_caption(report, request);
-    if (!ok && error->code != ERROR_IO) { /* which says which file */
+    if (!ok && error->code != ERROR_IO) { /* that error names the file */
         why = *error;
         error_set(error, why.code, "%s: %s", name, why.text);
     }
@@ -429,7 +430,7 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
                                      .width = PICTURE_COLUMNS,
                                      .charset = &charset_braille,
                                      .trail = HUGE_VAL};
-    struct arena arena = {0}; /* what a figure takes of a long run is given back after it */
+    struct arena arena = {0}; /* frees what a figure takes for a long run */
     struct figure figure;
     struct buffer words = {0};
     if (runs > 0 && !plot_fits(kind, session->runs.slot[run[0]]->run->system.model))

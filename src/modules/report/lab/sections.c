@@ -13,7 +13,7 @@
 
 /* ---- sections ---- */
 
-/* What the best one has: "b = 0.0788 ± 0.0015 1/m". */
+/* Writes the rates of the best candidate: "b = 0.0788 ± 0.0015 1/m". */
 static void put_rates(struct document *document, const struct stored_fit *stored,
                       const struct drag_candidate *best)
 {
@@ -48,7 +48,8 @@ static void put_laws(struct document *document, const struct stored_fit *stored)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* What the numbers of a recording took as exact, once for all of them. */
+/* Writes the values that were taken as exact for the numbers of a recording, once for all of
+ * them. */
 static void put_exact(struct report *report, const char *subject)
 {
     const struct session *session = report->session;
@@ -201,7 +202,7 @@ static bool first_of_its_motion(const struct report *report, const struct materi
     return true;
 }
 
-/* Of all methods, forward Euler too. */
+/* Puts the section on all methods, including forward Euler. */
 static bool schemes(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind alone[] = {PLOT_POSITION, PLOT_ENERGY, PLOT_PHASE};
