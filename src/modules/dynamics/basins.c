@@ -13,8 +13,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#define MAP_ROWS 20    /* at most, and */
-#define MAP_ROWS_MIN 5 /* in a short answer */
+#define MAP_ROWS 20    /* largest number of rows of a map */
+#define MAP_ROWS_MIN 5 /* largest number of rows in a short answer */
 #define MAP_COLUMNS 64
 
 struct map {

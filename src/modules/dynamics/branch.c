@@ -42,7 +42,7 @@ static struct text take_word(struct text *rest)
     return word;
 }
 
-/* Up to the next NAME=, --option, of or from. */
+/* Takes the argument up to the next NAME=, --option, "of" or "from" off *rest. */
 static struct text take_argument(struct text *rest)
 {
     struct text all = *rest, argument = next_key_argument(&all);
@@ -234,7 +234,8 @@ static bool find_start(struct session *session, const struct branch_words *words
                   : find_rest(session, found, error);
 }
 
-/* What is followed needs no start: where the scene's own has no derivatives, it is moved there. */
+/* Binds the scene at the stored solution: the scene's own start may lie where it has no
+ * derivatives, and is not needed. */
 static bool bind_start(struct kept_reference *start, struct error *error)
 {
     struct system system;

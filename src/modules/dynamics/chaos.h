@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How motions that begin near each other go apart: Lyapunov exponents; and where they end: basins
- * of attraction. */
+/* Lyapunov exponents, which measure how fast neighbouring motions separate, and basins of
+ * attraction, the sets of starts that end in the same attractor. */
 #pragma once
 
 #include "modules/dynamics/dynamics.h"
@@ -29,27 +29,28 @@ struct exponent {
 
 struct lyapunov {
     int n, count;
-    struct exponent exponent[DYNAMICS_VARIABLES]; /* falling */
-    double sum;        /* [1/s] sum of these; that of all is the rate at which volumes grow */
-    double divergence; /* [1/s] mean of tr df/dy over the same time, which the sum of all equals */
-    /* Kaplan and Yorke 1979; NAN if too few exponents were asked for */
+    struct exponent exponent[DYNAMICS_VARIABLES]; /* [1/s] the largest first */
+    double sum; /* [1/s] sum of the exponents; that of all n is the growth rate of volumes */
+    /* [1/s] mean of tr df/dy over the same time, equal to the sum of all n exponents */
+    double divergence;
+    /* Kaplan and Yorke 1979; NAN if too few exponents were requested */
     struct exponent dimension;
-    double time, skip; /* [s] as they were */
+    double time, skip; /* [s] averaged, and skipped before */
     double period;     /* [s] of the drive; 0 if autonomous, NAN if it has no period */
-    /* with a drive, largest difference [1/s] between exponents of the last periods by the flow and
-     * by derivatives of the stroboscopic map, or NAN if not compared */
+    /* [1/s] For a driven scene, the largest difference between the exponents of the last periods by
+     * the flow and by derivatives of the stroboscopic map, or NAN if not compared. */
     double strobe;
     bool determined;
-    bool regular; /* not chaotic: means converge faster than any power of time */
-    bool rests;   /* has come to rest: no exponent of a flow has to be 0 */
+    bool regular; /* Not chaotic: means converge faster than any power of the time. */
+    bool rests;   /* The motion has come to rest, so that no exponent of the flow has to be 0. */
     bool conservative;
     int batches;
-    double condition; /* largest of the tangents, between orthonormalisations */
+    double condition; /* largest condition number of the tangents between orthonormalisations */
     bool cancelled;
-    const char *reason; /* why it is not determined, or ends early, or NULL if it does not */
+    const char *reason; /* reason why it is not determined or ends early, or NULL */
     int64_t evals;
-    const char *method; /* by which the motion and its tangents were solved, */
-    double tol;         /* and the tolerance */
+    const char *method; /* method by which the motion and its tangents were solved */
+    double tol;         /* its tolerance */
     double seconds;
 };
 
@@ -87,10 +88,11 @@ struct basins {
     int count;
     struct basin basin[BASINS_MOST]; /* the largest first */
     int64_t total, finished, escaping, undecided;
-    signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
-    double strobe;     /* [s] between looks */
-    int steps;         /* steps of a look; 0 if they adapt and starts go alone */
-    int64_t looks;     /* of all starts */
+    /* [total] index in `basin`, or one of the values above; the second axis varies fastest */
+    signed char *fate;
+    double strobe; /* [s] between looks */
+    int steps;     /* steps of a look; 0 if they adapt and starts go alone */
+    int64_t looks; /* looks at all starts together */
     int threads;
     double seconds;
     bool cancelled;
@@ -102,7 +104,7 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
 void basins_free(struct basins *basins);
 /* The value of an axis at its place. */
 double basins_value(const struct basins_request *request, int axis, int64_t place);
-/* Of a share of so many starts, as if they were drawn: one standard error. */
+/* Returns one standard error of the share count/total, as if the starts were drawn at random. */
 double basins_error(int64_t count, int64_t total);
 
 /* Finds what the motion from the scene's own start ends in: a find_attractor. */

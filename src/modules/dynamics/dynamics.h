@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a dynamical system does: equilibria, periodic orbits, how both go with a parameter and where
+ * Equilibria, periodic orbits, how both change with a parameter, and the special points at which
  * they change their kind.
  */
 #pragma once
@@ -12,13 +12,13 @@
 
 struct catalog;
 
-/* Of a scene that orbits are followed of. */
+/* Largest number of variables of a scene whose orbits can be followed. */
 #define DYNAMICS_VARIABLES ATTRACTOR_VARIABLES
 
 enum solution_kind {
     SOLUTION_EQUILIBRIUM,
-    SOLUTION_ORBIT,   /* with a period of its own */
-    SOLUTION_RESPONSE /* with that of the drive, or a multiple of it */
+    SOLUTION_ORBIT,   /* has a period of its own */
+    SOLUTION_RESPONSE /* has the period of the drive, or a multiple of it */
 };
 
 /* An equilibrium or a periodic orbit, at the parameters' values. */
@@ -26,17 +26,18 @@ struct solution {
     enum solution_kind kind;
     int n;
     double param[2];                  /* SI */
-    double state[DYNAMICS_VARIABLES]; /* SI; of an orbit where it begins */
-    double period;                    /* [s] 0: equilibrium */
-    int multiple;                     /* of the drive's period, or 0 if there is none */
-    /* eigenvalues [1/s] of the Jacobian, or multipliers, but for the trivial one of an autonomous
-     * orbit */
+    double state[DYNAMICS_VARIABLES]; /* SI; the start of an orbit */
+    double period;                    /* [s] 0 for an equilibrium */
+    /* number of drive periods in the period, or 0 if it is not driven */
+    int multiple;
+    /* Eigenvalues [1/s] of the Jacobian, or multipliers without the trivial one of an autonomous
+     * orbit. */
     int values;
     struct eigenvalue value[DYNAMICS_VARIABLES];
-    int unstable;    /* number of them that grow */
-    double noise;    /* multipliers smaller than this are not known */
-    double trivial;  /* of an autonomous orbit: |M f - f| / |f|, or NAN if there is none */
-    double residual; /* largest, in natural sizes */
+    int unstable;    /* number of values that grow */
+    double noise;    /* Multipliers smaller than this are not known. */
+    double trivial;  /* |M f - f| / |f| of an autonomous orbit, or NAN if there is none */
+    double residual; /* largest residual, in natural sizes */
     double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
 };
 
@@ -64,9 +65,9 @@ enum equilibrium_type {
     EQUILIBRIUM_UNSTABLE_NODE,
     EQUILIBRIUM_UNSTABLE_FOCUS,
     EQUILIBRIUM_SADDLE,
-    EQUILIBRIUM_CENTRE,     /* Hamiltonian or reversible: linear theory alone does not say so */
+    EQUILIBRIUM_CENTRE,     /* Hamiltonian or reversible, as linear theory alone does not decide */
     EQUILIBRIUM_DEGENERATE, /* linear theory does not decide */
-    EQUILIBRIUM_STABLE,     /* of three variables or more */
+    EQUILIBRIUM_STABLE,     /* stable, with three variables or more */
     EQUILIBRIUM_UNSTABLE,
 };
 
@@ -74,9 +75,9 @@ extern const struct catalog equilibrium_catalog; /* struct row, at the enum's pl
 
 struct equilibrium_form {
     enum equilibrium_type type;
-    int index; /* of Poincare and Hopf: the sign of det J, or 0 if unknown */
-    /* [n] of each eigenvalue, real and imaginary part, of length 1 in SI units; of a conjugate pair
-     * the second is the conjugate. NAN: there is none */
+    int index; /* Poincare-Hopf index: the sign of det J, or 0 if unknown */
+    /* [eigenvalue][n] Eigenvectors, real and imaginary part, of length 1 in SI units. The second
+     * one of a conjugate pair is the conjugate. NAN marks a missing eigenvector. */
     double re[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES], im[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES];
 };
 
@@ -90,16 +91,20 @@ struct equilibria_request {
 
 struct equilibria {
     int count;
-    struct solution *solution;     /* in the order of the first variable */
-    struct equilibrium_form *form; /* [count] of each */
-    bool forced;                   /* of the mean over the drive's period: they are no rest */
-    bool complete;                 /* proven that there are no others in the box */
-    char reason[192];              /* why it is not complete, and near where */
+    struct solution *solution;     /* [count] in the order of the first variable */
+    struct equilibrium_form *form; /* [count] */
+    /* They are equilibria of the mean over the drive's period, at which the motion does not
+     * rest. */
+    bool forced;
+    bool complete;    /* It is proven that the box holds no others. */
+    char reason[192]; /* reason why it is not complete, with the place */
     int boxes;
     double seconds;
 };
 
-/* Of an angle whose range is one turn (2 pi) the two ends are one. */
+/* Finds all equilibria in the box and tries to prove that there are no others. The two ends of an
+ * angle whose range is one turn (2 pi) are the same point. Returns false with `error` filled if the
+ * scene is refused or out of memory. */
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
                      struct error *error);
 void equilibria_free(struct equilibria *found);
@@ -119,16 +124,17 @@ struct orbit_request {
 
 struct found_orbit {
     struct solution solution;
-    bool family; /* a multiplier is 1: others are beside it (or a fold of orbits is) */
+    bool family; /* A multiplier is 1: the orbit belongs to a family, or is at a fold. */
     /* [s] period of the orbit from which it was followed to this one, or 0 */
     double family_from;
-    bool given_up;    /* it is unstable, and a stable one was not looked for any longer */
-    double error;     /* error of states and period, relative to natural sizes; NAN for a family */
-    double away;      /* from the state of the request, at its nearest, of its extent; NAN */
+    bool given_up; /* It is unstable, and the search for a stable one was given up. */
+    double error;  /* error of states and period, relative to natural sizes; NAN for a family */
+    /* Smallest distance from the requested state as a part of the extent, or NAN. */
+    double away;
     double energy_in; /* [J] work of the drive over a period; NAN if there is no energy */
-    int samples;      /* of one period */
-    double
-        *sample; /* [samples][n + 1] time since its beginning [s], state; denser where it jumps */
+    int samples;      /* number of samples over one period */
+    /* [samples][n + 1] time since the start [s], state; denser where the equations jump */
+    double *sample;
     int64_t evals;
     double seconds;
 };
@@ -148,7 +154,7 @@ enum special {
     SPECIAL_DOUBLING, /* PD, where an orbit of twice the period branches off */
     SPECIAL_TORUS,    /* NS: Neimark-Sacker */
     SPECIAL_END,      /* EP */
-    /* on curves of such points in two parameters: */
+    /* The following occur on curves of special points in two parameters. */
     SPECIAL_CUSP,   /* CP, where two folds meet */
     SPECIAL_DOUBLE, /* BT: Bogdanov-Takens, two eigenvalues are 0 */
     SPECIAL_BAUTIN, /* GH, generalised Hopf, where the first Lyapunov coefficient is 0 */
@@ -160,10 +166,11 @@ extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP CP
 struct branch_point {
     struct solution solution;
     enum special special;
-    double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
-    double accuracy;    /* relative, of the parameter */
-    int verified;       /* enum branch_verdict: what runs on both sides say of it */
-    double tangent[2 + DYNAMICS_VARIABLES]; /* private, direction of the branch there */
+    /* first Lyapunov coefficient of a Hopf point (Kuznetsov 2004, 5.62), else NAN */
+    double criticality;
+    double accuracy;                        /* relative accuracy of the parameter */
+    int verified;                           /* enum branch_verdict, from runs on both sides */
+    double tangent[2 + DYNAMICS_VARIABLES]; /* direction of the branch there (private) */
 };
 
 /* The second parameter of a curve of special points. */

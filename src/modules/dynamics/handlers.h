@@ -66,10 +66,10 @@ void reply_points(const struct session *session, const struct kept_branch *branc
 /* Solution that is stored under a number or a label, with the scene in which it was found. */
 struct kept_reference {
     const struct kept_orbit *orbit;
-    const struct kept_branch *branch; /* with point: a label's */
+    const struct kept_branch *branch; /* set with `point` if a label was given */
     const struct kept_point *point;
     struct solution solution;
-    struct scene scene; /* there */
+    struct scene scene; /* scene with the parameters of the solution */
 };
 /* number NULL: the first equilibrium, the last orbit. */
 bool find_equilibrium(const struct session *session, const struct dynamics *dynamics,

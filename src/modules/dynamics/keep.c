@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was found of the present equations, and when it goes. */
+/* The results stored for the present equations, and when they are dropped. */
 #include "modules/solving/compute/start.h"
 #include "modules/dynamics/kept.h"
 #include <hooke/scene/poles.h>
@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAME_SOLUTION_RELATIVE 1e-8 /* of two solutions, relative to the sizes: they are one */
+/* Two solutions are the same if they differ by less than this, relative to the sizes. */
+#define SAME_SOLUTION_RELATIVE 1e-8
 
 /* ---- whose they are ---- */
 
@@ -121,7 +122,7 @@ static bool same_solution(const struct solution *a, const struct solution *b)
                 fabs(a->period - b->period) <= SAME_SOLUTION_RELATIVE * a->period;
     for (int i = 0; i < a->n && same; i++) {
         const double size = fmax(fmax(fabs(a->top[i]), fabs(a->bottom[i])), 1e-3);
-        /* along an orbit it may begin anywhere: extrema are the same */
+        /* An orbit may begin anywhere along itself, but has the same extrema. */
         same = fabs(a->top[i] - b->top[i]) <= 1e2 * SAME_SOLUTION_RELATIVE * size &&
                fabs(a->bottom[i] - b->bottom[i]) <= 1e2 * SAME_SOLUTION_RELATIVE * size;
     }

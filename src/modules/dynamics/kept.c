@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is kept of the equations: what list shows of it, and back into the scene. */
+/* Lists of the stored results, and how `use` takes them into the scene. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/solving/compute/start.h"
@@ -41,7 +41,7 @@ static void cell_param(struct text_table *table, const struct scene *scene, int 
 
 /* ---- special points ---- */
 
-/* Which way a Hopf point goes, as the words say it. */
+/* Returns the criticality of a Hopf point as a word, or NULL if unknown. */
 static const char *criticality_of(const struct branch_point *point)
 {
     if (point->special != SPECIAL_HOPF || !isfinite(point->criticality))
@@ -394,7 +394,7 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
                                  : "labels are those of a branch: branch NAME=FROM:TO");
 }
 
-/* What of the scene has changed, as one line. */
+/* Writes the parameters that differ between two scenes as one line. */
 static void put_changes(const struct scene *previous, const struct scene *now,
                         struct buffer *output)
 {

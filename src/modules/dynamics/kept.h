@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What was found of the present equations: equilibria, orbits, branches with their special points
- * under labels. It is kept until the equations change: values of parameters and initial values are
- * none of them. Nothing is allocated before something is found.
+ * Results stored for the present equations: equilibria, orbits, and branches with their labelled
+ * special points. They are dropped when the equations change, but not when values of parameters or
+ * initial values do. No memory is allocated before there is a result.
  */
 #pragma once
 
@@ -10,10 +10,10 @@
 #include "modules/dynamics/dynamics.h"
 #include "modules/dynamics/stored_portrait.h"
 
-/* The last that were found. */
+/* The equilibria found last. */
 struct kept_equilibria {
-    uint64_t id;   /* in the session's file, or 0 if there is none */
-    double *value; /* [params] SI, of the scene then */
+    uint64_t id;   /* identifier in the session's file, or 0 if it is not stored */
+    double *value; /* [params] SI, parameters of the scene at that time */
     int count;
     struct solution *solution;
     struct equilibrium_form *form;
@@ -22,11 +22,11 @@ struct kept_equilibria {
 
 struct kept_orbit {
     uint64_t id;
-    int number; /* from 1 */
+    int number; /* counted from 1 */
     double *value;
     struct solution solution;
-    int samples;    /* of one period: */
-    double *sample; /* [samples][n + 1] time since its beginning [s], state */
+    int samples;    /* number of samples over one period */
+    double *sample; /* [samples][n + 1] time since the start [s], state */
 };
 
 struct kept_point {
@@ -64,7 +64,7 @@ extern const struct module dynamics_module;
 /* State of the module in a session. */
 struct dynamics_part {
     struct dynamics *found;          /* NULL if nothing was found yet */
-    struct stored_portrait portrait; /* what 'plot portrait' and its pane show */
+    struct stored_portrait portrait; /* shown by 'plot portrait' and its pane */
 };
 
 /* Functions of dynamics_module.store (store.c). */
@@ -96,7 +96,8 @@ struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_br
 
 /* Returns the orbit of this number, or NULL if there is none. `dynamics` may be NULL. */
 const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number);
-/* Of "HB1", in upper or lower case, on the latest branch that has it, or NULL if there is none. */
+/* Finds the special point with a label such as "HB1", in upper or lower case, on the latest branch
+ * that has it. Returns NULL if there is none. */
 const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
                                         const struct kept_branch **branch);
 static inline const struct branch_point *kept_point_at(const struct kept_branch *branch,

@@ -37,7 +37,7 @@ static bool read_guess(struct session *session, const struct arguments *args, st
     return true;
 }
 
-/* From where the current run is, if it is one of this scene as it is, else from the start. */
+/* Begins at the end of the current run if it is one of this scene, else at the scene's start. */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request)
 {
@@ -66,7 +66,7 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 /* A start farther from the orbit, relative to the orbit's extent, is not on it. */
 #define ORBIT_DISTANCE_FRACTION 0.01
 
-/* Where it was looked for from, and whether it is the motion from there. */
+/* Writes where the search began, and whether the motion from there is on the orbit. */
 static void put_from(struct buffer *output, const struct found_orbit *orbit, const char *source)
 {
     buffer_format(output, ", from %s", source);

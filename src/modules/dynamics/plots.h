@@ -9,7 +9,7 @@ extern const struct plane_row portrait_plane;
 bool portrait_fits(const struct model *model);
 bool portrait_offered(const struct session *session);
 bool portrait_figure(struct drawing *d, struct figure *figure);
-/* portrait.c: where its separatrices cross the lines through equilibria. */
+/* Adds the points at which separatrices cross the lines through equilibria (portrait.c). */
 void reply_portrait(const struct session *session, const struct figure_request *request,
                     struct reply *reply);
 /* Branches over their parameter. */

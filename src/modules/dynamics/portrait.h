@@ -9,12 +9,12 @@
 
 struct portrait_request {
     const struct scene *scene;
-    int variable[2];                   /* across and up */
-    double box[2][2];                  /* of them, SI */
-    double all[DYNAMICS_VARIABLES][2]; /* search region of equilibria, all variables */
-    double state[DYNAMICS_VARIABLES];  /* of the others: what they are in the plane that is shown */
-    double t;                          /* [s] when: of a scene that is driven */
-    bool energy;                       /* lines of equal energy, too */
+    int variable[2];                   /* variables across and up */
+    double box[2][2];                  /* SI, ranges of both */
+    double all[DYNAMICS_VARIABLES][2]; /* SI, search region of equilibria */
+    double state[DYNAMICS_VARIABLES];  /* SI, values of the other variables in the plane */
+    double t;                          /* [s] time, if the scene is driven */
+    bool energy;                       /* asks for lines of equal energy, too */
     const struct cancel *cancel;
 };
 
@@ -26,18 +26,19 @@ struct polyline {
 
 #define CROSSINGS_MAX 12
 
-/* From a saddle along an eigenvector: of the only growing, or the only decaying direction. */
+/* Separatrix of a saddle along the eigenvector of its only growing or its only decaying
+ * direction. */
 struct separatrix {
-    int equilibrium; /* place among those found */
-    bool stable;     /* goes to the saddle; else it leaves it */
-    int side;        /* 1 or -1: along the eigenvector */
+    int equilibrium; /* index in `found` */
+    bool stable;     /* leads to the saddle, not away from it */
+    int side;        /* 1 or -1, along the eigenvector */
     const char *end; /* "frame", "equilibrium", "goes on" */
-    int target;      /* the equilibrium, or -1 if there is none */
-    /* where it crosses the lines variable = value through equilibria, in the order of the way */
+    int target;      /* index of the equilibrium, or -1 if there is none */
+    /* Crossings with the lines variable = value through equilibria, in order along it. */
     int crossings;
     struct portrait_crossing {
-        int variable; /* 0: across, 1: up; has this */
-        double value; /* and the other variable */
+        int variable; /* variable across (0) or up (1) */
+        double value; /* its value, and that of the other variable */
         double other;
     } crossing[CROSSINGS_MAX];
 };
@@ -45,9 +46,9 @@ struct separatrix {
 bool polyline_put(struct polyline *line, double x, double y); /* Returns false if out of memory. */
 
 enum portrait_line {
-    PORTRAIT_NULLCLINE, /* of the variable across */
+    PORTRAIT_NULLCLINE, /* nullcline of the variable across; the next one is that of the other */
     PORTRAIT_NULLCLINE_UP,
-    PORTRAIT_SEPARATRIX, /* stable ones */
+    PORTRAIT_SEPARATRIX, /* stable separatrices */
     PORTRAIT_SEPARATRIX_UNSTABLE,
     PORTRAIT_ENERGY,
     PORTRAIT_LINES
@@ -58,13 +59,14 @@ struct portrait {
     struct equilibria found;
     struct separatrix *separatrix;
     int separatrices;
-    bool cancelled; /* what there was until then is there */
+    bool cancelled; /* holds the parts that were finished */
     int64_t evals;
     double seconds;
 };
 
-/* False: the scene has no such thing, or no memory. Forced: lines and directions at time t, the
- * equilibria those of the mean, no separatrices. */
+/* Computes the portrait. With a drive, lines and directions are those at time t, equilibria those
+ * of the mean, and there are no separatrices. Returns false with `error` filled if the scene has no
+ * portrait or if out of memory. */
 bool portrait_make(const struct portrait_request *request, struct portrait *portrait,
                    struct error *error);
 void portrait_free(struct portrait *portrait);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of dynamics share: how arguments are read and results are put. */
+/* Functions that the commands of dynamics share: they read arguments and write results. */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/run/timing.h>

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What is not named is as the scene, or its run, has it at present. It is NAN where the scene has
- * no start, which is then the error. */
+/* Sets `state` to that of the scene's run, or to the scene's start. It is NAN, with `error` filled,
+ * if the scene has no start. */
 static void present_state(const struct session *session, const struct system *system, double *state,
                           struct error *error)
 {
@@ -25,7 +25,8 @@ static void present_state(const struct session *session, const struct system *sy
         memcpy(state, start.start, (size_t)system->n * sizeof *state);
 }
 
-/* Of the point on the portrait, else of the run where cursor A stands. */
+/* Sets `state` from the cursor on the portrait, or from the run at cursor A. Returns false with
+ * `error` filled if there is no cursor. */
 static bool state_at_cursor(const struct session *session, const struct system *system,
                             double *state, struct error *error)
 {
@@ -33,7 +34,7 @@ static bool state_at_cursor(const struct session *session, const struct system *
     const struct cursors *cursors = &session->view.cursors;
     struct plot_plane plane;
     if (cursors->shown && cursors->plane && cursor_plane(session, &plane)) {
-        struct error unknown; /* of what the plane does not show */
+        struct error unknown; /* variables that the plane does not show may be unknown */
         present_state(session, system, state, &unknown);
         for (int k = 0; k < 2; k++)
             state[plane.variable[k]] = cursors->point[k];
@@ -65,7 +66,7 @@ static bool read_part(struct session *session, const struct arguments *args, str
     return true;
 }
 
-/* From the first or a later one on. */
+/* Lists the starts from number `first` (counted from 0) on. */
 static void list_starts(const struct session *session, const struct system *system, int first,
                         struct reply *reply)
 {
@@ -95,7 +96,7 @@ HANDLER(start)
     const struct model *model = session->setup.scene.model;
     const struct system system = {.model = model, .n = model->n};
     double state[LIMIT_VARIABLES] = {0};
-    struct error unknown = {0}; /* why there is no present state */
+    struct error unknown = {0}; /* reason why there is no present state */
     if (system.n < 2 || system.n > STARTS_VARIABLES)
         return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",
                          STARTS_VARIABLES);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was found of the present equations: each equilibrium list, orbit and branch a record that is
+/* Storage of results: each list of equilibria, each orbit and each branch is a record that is
  * written once. */
 #include "modules/dynamics/kept.h"
 #include <hooke/session/read.h>
@@ -14,7 +14,7 @@ static int count_of(const struct dynamics *d)
     return (d->equilibria.id != 0) + d->orbits + d->branches;
 }
 
-/* In the order equilibria, orbits, branches. */
+/* Returns the identifier of result i, in the order equilibria, orbits, branches. */
 static uint64_t id_of(const struct dynamics *d, int i)
 {
     i -= d->equilibria.id != 0;
@@ -134,7 +134,8 @@ void dynamics_forget(const void *part, struct stored *stored)
 
 /* ---- reading ---- */
 
-/* A copy, whose length has to be so many items; *count -1: any. NULL: it is not there. */
+/* Returns a copy of an array of *count items; -1 allows any length, and becomes it. Returns NULL if
+ * it is missing or has another length. */
 static void *get_array(struct text text, const char *name, int *count, size_t item)
 {
     struct text bytes;
@@ -320,7 +321,7 @@ void dynamics_read(struct reader *reader)
     struct dynamics *d = get_head(text, &ids);
     struct field_places *places = &reader->places;
     size_t lost = 0;
-    if (d && d->params != places->count) { /* of another scene than the present one */
+    if (d && d->params != places->count) { /* results of another scene */
         places->rows = places->count = d->params;
         for (int i = 0; i < d->params; i++)
             places->index[i] = places->row[i] = i;

@@ -16,7 +16,7 @@
 
 /* ---- reading NAME=FROM:TO[:STEP|:xFACTOR], measure=…, options ---- */
 
-/* Of dt and tol, before anything is computed. */
+/* Returns false with `error` filled if dt or tol is not positive along the whole axis. */
 static bool check_above_0(const struct sweep_axis *axis, struct text name, struct error *error)
 {
     const bool setting = axis->target == SWEEP_DT || axis->target == SWEEP_TOL;

@@ -5,8 +5,8 @@
 #include <math.h>
 
 enum {
-    DIAGRAM_ROWS = 20,    /* at least, of the whole answer */
-    DIAGRAM_ROWS_MIN = 6, /* of the short one */
+    DIAGRAM_ROWS = 20,    /* rows of the whole answer, at least */
+    DIAGRAM_ROWS_MIN = 6, /* rows of a short answer */
     DIAGRAM_COLUMNS = 200
 };
 
@@ -14,7 +14,7 @@ enum {
 
 struct density {
     int columns, rows;
-    double y_begin, step; /* of a row */
+    double y_begin, step; /* height of a row */
     double *value;        /* [columns][rows] log2(1 + points) */
 };
 
@@ -69,7 +69,8 @@ static void put_density(const struct session *session, const struct swept *swept
     heat_print(&heat, width, d.rows + 5, session_charset(session), text);
 }
 
-/* Over two parameters: after how many events states come again, -1 if they do not. */
+/* Returns the number of events after which the states repeat, or -1 if they do not, or NAN without
+ * events, for the map over two parameters. */
 static double repeats_of(const struct swept *swept, int64_t i, int m)
 {
     (void)m;
@@ -89,7 +90,7 @@ static void put_repeats(const struct session *session, const struct swept *swept
 
 /* ---- in words ---- */
 
-/* Where what repeats does so after another number of events than the point before. */
+/* Writes the ranges of the parameter in which states repeat after the same number of events. */
 static void put_stretches(const struct swept *swept, int max, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;

@@ -59,10 +59,11 @@ static void lines_end(struct line_reader *reader)
 struct sweep_scan {
     struct sweep_file *file;
     struct line_reader lines;
-    struct buffer head;                /* its lines so far */
-    size_t begun;                      /* blocks of other files */
-    int64_t point_at, rows, rows_seen; /* of the last point; rows_seen: most of any */
-    bool sealed;                       /* the last line was a seal */
+    struct buffer head; /* lines of the head so far */
+    size_t begun;       /* number of blocks of other files */
+    /* `point_at` is the last point, which has `rows`; no point has more than `rows_seen`. */
+    int64_t point_at, rows, rows_seen;
+    bool sealed; /* the last line was a seal */
     struct error *error;
 };
 

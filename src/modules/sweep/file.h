@@ -27,14 +27,14 @@ struct sweep_block {
 struct sweep_file {
     const char *path;
     const struct cancel *cancel;
-    struct buffer head, seal; /* as they are in the file; len 0: there is none */
+    struct buffer head, seal; /* as in the file; empty if missing */
     int64_t total, rows_max;  /* N and R of the seal */
     int64_t shard, shards;    /* I and N of an unfinished one */
     bool unfinished;
-    int64_t heads, seals; /* how many it has */
+    int64_t heads, seals; /* number of heads and of seals */
     struct sweep_block *block;
     size_t blocks, capacity;
-    int64_t end, size; /* [byte] of what counts, of the file */
+    int64_t end, size; /* [byte] end of the valid part, and size of the file */
 };
 
 /* Reads the file; points that may lack rows, at its end, do not count. The blocks are added to
@@ -56,6 +56,6 @@ bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t c
 bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
                            struct text seal, struct writer *writer, struct error *error);
 
-/* `hooke --check-sweep FILE...`: whether these files together have each point once. Returns the
- * exit status. */
+/* Checks whether the files together have each point once (`hooke --check-sweep FILE...`). Returns
+ * the exit status. */
 int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply);

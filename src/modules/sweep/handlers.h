@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the command sweep share. */
+/* Types and functions that the files of the command sweep share. */
 #pragma once
 
 #include "modules/sweep/compute/sweep.h"
@@ -9,30 +9,33 @@ extern const struct module sweep_module;
 
 /* A sweep that Ctrl-C has stopped. */
 struct stopped_sweep {
-    char *statement;    /* what stood behind `sweep` */
-    struct buffer made; /* session_save_motion() then */
-    struct sweep found; /* value NULL where the results are in a file */
+    char *statement;    /* statement after `sweep` */
+    struct buffer made; /* set-up at that time, by session_save_motion() */
+    struct sweep found; /* value is NULL if the results are in a file. */
 };
 
-/* What the module keeps in a session. */
+/* State of the module in a session. */
 struct sweep_part {
-    struct stopped_sweep *stopped; /* NULL if none was, or something else was begun since then */
+    /* NULL if none was stopped, or if something else was begun since then. */
+    struct stopped_sweep *stopped;
 };
 
 struct sweep_options {
     bool force, dry;
-    struct text file; /* of --resume; len 0: none */
+    struct text file; /* file of --resume; empty if there is none */
 };
 
 /* The request as it is before anything of it was typed. */
 struct sweep_request sweep_request_begin(struct session *session);
-/* rest: what stands behind `sweep`. Without axes only where there is a file. */
+/* Reads a statement. `rest` is the text after `sweep`, in which axes may only be missing if there
+ * is a file. Returns false with `error` filled. */
 bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
                 struct sweep_request *request, struct sweep_options *options, struct error *error);
-/* before: what was found until it was stopped; NULL if there is nothing. */
+/* Computes a sweep. `previous` holds the points that were finished before it was stopped, or is
+ * NULL. Returns false with `error` filled. */
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
                      const struct sweep *previous, struct reply *reply, struct error *error);
-/* stopped.c: the functions of sweep_module. */
+/* Functions of sweep_module (stopped.c). */
 void sweep_part_free(void *part);
 bool sweep_waits(const struct session *session);
 bool sweep_continue(HANDLER_PARAMETERS);
@@ -46,7 +49,7 @@ void sweep_keep_stopped(struct session *session, struct text statement, struct s
 bool sweep_into_file(struct session *session, const struct arguments *args,
                      struct sweep_request *request, const struct sweep_options *options,
                      struct reply *reply, struct error *error);
-/* What it would cost, by computing some of it. */
+/* Estimates the cost by computing some of the points. Returns false with `error` filled. */
 bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
                 struct error *error);
 /* Rows of CSV of these points, below the names of the columns; returns false if out of memory. */

@@ -9,8 +9,8 @@
 struct arguments;
 struct parser;
 
-/* Of the rest of a statement that begins with 'at': what stands behind it, up to an option or
- * skip=, keep=, measure=. */
+/* Takes the text of a section off a statement that begins with 'at': what follows up to an option
+ * or skip=, keep=, measure=. */
 struct text next_section(struct text *rest);
 bool read_section(struct session *session, const struct arguments *args, struct text text,
                   struct sweep_section *section, struct error *error);

@@ -31,7 +31,8 @@ static bool same_measure(const struct sweep_measure *a, const struct sweep_measu
            a->observable == b->observable && a->expression == b->expression;
 }
 
-/* Its place; -1: too many. */
+/* Adds a measure unless it is there already. Returns its index, or -1 with `error` filled if there
+ * are too many. */
 static int add_measure(struct sweep_request *request, const struct sweep_measure *measure,
                        struct text where, struct error *error)
 {
@@ -83,7 +84,7 @@ static enum quantity quantity_of(const struct expr *expr)
     return quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : quantity;
 }
 
-/* text: an expression of what print knows of a run. */
+/* Compiles an expression of quantities of a run. Returns NULL with `error` filled. */
 static const struct sweep_expression *read_column(struct parser *parser, struct text text,
                                                   struct error *error)
 {
@@ -122,8 +123,8 @@ struct reduction {
     const char *cursor;
     size_t len;
     int place;
-    bool root;              /* rms: of the mean square */
-    enum quantity quantity; /* of the root */
+    bool root;              /* It is rms, the root of the mean square. */
+    enum quantity quantity; /* quantity of the root */
 };
 
 struct formula_reader {

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Up to what can follow it. */
+/* Returns the text up to a key or an option that can follow it. */
 static struct text section_text(struct text rest)
 {
     static const char *const keys[] = {"skip", "keep", "measure"};
@@ -123,7 +123,7 @@ static bool read_event_in(struct parser *parser, struct expr_scope *scope,
     return event->left && event->right;
 }
 
-/* In a scope of the scene's own names, which is the parser's no longer than this. */
+/* Reads an event in a scope of the scene's own names, which replaces the parser's for this time. */
 static bool read_event_of(struct parser *parser, const struct event_line *line, struct event *event,
                           struct error *error)
 {

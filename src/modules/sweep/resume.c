@@ -17,9 +17,10 @@
 #include <unistd.h>
 
 #define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
-/* Of results; as text, which is copied once, they take ten times as much. */
+/* Bytes of results between two writes; as text, which is copied once, they take ten times as
+ * much. */
 #define PIECE_BYTES ((size_t)1 << 23)
-#define PIECE_SECONDS 0.5 /* that a piece takes, between this and four times as much */
+#define PIECE_SECONDS 0.5 /* [s] least time of a piece, which may take four times as much */
 
 /* ---- which sweep it is, as lines of the head ---- */
 
@@ -108,7 +109,7 @@ struct growing_file {
     struct session *session;
     struct sweep_request *request;
     struct sweep_file file;
-    int fd; /* -1: not open */
+    int fd; /* -1 if not open */
     struct writer writer;
     struct buffer head, seal;
     struct sweep all; /* no results: which points */
@@ -224,7 +225,8 @@ static bool arrange_points(struct growing_file *g, struct error *error)
     return true;
 }
 
-/* Without what may not be whole; then points can be added. */
+/* Removes an incomplete end of the file, so that points can be added, and marks it as unfinished.
+ * Returns false with `error` filled. */
 static bool begin_adding(struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -277,7 +279,8 @@ static bool add_finished(struct growing_file *g, const struct sweep *piece, stru
         part.value += block_begin * part.measures;
         part.status += block_begin;
         bool ok = sweep_rows(g->request, &part, &rows) || error_memory(error);
-        const char *end = ok ? memchr(rows.data, '\n', rows.len) : NULL; /* of the names */
+        /* End of the line of names. */
+        const char *end = ok ? memchr(rows.data, '\n', rows.len) : NULL;
         if (end) {
             const struct text view = {end + 1, (size_t)(rows.data + rows.len - end - 1)};
             ok = sweep_file_add(&g->file, g->fd, part.first, part.count, view, error);
@@ -312,7 +315,8 @@ static bool compute_piece(struct growing_file *g, int64_t first, int64_t count, 
     return ok;
 }
 
-/* At a section a point has many numbers. */
+/* Returns the number of points in a piece, which is smaller at a section, where a point has many
+ * numbers. */
 static int64_t most_points(const struct growing_file *g)
 {
     const size_t each = (size_t)g->all.measures * sizeof(double);
@@ -385,7 +389,8 @@ static bool prepare_resume(struct growing_file *g, const struct arguments *args,
            arrange_points(g, error);
 }
 
-/* What is whole is left alone. */
+/* Computes the missing points and completes the file. A complete file is unchanged. Returns false
+ * with `error` filled. */
 static bool growing_file_complete(struct growing_file *g, bool force, struct error *error)
 {
     if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))

@@ -46,11 +46,11 @@ void sweep_keep_stopped(struct session *session, struct text statement, struct s
         *sweep = (struct sweep){.count = 0};
         part->stopped = stopped;
     } else {
-        stopped_free(stopped); /* without memory it cannot go on */
+        stopped_free(stopped); /* cannot be continued without memory */
     }
 }
 
-/* In the log stands the sweep: a script that is made of it has not been stopped. */
+/* Writes the whole sweep into the log: a script made of it does not stop there. */
 static void mean_sweep(struct session *session, const char *statement)
 {
     struct buffer text = {0};
@@ -75,7 +75,7 @@ bool sweep_continue(struct session *session, const struct arguments *args, struc
     const char *statement = arena_text(args->arena, text_of(stopped->statement));
     if (!statement)
         return error_memory(error);
-    part->stopped = NULL; /* where it is stopped again, that is another one */
+    part->stopped = NULL; /* If it is stopped again, that is another one. */
     const bool ok =
         sweep_statement(session, args, text_of(statement), &stopped->found, reply, error);
     session->studies.points = 0;

@@ -7,8 +7,8 @@
 
 enum {
     TABLE_ROWS = 40,
-    FIGURE_ROWS_MIN = 10, /* [row] below which a figure says less than a table */
-    THIN_BLOCKS = 2048    /* of a curve with more points the extremes of each block are drawn */
+    FIGURE_ROWS_MIN = 10, /* smallest height [row] at which a figure shows more than a table */
+    THIN_BLOCKS = 2048    /* Longer curves are drawn by the extremes of this number of blocks. */
 };
 
 static double swept_cell_value(const struct swept *swept, int64_t i, int m)
@@ -172,7 +172,7 @@ static bool has_values(const struct swept *swept, int measure)
     return some;
 }
 
-/* Of a scene in which more than one thing moves. */
+/* Writes which variable is watched, in a scene of several coordinates. */
 static void put_watched(const struct swept *swept, struct buffer *text)
 {
     const struct model *model = swept->model;
@@ -190,7 +190,7 @@ static void put_watched(const struct swept *swept, struct buffer *text)
                       model->variable[0].name, first, model->variable[1].name);
 }
 
-/* What its number stands for, how often, and the first of them. */
+/* Writes what the number denotes, how often it occurs and where first. */
 static void put_attractor(const struct swept *swept, const struct sweep_attractor *a,
                           struct buffer *text)
 {
@@ -230,7 +230,7 @@ static void put_attractor(const struct swept *swept, const struct sweep_attracto
     buffer_char(text, '\n');
 }
 
-/* Where nothing but starts is varied, all points have the same attractors. */
+/* Writes a note if only starts are varied, when all points have the same attractors. */
 static void put_starts(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -269,7 +269,7 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text)
                       sweep->reason);
 }
 
-/* What stands below the figures. */
+/* Writes the remarks below the figures. */
 static void put_remarks(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;

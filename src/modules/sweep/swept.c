@@ -5,7 +5,8 @@
 #include <float.h>
 #include <math.h>
 
-/* At a section a point has its repeats, then of each event the time and the measures. */
+/* Returns the value of measure m. At a section a point has its repeats, then the time and the
+ * measures of each event. */
 double swept_value(const struct swept *swept, int64_t i, int64_t k, int m)
 {
     const double *value = swept->sweep->value + i * swept->sweep->measures;

@@ -6,14 +6,14 @@
 #include <hooke/report.h>
 #include "modules/sweep/compute/sweep.h"
 
-/* What was swept, with the names of its measures. */
+/* A sweep with the names of its measures. */
 struct swept {
     const struct sweep *sweep;
     const struct sweep_measure *measure;
     const struct model *model;
     int measures;
-    const struct sweep_section *section;     /* NULL: measured over the duration */
-    const struct sweep_attractor *attractor; /* [attractors] where they are measured */
+    const struct sweep_section *section;     /* NULL if measured over the duration */
+    const struct sweep_attractor *attractor; /* [attractors] if they were measured */
     int attractors;
 };
 
@@ -43,16 +43,17 @@ void swept_map(const struct session *session, const struct swept *swept, struct 
                struct arena *arena, struct buffer *text);
 
 /*
- * Columns: point, the parameters, the measures, status. At a section a row for each event: event
- * (its number) and t before the measures, behind them the first one at the next event (NAN: the
- * last) and repeats. A point without events has one row of NAN. Returns false if out of memory.
+ * Makes the table of results. Its columns are point, the parameters, the measures, status. At a
+ * section each event has a row, with its number and t before the measures, and behind them the
+ * first measure at the next event (NAN after the last) and repeats. A point without events has one
+ * row of NAN. Returns false if out of memory.
  */
 bool swept_table(const struct swept *swept, struct arena *arena, struct table *table);
 
-/* rows: what fits into that many lines, figures before tables; 0: everything. */
+/* Writes the sweep in at most `rows` lines, figures before tables; 0 writes everything. */
 void sweep_text(const struct session *session, const struct swept *swept, int rows,
                 struct arena *arena, struct buffer *text);
-/* At a section: how many points have fewer events than were to be kept is said, too. */
+/* The same at a section. It also writes how many points have fewer events than wanted. */
 void diagram_text(const struct session *session, const struct swept *swept, int rows,
                   struct arena *arena, struct buffer *text);
 
@@ -60,7 +61,7 @@ void diagram_text(const struct session *session, const struct swept *swept, int 
 void sweep_summary(const struct sweep *sweep, struct buffer *text);
 void sweep_failures(const struct sweep *sweep, struct buffer *text);
 
-/* heat.c: the map as text lines, legend included, of at most width x height cells. Returns false if
+/* Draws the map as text of at most width x height cells, with its legend (heat.c). Returns false if
  * out of memory. */
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
                 struct buffer *output);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What motions end in: found where one of them repeats, known again where another comes near. */
+/* Attractors: found where a motion repeats, and recognised when another motion comes near. */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -10,18 +10,22 @@
 
 #include "modules/solving/compute/algebra.h"
 
-#define ESCAPE_SIZES 1e6               /* of sizes */
-#define RECURRENCE_SIZES 1e-8          /* of sizes: a state has come again, */
-#define RECURRENCES_MIN 3              /* so many times on end */
-#define ATTRACTOR_NEAR_SIZES 1e-3      /* of sizes: a motion goes to that attractor, */
-#define NEAR_LOOKS_MIN 3               /* if so many times on end */
-#define ATTRACTORS_SAME_SIZES 1e-5     /* of sizes: two that were found are one */
-#define CLOUD_LOOKS_INSIDE 24          /* times on end in the cells of what does not repeat */
-#define CLOUD_LOOKS 6000               /* looks that cells are found by */
-#define ORBIT_TURN_STEPS 1000          /* steps of a turn around an orbit */
-#define ORBIT_TURN_LOOKS_MAX 50        /* looks that a turn may take */
-#define MULTIPLIER_NEUTRAL_MARGIN 1e-7 /* multipliers so near 1 attract nothing */
-#define ORBIT_CLOSED_SIZES 1e-6        /* of sizes: an orbit has closed */
+/* distance from the centre beyond which a motion escapes, in sizes */
+#define ESCAPE_SIZES 1e6
+#define RECURRENCE_SIZES 1e-8     /* distance, in sizes, within which a state has recurred */
+#define RECURRENCES_MIN 3         /* successive recurrences, in periods, of a motion that repeats */
+#define ATTRACTOR_NEAR_SIZES 1e-3 /* distance, in sizes, within which a motion is near one */
+#define NEAR_LOOKS_MIN 3          /* successive looks near an attractor after which it is reached */
+/* Two attractors found are the same within this distance, in sizes. */
+#define ATTRACTORS_SAME_SIZES 1e-5
+/* successive looks in the cells of an attractor that does not repeat */
+#define CLOUD_LOOKS_INSIDE 24
+#define CLOUD_LOOKS 6000        /* looks from which the visited cells are collected */
+#define ORBIT_TURN_STEPS 1000   /* steps of a turn around an orbit */
+#define ORBIT_TURN_LOOKS_MAX 50 /* looks that a turn may take */
+/* An orbit whose multipliers are within this distance of 1 attracts nothing. */
+#define MULTIPLIER_NEUTRAL_MARGIN 1e-7
+#define ORBIT_CLOSED_SIZES 1e-6 /* distance, in sizes, within which an orbit has closed */
 
 /* ---- distances ---- */
 
@@ -155,7 +159,8 @@ static bool is_equilibrium(struct basin_walk *walk, const double *y)
     return !walk->forced && most * walk->strobe < 1e-5;
 }
 
-/* Largest growth but, of an orbit, that along it; stable: it falls. */
+/* Sets basin->growth to the largest growth, leaving out that along an orbit, and basin->stable,
+ * which is true if it decays. */
 static void judge(struct basin_walk *walk, struct basin *basin)
 {
     struct flow_slopes *slopes = malloc(sizeof *slopes);
@@ -214,7 +219,8 @@ static int known_as(const struct basin_walk *walk, const double *y, double toler
     return BASIN_MISSING;
 }
 
-/* What looks leave of the way to rest is taken by Newton's steps. */
+/* Takes the rest of the way to an equilibrium, which the looks have not covered, by Newton's
+ * steps. */
 static void settle_state(struct basin_walk *walk, double *y)
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], correction[FIELD_VARIABLES];
@@ -331,7 +337,7 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
     double spread[3][FIELD_VARIABLES] = {{0}}, low[FIELD_VARIABLES], high[FIELD_VARIABLES];
     for (int k = 0; a.cell && k < CLOUD_LOOKS && fate == BASIN_MISSING; k++) {
         stepper_advance(stepper, w, 1);
-        w->looks = 0; /* for as long as it takes */
+        w->looks = 0; /* no limit on the number of looks */
         fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
         visit(walk, a.cell, w->y);
         for (int i = 0; i < walk->n; i++) {

@@ -16,9 +16,9 @@
 #include <hooke/base/numeric.h>
 
 #define POINTS_MOST 16000000
-#define PILOT_STARTS 64        /* starts by which attractors are found */
+#define PILOT_STARTS 64        /* starts from which attractors are learnt */
 #define LOOKS_PER_ATTEMPT 64   /* looks between attempts to find an orbit */
-#define SIZE_MIN_FRACTION 1e-3 /* of the largest size */
+#define SIZE_MIN_FRACTION 1e-3 /* Sizes below this part of the largest size are replaced by it. */
 #define LOOK_NS 50000000
 
 double basins_value(const struct basins_request *request, int axis, int64_t place)
@@ -111,7 +111,8 @@ static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLE
     return true;
 }
 
-/* What the scene's start leaves at rest has no size of its own. */
+/* Sets centres and sizes. A variable that is 0 at the scene's start has no size of its own, and
+ * takes the largest one. */
 static void choose_sizes(struct basin_walk *walk, const struct basins_request *request)
 {
     double most = 0;
@@ -317,7 +318,7 @@ static int by_point(const void *a, const void *b)
     return (x->point > y->point) - (x->point < y->point);
 }
 
-/* What the first starts have not shown. */
+/* Decides the starts whose attractor was unknown when they were walked. */
 static void learn_late(struct basins_job *job, struct basin_walk *walk)
 {
     if (job->lates > 0 && !cancelled(job->request->cancel))
@@ -325,7 +326,7 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
     const int old_count = walk->attractors;
     for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {
         struct walker *w = &job->late[i].walker;
-        /* what does not repeat is looked at for a few of them only */
+        /* Only a few of those that do not repeat are examined. */
         if (!w->found && i >= PILOT_STARTS && walk->attractors == old_count)
             continue;
         int fate = BASIN_UNDECIDED;

@@ -22,9 +22,9 @@ struct attractor {
 struct basin_walk {
     struct vector_field field;
     int n;
-    double strobe; /* [s] */
+    double strobe; /* [s] time between looks */
     bool forced;
-    int steps; /* of rk4 */
+    int steps; /* steps of rk4 from look to look, or 0 for adaptive steps */
     double centre[FIELD_VARIABLES];
     int attractors;
     struct attractor attractor[BASINS_MOST];
@@ -34,26 +34,30 @@ struct basin_walk {
 struct walker {
     double y[FIELD_VARIABLES]; /* SI */
     double past[WALK_PAST][FIELD_VARIABLES];
-    int looks, near_count, attractor; /* number of looks near attractor `at` on end */
-    int again, period;                /* how often the same as so many looks before */
-    bool found;                       /* repeats, but is none that is known */
+    int looks, near_count, attractor; /* `near_count` counts successive looks near `attractor`. */
+    int again, period; /* `again` counts successive recurrences after `period` looks. */
+    bool found;        /* It repeats, but is near no known attractor. */
 };
 
-/* lanes: there are enough starts to fill them. */
+/* Prepares the walk for the request. `lanes` says that there are enough starts to fill the lanes.
+ * Returns false with `error` filled if the scene is refused or out of memory. */
 bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
                struct error *error);
 void walk_free(struct basin_walk *walk);
 void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y);
-/* After one more look: the place of an attractor, BASIN_ESCAPES, BASIN_UNDECIDED; BASIN_MISSING:
- * on its way; found: repeats as none that is known. */
+/* Examines the walker after one more look. Returns the index of an attractor, BASIN_ESCAPES,
+ * BASIN_UNDECIDED, or BASIN_MISSING if it is still on its way. Sets walker->found if the motion
+ * repeats, but is near no known attractor. */
 int walker_look(const struct basin_walk *walk, struct walker *walker);
-/* The walker has come to what repeats, or has not for long: its attractor, which may be new. */
+/* Returns the attractor of a walker that repeats, or that has not repeated for long; it is added if
+ * it is new. Returns BASIN_UNDECIDED or BASIN_MISSING if there is none. */
 int walk_learn(struct basin_walk *walk, struct walker *walker);
 
-/* Up to LANE_COUNT states [count] of walkers go on by one look, side by side where that can be. */
 struct stepper;
+/* Returns a stepper for motions of the walk, or NULL if out of memory. */
 struct stepper *stepper_create(const struct basin_walk *walk);
 void stepper_free(struct stepper *stepper);
+/* Advances walker [count] by one look, side by side where possible; count is at most LANE_COUNT. */
 void stepper_advance(struct stepper *stepper, struct walker *walker, int count);
 /* Returns the number of steps that a look needs from these states, or 0 if they go alone, by
  * adaptive steps. */

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What one motion ends in. */
+/* Finds the attractor of a single motion. */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
 
-#define LOOKS_PER_ATTEMPT 64     /* looks between attempts to find an orbit */
-#define SAME_APPROACH_SIZES 1e-4 /* of sizes: points so near are on the way to one */
+#define LOOKS_PER_ATTEMPT 64 /* looks between attempts to find an orbit */
+/* Points within this distance, in sizes, approach the same point. */
+#define SAME_APPROACH_SIZES 1e-4
 
-/* From the scene's start alone; about it lie those that sizes and the time between looks follow
- * from. */
+/* Returns a request for the scene's start alone. Its ranges around the start determine the sizes
+ * and the time between looks. */
 static struct basins_request request_of(const struct scene *scene, const struct system *system,
                                         const struct cancel *cancel)
 {
@@ -42,8 +43,9 @@ static int follow_start(struct basin_walk *walk, const struct cancel *cancel)
     return fate;
 }
 
-/* Near a period doubling a motion comes to half as many points slowly, from both sides: looks a few
- * apart agree before those next to each other do. */
+/* Returns the number of drive periods after which the attractor repeats. Near a period doubling a
+ * motion approaches half as many points slowly, from both sides: looks a few apart agree before
+ * neighbouring ones do. */
 static int periods_of(const struct basin_walk *walk, const struct attractor *a)
 {
     int periods = a->basin.multiple;

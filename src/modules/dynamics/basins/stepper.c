@@ -11,9 +11,10 @@
 #define ALONE_TOL 1e-9
 #define STEPS_MIN 16
 #define STEPS_MAX 2048
-#define LOOK_STEPS 256      /* of all lanes: after so many it asks whether to stop */
-#define CHANGE_TYPICAL 1e-5 /* change by twice the steps, in sizes, of nine starts of ten */
-#define CHANGE_WORST 1e-2   /* and of any start */
+#define LOOK_STEPS 256 /* steps of all lanes between two checks for cancellation */
+/* Largest change in sizes, if the number of steps is doubled, for nine starts out of ten, */
+#define CHANGE_TYPICAL 1e-5
+#define CHANGE_WORST 1e-2 /* and for any start. */
 
 struct stepper {
     struct vector_field field; /* alone */
@@ -108,7 +109,7 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
         difference[i] = 0;
         for (int k = 0; k < walk->n; k++) {
             const double a = walker[i].y[k], b = walker[LANE_COUNT + i].y[k];
-            /* what leaves does so either way */
+            /* A motion that escapes does so with either number of steps. */
             const double change = fabs(a - b) / fmax(walk->field.size[k], 1e-2 * fabs(b));
             difference[i] =
                 fmax(difference[i], isfinite(b) ? (isfinite(a) ? change : HUGE_VAL) : 0);

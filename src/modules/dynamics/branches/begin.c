@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a branch begins. */
+/* The first point of a branch. */
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
 
-#define SAME_SOLUTION_DISTANCE 1e-6 /* the start, and what is found of it */
-#define START_DISTANCE_MAX 0.3      /* from the start: another solution */
+#define SAME_SOLUTION_DISTANCE 1e-6 /* distance below which the solution found is the start */
+/* distance from the start beyond which it is another solution */
+#define START_DISTANCE_MAX 0.3
 /* Distance from a crossing at which a branch begins beside it, where the range is 1. */
 #define NEIGHBOUR_PARAM_STEP 0.005
 
-/* At a fold another unknown is held; where branches cross the walk begins beside it, and passes it
- * on one side. */
+/* Finds the first place if the start is a special point. At a fold another unknown is held fixed;
+ * at a crossing the walk begins beside it, and passes it on one side. */
 static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
                              const double *u, int side, struct curve_place *first)
 {

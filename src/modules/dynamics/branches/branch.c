@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
-#define FIRST_STEP_LENGTH 0.01 /* arclength of the first step, where the range is 1 */
+#define FIRST_STEP_LENGTH 0.01 /* arclength of the first step, in units of the range */
 #define STEP_LENGTH_MAX 0.05
-#define STEP_MIN_FRACTION 1e-7 /* of the longest */
+#define STEP_MIN_FRACTION 1e-7 /* shortest step as a part of the longest */
 /* Shorter steps, relative to the longest, are not halved to separate pairs of special points. */
 #define UNRESOLVED_STEP_FRACTION 1e-4
 /* An obstacle that stops the shortest step is nearer than this part of the longest one. */
@@ -24,8 +24,8 @@
 #define BRANCH_POINTS_DEFAULT 1000
 /* An orbit below this part of its largest extent is nearly an equilibrium. */
 #define SHRUNK_ORBIT_FRACTION 2e-3
-#define ORBIT_PARAM_ROUNDING 1e-9        /* relative, of the parameter of orbits: rounding */
-#define EQUILIBRIUM_PARAM_ROUNDING 1e-13 /* of equilibria */
+#define ORBIT_PARAM_ROUNDING 1e-9        /* relative change that is rounding, along orbits */
+#define EQUILIBRIUM_PARAM_ROUNDING 1e-13 /* the same on branches of equilibria */
 
 /* ---- the walk ---- */
 
@@ -187,7 +187,8 @@ static bool comes_back(struct branch_walk *w, const struct curve_place *point,
                        const struct curve_place *next, const struct curve_place *start)
 {
     const int last = w->path->problem->n;
-    static const double detour = 1.1; /* of a step, by way of what lies on it: steps turn little */
+    /* The way along a step may be longer than its chord by this factor. */
+    static const double detour = 1.1;
     const double far = apart(w, next, last, start, w->start),
                  step = apart(w, next, last, point, last),
                  last_distance = apart(w, point, last, start, w->start);
@@ -217,7 +218,8 @@ static bool end_there(struct branch_walk *w, const char *why)
     return true;
 }
 
-/* What fails because it is stopped ends with a label, to go on from; a special point is one. */
+/* Ends the walk at its last point. If cancelled, this point is labelled as an end, so that the
+ * branch can be continued there, unless it is already a special point. */
 static bool fails_there(struct branch_walk *w, const char *why)
 {
     const bool stopped = cancelled(w->request->cancel);
@@ -299,7 +301,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *point,
     return true;
 }
 
-/* By the parameter's range, or the number of points. */
+/* Reports the fraction of the parameter's range, or of the number of points, that is done. */
 static void branch_progress_report(struct branch_walk *w, const struct curve_place *point,
                                    const struct curve_place *start, int points, int max)
 {
@@ -368,7 +370,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                        : fails_there(w, "no step leads on");
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
-        if (upright < 0) { /* beyond the equilibrium to which it shrinks, or of another phase */
+        if (upright < 0) { /* The step has passed the equilibrium, or changed the phase. */
             step /= 2;
             if (step > STEP_MIN_FRACTION * far && extent(w) > SHRUNK_ORBIT_FRACTION) {
                 i--;
@@ -378,7 +380,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                                                                   : "it shrinks to an equilibrium");
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
-        if (leaves) { /* what lies between it and the edge is not looked for */
+        if (leaves) { /* Special points between the edge and this place are not wanted. */
             struct solution reference;
             const bool seen = solutions_seen(w->path, &next, &reference);
             if (!walk_record_specials(w, &next, seen ? &reference : NULL))
@@ -483,7 +485,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     branch->seconds = clock_seconds(start_time);
     for (int direction = -1; direction <= 1 && !branch->closed; direction += 2)
         forget_last_turns(branch, direction);
-    /* at the edge of the range what leads away from there is the family, at the same value */
+    /* A family leads away from the edge of the range at one value of the parameter. */
     const bool stays = branch->count == 1 && !branch->cancelled && branch_starts_in_family(r);
     if ((fine || branch->count > 0) && !stays)
         return true;

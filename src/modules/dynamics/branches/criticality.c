@@ -176,11 +176,13 @@ static double coefficient(const struct taylor *t, double omega)
 }
 
 #define DIFFERENCE_STEP_SIZES 2e-3 /* first step in natural sizes */
-/* The step grows where the difference is lost in rounding: of variables that have not moved. */
+/* The step grows by this factor where the difference is lost in rounding because a variable has not
+ * moved. */
 #define STEP_GROWTH_FACTOR 100
-#define STEP_MAX_FRACTION 0.1         /* of the largest natural size */
-#define VALUE_ERROR_MAX_RELATIVE 1e-3 /* of the value: an error */
-#define VALUES_AGREE_RELATIVE 0.03    /* of the value: two steps say the same */
+#define STEP_MAX_FRACTION 0.1         /* longest step, relative to the largest natural size */
+#define VALUE_ERROR_MAX_RELATIVE 1e-3 /* A larger relative error of the value is too large. */
+/* Values of two steps agree if they differ by less than this part. */
+#define VALUES_AGREE_RELATIVE 0.03
 
 /* The largest natural size, as a multiple of those that the motion has to do with. */
 static double room_for_steps(struct vector_field *field, const double *state, double omega)

@@ -7,7 +7,7 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define DIFFERENCE_STEP_UNITS 1e-6 /* of units */
+#define DIFFERENCE_STEP_UNITS 1e-6 /* step of a difference, in the unknowns' units */
 
 static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
 
@@ -27,9 +27,10 @@ static bool step_aside(struct solution_curve *path, const double *u, const doubl
 }
 
 /*
- * A direction in the space of states [n] as one of unknowns: how all segments move with it. by
- * [n + 2], of which the last two are those of period and parameter, all in their units. u: the
- * unknowns there.
+ * Converts a displacement of the start to a direction in the space of unknowns, in which all
+ * segments move with it. `displacement` [n + 2] is that of the state [n], of the period and of the
+ * parameter, each in its unit. u are the unknowns there. Returns false if a flow cannot be
+ * followed.
  */
 static bool spread(struct solution_curve *path, const struct solution *solution, double period,
                    const double *displacement, double *u, double *direction)

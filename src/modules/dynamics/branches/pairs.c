@@ -52,7 +52,7 @@ struct test_sample {
 struct test_minimum {
     struct branch_walk *walk;
     int test, sign;
-    struct test_sample *low, *middle, *high, *fresh; /* of four that change their places */
+    struct test_sample *low, *middle, *high, *fresh; /* four samples that change places */
 };
 
 static double value_at(const struct test_minimum *m, const struct curve_place *point)
@@ -87,7 +87,7 @@ static bool sample_at(const struct test_minimum *m, double position)
     return isfinite(m->fresh->value);
 }
 
-/* Where to look next: at the vertex, but not where it is known already. */
+/* Returns the next position to examine: the vertex, unless it is known already. */
 static double next_sample(const struct test_minimum *m, double vertex)
 {
     const double low = m->low->position, middle = m->middle->position, high = m->high->position,
@@ -147,7 +147,7 @@ static bool record_at(struct branch_walk *w, const struct found_special *f, int 
     const struct branch_point point = b->point[count];
     memmove(&b->point[*index + 1], &b->point[*index], (size_t)(count - *index) * sizeof *b->point);
     b->point[(*index)++] = point;
-    w->fold_at = 0; /* what it counts has moved */
+    w->fold_at = 0; /* It counts points that have moved. */
     return true;
 }
 

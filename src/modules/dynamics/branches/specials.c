@@ -9,11 +9,15 @@
 
 /* Tests that become 0 within this part of the range belong to the same point. */
 #define SAME_POINT_RANGE_FRACTION 1e-6
-#define ZERO_EIGENVALUE_RELATIVE 1e-6 /* of a frequency: an eigenvalue that is 0 */
-#define ZERO_TEST_RELATIVE 1e-8       /* of the largest value so far: a test that is 0 */
-#define RANGE_EDGE_FRACTION 1e-9      /* of the range: what is so near is on it */
-#define PARAM_ROUNDING_RELATIVE 1e-13 /* of the range, or of the parameter: rounding */
-/* Folds of orbits that are nearer to each other than this, relatively, come from rounding. */
+/* An eigenvalue is 0 if it is smaller than this part of the frequency. */
+#define ZERO_EIGENVALUE_RELATIVE 1e-6
+/* A test is 0 if it is smaller than this part of its largest value so far. */
+#define ZERO_TEST_RELATIVE 1e-8
+/* A point within this part of the range from an edge is on the edge. */
+#define RANGE_EDGE_FRACTION 1e-9
+/* rounding of the parameter, relative to the range or to its value */
+#define PARAM_ROUNDING_RELATIVE 1e-13
+/* Folds of orbits whose parameters differ by less than this part come from rounding. */
 #define FOLD_ROUNDING_RELATIVE 1e-9
 
 bool branch_append(struct branch *b, const struct solution_curve *path,
@@ -27,7 +31,8 @@ bool branch_append(struct branch *b, const struct solution_curve *path,
     struct branch_point *point = &more[b->count++];
     *point = (struct branch_point){
         .solution = *solution, .special = special, .criticality = NAN, .accuracy = NAN};
-    /* of an orbit its beginning and what holds for all of it: the rest follows */
+    /* An orbit's tangent is stored for its start, its period and the parameter; the remaining
+     * unknowns follow. */
     const int n = path->field.n, all = path->problem->n;
     memcpy(point->tangent, location->tangent, (size_t)n * sizeof *point->tangent);
     if (path->kind == SOLUTION_EQUILIBRIUM) {
@@ -163,8 +168,8 @@ static int by_distance(const void *a, const void *b)
     return (x->distance > y->distance) - (x->distance < y->distance);
 }
 
-/* NAN: a real eigenvalue is 0, or another pair passes, too, and linear theory says nothing of one
- * pair alone. */
+/* Returns the first Lyapunov coefficient of a Hopf point. Returns NAN if a real eigenvalue is 0 or
+ * if another pair passes at the same time, as the coefficient of one pair then decides nothing. */
 static double criticality(struct branch_walk *w, const struct solution *s)
 {
     double omega = 0, best = HUGE_VAL, error;
@@ -185,8 +190,9 @@ static double criticality(struct branch_walk *w, const struct solution *s)
     return fabs(first) <= 4 * error ? 0 : first;
 }
 
-/* Where orbits change and their parameter does not (canards) rounding turns it to and fro: of an
- * even number of folds none is one, of an odd number that with the least or the largest value. */
+/* Returns true if the special point is a fold and not due to rounding. Where orbits change at a
+ * constant parameter (canards), rounding turns it back and forth: an even number of such folds is
+ * none, and an odd number counts as the one with the least or the largest value. */
 static bool is_fold(struct branch_walk *w, const struct found_special *f, double *accuracy)
 {
     struct branch *b = w->branch;

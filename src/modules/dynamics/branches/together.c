@@ -22,7 +22,7 @@
 #define AT_ONCE 1e-7
 #define COMPLEX_PAIR_IMAG_MIN 1e-5 /* imaginary part of one that is complex */
 
-/* How fast a difference grows: a rate, or the logarithm of a multiplier. */
+/* Returns the growth of a difference: a rate [1/s], or the logarithm of a multiplier. */
 static double growth(const struct solution *s, int k)
 {
     return s->kind == SOLUTION_EQUILIBRIUM ? s->value[k].re
@@ -145,7 +145,7 @@ static void chord_specials_find(struct branch_walk *w, const struct curve_place 
     if (specials_by_signs(w, a, b, found, count) >= p.count)
         return;
     *count = saved_count;
-    /* of one alone the sign of a test changes */
+    /* A single eigenvalue that passes changes the sign of a test. */
     if (p.count > 1 && depth >= HALVINGS_BEFORE_COMMON && saved_count < SPECIALS_MOST &&
         pass_together(&p, &found[saved_count])) {
         *count += is_in_range(w->request, &found[saved_count].solution.param[0]);

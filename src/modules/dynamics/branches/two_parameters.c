@@ -14,25 +14,27 @@
 #include "modules/dynamics/branches/walk.h"
 
 #define DIFFERENCE_STEP_RELATIVE 1e-6
-#define FOLD_DIFFERENCE_UNITS 1e-4 /* of units: along a fold of orbits */
+#define FOLD_DIFFERENCE_UNITS 1e-4 /* step along a fold of orbits, in units of the unknowns */
 /* Weight of the second parameter in the sum of both, which then has no special direction. */
 #define SECOND_PARAM_WEIGHT 0.618
 #define CONDITION_REUSE_DISTANCE 1e-4 /* farther away the condition of an orbit is derived anew */
 #define FIRST_STEP_LENGTH 0.01
 #define STEP_LENGTH_MAX 0.05
-#define PHASE_COSINE_MIN 0.9 /* of the phase of an orbit: less is referred anew */
+/* Cosine of an orbit's phase to the reference, below which the reference is renewed. */
+#define PHASE_COSINE_MIN 0.9
 #define CURVE_POINTS_DEFAULT 1000
 
 struct special_curve {
     struct solution_curve base;
     enum special kind;
-    int second; /* place of the second parameter */
+    int second; /* index of the second parameter among the unknowns */
     double qsize;
-    double point[CURVE_MAX], slope[CURVE_MAX]; /* of the condition, derived there */
-    double by_second[CURVE_MAX];               /* of the equations */
+    double point[CURVE_MAX], slope[CURVE_MAX]; /* derivatives of the condition at `point` */
+    /* derivatives of the equations by the second parameter */
+    double by_second[CURVE_MAX];
     bool derived;
-    double
-        tangent[CURVE_MAX]; /* of a fold: the tangent at one parameter, or what is not across it */
+    /* The tangent of a fold at a fixed second parameter, or the direction along the fold. */
+    double tangent[CURVE_MAX];
     struct curve_problem problem;
 };
 
@@ -46,7 +48,7 @@ static void square_part(const struct special_curve *c, int n, double *square)
             square[i * n + j] = c->base.work->jacobian[i * all + j];
 }
 
-/* At the place looked at last, or NAN if unknown. */
+/* Returns the condition of the special point at the place examined last, or NAN if unknown. */
 static double condition(const struct special_curve *c)
 {
     const int n = c->base.field.n;
@@ -84,7 +86,8 @@ static bool is_fresh(const struct special_curve *c, const double *u)
            curve_distance(c->problem.n + 1, c->point, u) < CONDITION_REUSE_DISTANCE;
 }
 
-/* Of equilibria to both sides, which costs nothing and tells where two folds meet. */
+/* Computes the derivatives of the condition by differences. Those of equilibria are central: they
+ * cost little and show where two folds meet. Returns false if the condition cannot be evaluated. */
 static bool derive(struct special_curve *c, const double *u)
 {
     const int n = c->base.problem->n;
@@ -143,7 +146,8 @@ static double pair_product(int n, const struct eigenvalue *v)
     return product;
 }
 
-/* Of all eigenvalues but one, summed over that one: 0 where two are 0. */
+/* Returns the sum of the products of all eigenvalues but one, which is 0 where two of them are
+ * 0. */
 static double products_of_others(int n, const struct eigenvalue *v)
 {
     double sum = 0;
@@ -159,8 +163,8 @@ static double products_of_others(int n, const struct eigenvalue *v)
     return sum;
 }
 
-/* Of orbits: how the condition changes along the tangent at one parameter; 0 where two folds meet.
- */
+/* Computes the test for cusps on a fold of orbits: the change of the condition along the tangent at
+ * a fixed second parameter, which is 0 where two folds meet. */
 static void test_orbit_fold(void *context, const double *u, const double *jacobian,
                             const double *tangent, double *value)
 {
@@ -206,7 +210,8 @@ static void special_curve_test(void *context, const double *u, const double *jac
                        : NAN;
         return;
     }
-    /* what is not across the fold, also where the first parameter alone does not go across it */
+    /* The combined parameter leaves a tangent along the fold, also where the first parameter alone
+     * does not cross it. */
     double base_tangent[CURVE_MAX], *by_param = base->work->jacobian + n;
     for (int i = 0; i < n; i++)
         by_param[i * (n + 1)] += SECOND_PARAM_WEIGHT * c->by_second[i];
@@ -255,7 +260,7 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
     const int n = c->base.problem->n, all = n + 1;
     const bool still = c->base.kind == SOLUTION_EQUILIBRIUM &&
                        (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF),
-               fold = !still && c->kind == SPECIAL_FOLD; /* of orbits */
+               fold = !still && c->kind == SPECIAL_FOLD; /* a fold of orbits */
     memcpy(c->tangent, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->tangent);
     c->problem = (struct curve_problem){.context = c,
                                         .n = all,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a special point says, held against runs on both sides of it: the solution is moved a little
- * along the eigenvector in question, and the run's distance from it, as the left eigenvector sees
- * it, must grow or shrink as the eigenvalue or multiplier says; and solutions must be there, or not
- * be there, as the label says.
+ * Verification of special points by runs on both sides. The solution is moved a little along the
+ * eigenvector in question, and the run's distance from it, projected on the left eigenvector, must
+ * grow or shrink as the eigenvalue or multiplier predicts. Solutions must also exist, or not exist,
+ * as the label says.
  */
 #include <float.h>
 #include <math.h>
@@ -15,25 +15,30 @@
 #include "modules/dynamics/branches/walk.h"
 #include "modules/dynamics/orbits/solutions.h"
 
-#define SIDE_DISTANCE_FRACTION 1e-3     /* of the range, */
-#define NEARER_EQUILIBRIA 9             /* distances, each a quarter of the one before; */
-#define NEARER_ORBITS 3                 /* of orbits fewer, as each takes runs */
-#define SIDE_DISTANCE_MAX_FRACTION 0.07 /* where nothing can be told so near */
-#define SAME_LABEL_RELATIVE 1e-9        /* two labels at one value */
+/* distance of the sides from a special point, as a part of the range */
+#define SIDE_DISTANCE_FRACTION 1e-3
+/* Equilibria are tried at this number of distances, each a quarter of the previous one, */
+#define NEARER_EQUILIBRIA 9
+#define NEARER_ORBITS 3                 /* and orbits, each of which takes runs, at fewer. */
+#define SIDE_DISTANCE_MAX_FRACTION 0.07 /* farthest distance, if nothing can be decided nearer */
+#define SAME_LABEL_RELATIVE 1e-9        /* two labels within this part are at one value */
 #define FOLD_ARM_LENGTH 0.01            /* arclength from a fold along both its arms */
 #define PARAM_ROUNDING_RELATIVE 1e-9    /* relative, of the parameter */
-#define RANGE_ROUNDING 1e-13            /* of the range: the parameter stands still */
-#define START_SHIFT_SIZES 1e-6          /* units of size, but no more than */
-#define MOVED_PART 1e-3                 /* of the distance from the special point */
+#define RANGE_ROUNDING 1e-13            /* A change below this part of the range does not count. */
+/* largest displacement of a run's start, in natural sizes, */
+#define START_SHIFT_SIZES 1e-6
+#define MOVED_PART 1e-3 /* and as a part of the distance from the special point */
 #define RETRY_DISTANCE_FACTOR 0.7
-#define RATES_AGREE_RELATIVE 0.05  /* relative, of rates */
-#define ASYMMETRY_MAX_FRACTION 0.3 /* of a difference: two opposite ones that do not grow alike */
-#define GROWTH_NEGLIGIBLE 1e-6     /* growth of a run that is none */
-#define OTHER_GROWTH_LOG_MAX 5     /* logarithm of how much anything else may grow in it */
-#define RUN_FAST_TIMES_MAX 50      /* times of the fastest motion that a run lasts at most */
+#define RATES_AGREE_RELATIVE 0.05 /* relative, of rates */
+/* largest difference between the growth of two opposite displacements, as a part of both */
+#define ASYMMETRY_MAX_FRACTION 0.3
+#define GROWTH_NEGLIGIBLE 1e-6 /* growth below which a run does not grow */
+/* largest logarithm of the growth in any other direction during a run */
+#define OTHER_GROWTH_LOG_MAX 5
+#define RUN_FAST_TIMES_MAX 50 /* times of the fastest motion that a run lasts at most */
 
-/* Which eigenvalue a label is about: the one nearest to where it passes; of two about as near the
- * one that grows. */
+/* Returns the index of the eigenvalue that the label is about: the one nearest to where it passes,
+ * and of two at about the same distance the one that grows. Returns -1 if there is none. */
 static int critical(const struct branch_point *special, const struct solution *s)
 {
     const bool map = s->kind != SOLUTION_EQUILIBRIUM,
@@ -51,7 +56,7 @@ static int critical(const struct branch_point *special, const struct solution *s
                           : map       ? hypot(log(size), turned)
                                       : size;
         distance *= grows ? RETRY_DISTANCE_FACTOR : 1;
-        /* real ones meet and leave the axis in conservative motion */
+        /* Real eigenvalues of conservative motion meet and leave the axis. */
         if ((pair ? v.im > 0 : v.im >= 0) && distance < least) {
             least = distance;
             best = i;
@@ -112,7 +117,8 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
         !matrix_eigenvector(n, turned, v, left[0], left[1]))
         return NAN;
     for (int i = 0; i < n; i++) {
-        /* to both sides, so that what is quadratic cancels: near a special point rates are small */
+        /* Opposite displacements cancel quadratic terms, which matter near a special point, where
+         * rates are small. */
         begin[0][i] = s->state[i] - moved * right[0][i] * field->size[i];
         begin[1][i] = s->state[i] + moved * right[0][i] * field->size[i];
     }
@@ -132,10 +138,10 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
     return log(hypot(seen[1][0], seen[1][1]) / hypot(seen[0][0], seen[0][1])) / span;
 }
 
-/* What is found at that arclength along the branch. */
+/* Solution found beside a special point. */
 struct side {
-    double param; /* in units of its range */
-    double rate;  /* > 0: a difference grows */
+    double param; /* parameter in units of its range */
+    double rate;  /* growth of a difference; > 0 if it grows */
     bool found, agrees;
 };
 
@@ -182,7 +188,8 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
     return side;
 }
 
-/* Beyond a fold there is nothing as near as its arms are. */
+/* Returns true if the branch has no solution at this parameter, beyond a fold, as near as its arms
+ * are. */
 static bool is_empty(const struct branch_request *r, const struct branch_point *special,
                      double param, double arm)
 {
@@ -220,7 +227,7 @@ static enum branch_verdict confirm_birth(const struct branch_request *r,
                : VERDICT_OTHER_SIDE;
 }
 
-/* On the branch that crosses there, to one side. */
+/* Examines the branch that crosses at the special point, on one side of it. */
 static struct side look_across(const struct branch_request *r, const struct branch_point *special,
                                int sign)
 {
@@ -236,7 +243,7 @@ static struct side look_across(const struct branch_request *r, const struct bran
     return side;
 }
 
-/* What growth on both sides says. */
+/* Returns the verdict that follows from the growth on both sides. */
 static enum branch_verdict growth_verdict(const struct side *left, const struct side *right)
 {
     if (!left->found || !right->found || (left->rate == 0 && right->rate == 0))

@@ -19,27 +19,29 @@ struct branch_walk {
     struct branch *branch; /* points of this direction are appended */
     struct curve_ranges ranges;
     double psize, largest[CURVE_TESTS], period;
-    double moved; /* relative, the parameter in the last step */
-    int level;    /* places in a row at one value of the parameter */
-    bool away;    /* from where it began */
-    int start;    /* place of the parameter among the unknowns at the start */
-    struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
+    double moved; /* relative change of the parameter in the last step */
+    int level;    /* number of successive places at one value of the parameter */
+    bool away;    /* It has moved away from its start. */
+    int start;    /* index of the parameter among the unknowns at the start */
+    struct curve_place known[CURVE_TESTS]; /* the last place at which that test was not 0 */
     bool any[CURVE_TESTS];
     struct curve_place opposite; /* the first place on the other side of the start */
-    int behinds;                 /* its unknowns, or 0 if there is none */
+    int behinds;                 /* number of unknowns at `opposite`, or 0 if it is not set */
     int behind_grows;            /* number of values that grow there, or -1 if uncertain */
-    struct curve_place sure;     /* the last place where that is certain, */
-    double unit;                 /* of eigenvalues, the largest so far; of multipliers 1 */
-    int sure_grows;              /* -1 if there was none */
-    int sure_point;              /* number of points at that time, */
-    int explained;               /* and by how much special points since then have changed it */
-    int fold_at;                 /* place of the last fold of orbits, or 0 if there is none */
-    bool fold_least;             /* the parameter is least there, or largest */
-    double fold_spread;          /* relative, of folds that are not told apart */
-    struct curve_place previous; /* the last place but one, if its phase is that of the last: */
+    /* the last place at which the number of growing values is certain */
+    struct curve_place sure;
+    double unit;        /* largest eigenvalue so far; 1 for multipliers */
+    int sure_grows;     /* number that grow at `sure`, or -1 if there is no such place */
+    int sure_point;     /* number of points at that time */
+    int explained;      /* change of that number explained by special points since then */
+    int fold_at;        /* index of the last fold of orbits, or 0 if there is none */
+    bool fold_least;    /* The parameter is smallest there, not largest. */
+    double fold_spread; /* relative distance of folds that cannot be told apart */
+    /* The place before the last one; valid if `bends`, when both have the same phase. */
+    struct curve_place previous;
     bool bends;
-    char *end;   /* [96] why it ends */
-    double told; /* how far it has been said to be */
+    char *end;   /* [96] reason of the end */
+    double told; /* fraction reported as done */
     int side, sides;
 };
 
@@ -56,8 +58,8 @@ bool curve_next(const struct curve_problem *problem, const struct curve_place *p
                 struct branch_walk *resolves, const struct cancel *cancel,
                 struct curve_place *next);
 
-#define SPECIALS_MOST 8    /* between two places */
-#define SPECIALS_SAME 1e-6 /* of the range: of one kind they are one */
+#define SPECIALS_MOST 8    /* largest number of special points between two places */
+#define SPECIALS_SAME 1e-6 /* Two of one kind within this part of the range are the same. */
 
 struct found_special {
     struct curve_place point;

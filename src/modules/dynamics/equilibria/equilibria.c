@@ -19,7 +19,8 @@
 
 enum { DOUBTFUL_LISTED_MAX = 8, UNDECIDED_LISTED_MAX = 200 };
 enum { NEWTON_STARTS_MAX = 256, RANDOM_STARTS = 100 };
-enum { PLACES_MAX = 8 }; /* of a variable: more are a stretch, and are not named */
+/* Undecided boxes in more places of a variable form an interval, and are not named. */
+enum { PLACES_MAX = 8 };
 
 /* Relative to the range: zeros without a proof that are nearer than this are listed as one. */
 static const double doubtful_apart_min = 1e-7;
@@ -110,7 +111,7 @@ static bool move_to_edge(const struct zero_search *s, const struct state_box *bo
     return rests;
 }
 
-/* Where a variable may be 0 as well as nearly so, it is. */
+/* Sets each variable that is nearly 0 to 0 if the state is then still an equilibrium. */
 static void round_to_zero(const struct zero_search *s, double *y)
 {
     for (int i = 0; i < s->n; i++) {

@@ -19,14 +19,16 @@ enum { NEWTON_STEPS_MAX = 100, TIGHTEN_STEPS_MAX = 60 };
 
 /* Relative to the range: boxes are not cut below this. */
 static const double box_side_min = 1e-15;
-/* Of the widest side: what shrinks to less is worth another look before it is cut. */
+/* A box that has shrunk to less than this part of its widest side is examined once more before it
+ * is halved. */
 static const double shrunk_share = 0.7;
 /* Cuts miss the middle, where zeros like to be. */
 static const double cut_share = 0.4837;
 /* Relative to the range: regions around a box that are tried for one zero (epsilon inflation, Rump
  * 1983) are at most this wide. */
 static const double inflation_max = 1e-3;
-static const double comparisons_max = 2e7; /* of undecided boxes with zeros */
+/* largest number of comparisons of undecided boxes with zeros */
+static const double comparisons_max = 2e7;
 /* Relative to the range: a zero this near to the edge is on it. */
 static const double edge_rounding = 1e-12;
 

@@ -19,15 +19,15 @@ struct zero_search {
     const struct equilibria_request *request;
     struct system bounded; /* equations that have bounds */
     int n;
-    double width[FIELD_VARIABLES]; /* of the range */
-    double turn[FIELD_VARIABLES];  /* full turn of an angle whose range is one turn, else 0 */
+    double width[FIELD_VARIABLES]; /* width of the range */
+    double turn[FIELD_VARIABLES];  /* turn of an angle whose range is one full turn, else 0 */
     struct equilibria *found;      /* each solution is appended as it is proven */
-    struct zero_proof *proof;      /* [capacity], of found->of */
+    struct zero_proof *proof;      /* [capacity] belongs to found->solution */
     int capacity;
     struct box_queue waiting, singular;
     struct box_queue undecided; /* boxes that the search could not decide */
-    int boxes;                  /* looked at */
-    double done;                /* part of the volume */
+    int boxes;                  /* number of boxes examined */
+    double done;                /* fraction of the volume that is done */
 };
 
 /* Searches all boxes that wait; false if out of memory. */

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where in the space of states one looks, if nobody says where. */
+/* The region of state space in which equilibria are searched, if the user gives none. */
 #include <hooke/run.h>
 #include <hooke/base/numeric.h>
 #include "modules/dynamics/kept.h"
 
 #include <math.h>
 
-#define BOX_MARGIN_FRACTION 0.5 /* of what was seen, to either side */
+/* The region extends beyond the visited range by this fraction on each side. */
+#define BOX_MARGIN_FRACTION 0.5
 #define SIZE_MIN_FRACTION 1e-6
 
 static void include(double range[2], double value)
@@ -28,7 +29,7 @@ bool dynamics_search_box(const struct session *session, const struct system *sys
     for (int i = 0; i < system->n; i++)
         most = fmax(most, system->scale[i]);
     for (int i = 0; i < system->n; i++) {
-        /* what the scene's start leaves at rest has no size of its own */
+        /* A variable that is 0 at the scene's start has no size of its own. */
         const double size = system->scale[i] < SIZE_MIN_FRACTION * most ? most : system->scale[i];
         double range[] = {-size, size};
         include(range, system->start[i]);

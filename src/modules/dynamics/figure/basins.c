@@ -7,10 +7,10 @@
 #include <string.h>
 
 #define FATE_LETTERS 26
-#define FATE_KINDS (FATE_LETTERS + 2) /* and what escapes, and what is not decided */
-#define PICTURE_LETTERS_X 40          /* across a picture */
+#define FATE_KINDS (FATE_LETTERS + 2) /* the letters, "escapes" and "undecided" */
+#define PICTURE_LETTERS_X 40          /* letters across a picture */
 #define PICTURE_LETTERS_Y 20
-#define TEXT_LETTERS_Y 60 /* more than any screen has rows for */
+#define TEXT_LETTERS_Y 60 /* more rows than any screen has */
 
 static const char marks[FATE_KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 

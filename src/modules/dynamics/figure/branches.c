@@ -27,7 +27,7 @@ struct diagram {
     const struct kept_branch *last;
     int variable;
     struct curve *line, *dots;
-    double *x[2], *y[2]; /* of both; places with NAN between stretches */
+    double *x[2], *y[2]; /* coordinates of lines and dots; NAN separates segments */
     double size[2];
 };
 
@@ -87,7 +87,8 @@ static bool put_specials(struct drawing *d, const struct diagram *g, int count)
                 kept_point_label(&b->special[i], label);
                 label[strlen(label) + 1] = 0;
                 label[strlen(label)] = ' ';
-                if (labels.len > 0 && strstr(buffer_view(&labels), label)) /* of two branches */
+                /* the same label on two branches */
+                if (labels.len > 0 && strstr(buffer_view(&labels), label))
                     continue;
                 buffer_put(&labels, text_of(label));
                 place[curve->n] = s->param[0];

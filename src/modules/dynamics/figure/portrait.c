@@ -14,16 +14,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ARROW_COLUMNS 6 /* [cell] from arrow to arrow */
-#define TEXT_ARROWS 8   /* up */
-#define PANE_COLUMNS 10 /* likewise, of what is drawn again and again */
+#define ARROW_COLUMNS 6 /* [cell] distance between arrows */
+#define TEXT_ARROWS 8   /* arrows up a figure of text */
+#define PANE_COLUMNS 10 /* [cell] the same in a pane, which is redrawn often */
 #define PANE_ARROWS 4
-#define PICTURE_ARROWS 22             /* across */
-#define ARROW_LENGTH 0.55             /* of their distance */
-#define ARROW_HEAD 0.35               /* of their length */
-#define TRAJECTORY_NATURAL_TIMES 30.0 /* natural times that a trajectory is followed, both ways */
-#define RUN_ROWS 20000                /* of the run, drawn */
-#define BOX_MARGIN_FRACTION 0.25 /* of a box that is widened: to either side of what was seen */
+#define PICTURE_ARROWS 22             /* arrows across a picture */
+#define ARROW_LENGTH 0.55             /* length as a part of the distance between arrows */
+#define ARROW_HEAD 0.35               /* length of the head as a part of the arrow */
+#define TRAJECTORY_NATURAL_TIMES 30.0 /* natural times of a trajectory each way */
+#define RUN_ROWS 20000                /* most rows of the run that are drawn */
+#define BOX_MARGIN_FRACTION 0.25      /* extension of a box on each side */
 
 /* ---- when it is offered ---- */
 
@@ -224,7 +224,7 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
     bool fine = true;
     for (int stable = 1; stable >= 0 && kept && fine; stable--) {
         struct polyline line = {NULL, NULL, 0, 0};
-        const char *label = stable ? "neutral orbit" : "unstable orbit"; /* of a family */
+        const char *label = stable ? "neutral orbit" : "unstable orbit"; /* member of a family */
         for (int k = 0; k < kept->orbits && fine; k++) {
             const struct kept_orbit *orbit = &kept->orbit[k];
             if (solution_stable(&orbit->solution) != stable ||
@@ -247,7 +247,7 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
     return fine;
 }
 
-/* Where the cursors' point stands, of a pane: in front of everything. */
+/* Adds the cursor's point to the figure of a pane, in front of everything else. */
 static bool add_cursor(struct drawing *d)
 {
     const struct cursors *cursors = &d->session->view.cursors;

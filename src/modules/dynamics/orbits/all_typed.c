@@ -79,7 +79,7 @@ static void put_part(struct buffer *output, const char *part)
     buffer_format(output, "%s%s", output->len > 0 && part[0] != '-' ? "+" : "", part);
 }
 
-/* What built-in terms add to a row, and what was typed as forces on top of them. */
+/* Writes the equation of a row: what the built-in terms contribute, and the typed forces. */
 static bool write_equation(struct writing *w, int row)
 {
     const struct system *system = &w->system;

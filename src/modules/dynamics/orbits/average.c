@@ -9,8 +9,9 @@
 #define CORRELATION_SAMPLES 4096 /* values of which the correlation is looked at */
 /* Length of a batch in correlation times or in times between crossings of the mean. */
 #define BATCH_CORRELATION_TIMES 5
-#define BATCH_SCATTER_RELATIVE 1e-2  /* of what independent values would scatter */
-#define VALUE_ROUNDING_RELATIVE 1e-9 /* of the size of the values */
+/* A batch mean must scatter by more than this part of the scatter of independent values. */
+#define BATCH_SCATTER_RELATIVE 1e-2
+#define VALUE_ROUNDING_RELATIVE 1e-9 /* rounding relative to the size of the values */
 
 static double mean_of(const double *value, size_t n)
 {
@@ -68,8 +69,8 @@ static double covariance(const double *value, size_t n, double mean, size_t lag)
     return sum / (double)n;
 }
 
-/* How many values a mean of them counts for one that is independent: 1 + 2 sum rho, in which pairs
- * of neighbours are summed while they are positive and fall. */
+/* Returns the number of values that count as one independent value in a mean: 1 + 2 sum rho, where
+ * pairs of neighbouring correlations are summed while they are positive and decrease. */
 static double correlation_time(const double *value, size_t n, double mean)
 {
     const double variance = covariance(value, n, mean, 0);
@@ -94,8 +95,8 @@ static double crossing_time(const double *value, size_t n, double mean)
 }
 
 /*
- * What is left at the lowest frequencies: by sines that are 0 at both ends (Riedel, Sidorenko
- * 1995), each of which sees a constant, which is fitted, and independent noise.
+ * Returns the scatter of the mean from the lowest frequencies, by sines that are 0 at both ends
+ * (Riedel, Sidorenko 1995). Each sees a constant, which is fitted, and independent noise.
  */
 double average_scatter(const double *value, size_t n, int tapers)
 {

@@ -4,26 +4,29 @@
 
 #include <hooke/base/text.h>
 
-#define AVERAGE_BATCHES 10 /* without so many nothing is known of the scatter */
+#define AVERAGE_BATCHES 10 /* The scatter is unknown with fewer batches. */
 #define AVERAGE_MOST 12
 
 /* Values one after another, each the mean over an equal time. */
 struct average {
-    double mean; /* with weights that rise and fall in the first and last sixteenth */
-    /* each several times as long as the values stay correlated, by Geyer's initial sequence (1992,
-     * 3.3), or turn back to the mean */
-    int batches;  /* at most AVERAGE_MOST */
-    double error; /* standard error of the mean by as many tapers, or NAN below AVERAGE_BATCHES */
+    double mean; /* The weights rise and fall in the first and the last sixteenth. */
+    /* number of batches, at most AVERAGE_MOST; each lasts several times the correlation time
+     * (initial sequence of Geyer 1992, 3.3) or the time between crossings of the mean */
+    int batches;
+    /* standard error of the mean by as many tapers, or NAN with fewer than AVERAGE_BATCHES
+     * batches */
+    double error;
     /*
-     * Mean with the weights exp(-1/(u(1-u))), which of regular motion converges faster than any
-     * power of the time (Das, Saiki, Sander, Yorke 2017). spread: largest difference between those
-     * of the whole, of its halves and of its middle.
+     * `smooth` is the mean with the weights exp(-1/(u(1-u))), which for regular motion converges
+     * faster than any power of the time (Das, Saiki, Sander, Yorke 2017). `spread` is the largest
+     * difference between these means of the whole, of its halves and of its middle.
      */
     double smooth, spread;
-    bool regular; /* the four agree as those of chaotic motion would not */
+    bool regular; /* The four agree as means of chaotic motion would not. */
 };
 
-/* scratch [n]; size: of the values, below 1e-9 of which nothing counts as scatter. */
+/* Computes the averages of value [n]. scratch [n] is overwritten. `size` is the size of the values;
+ * scatter below 1e-9 of it does not count. */
 void average_find(const double *value, size_t n, double size, double *scratch,
                   struct average *average);
 /* Standard error of such a mean by so many tapers, at most AVERAGE_MOST. */

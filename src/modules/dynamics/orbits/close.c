@@ -78,7 +78,8 @@ double orbit_extent(const struct vector_field *field, const struct solution *s)
     return most;
 }
 
-/* How far a solution at a looser tolerance is off. */
+/* Returns the error of a solution by comparison with flows at a looser tolerance, or NAN if
+ * unknown. */
 static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
 {
     const int n = path->problem->n;
@@ -94,7 +95,7 @@ static double error_of(struct solution_curve *path, const struct curve_place *po
     return most;
 }
 
-/* In units of the unknowns: those of the start and the period. */
+/* Converts the direction `normal` to units of the unknowns (start and period), of length 1. */
 static void held_direction_set(const struct solution_curve *path, const double *normal,
                                double *held)
 {
@@ -144,7 +145,7 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
     solutions_end(&path);
     free(room);
     const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
-    /* what winds into a rest ever more slowly nearly closes, too */
+    /* A motion that winds ever more slowly into an equilibrium nearly closes, too. */
     return fine && orbit->solution.period > 0 && orbit->solution.residual < RESIDUAL_CLOSED_SIZES &&
            (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
                              orbit->solution.residual < RESIDUAL_CLOSED_SIZES * extent));

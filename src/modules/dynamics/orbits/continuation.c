@@ -26,13 +26,13 @@
 #define FINE_CORRECTION_MAX 1e-15
 /* Derivatives that were computed within this distance are exact to rounding. */
 #define JACOBIAN_EXACT_DISTANCE 1e-12
-#define ZERO_LOOKS_MAX 60 /* for a zero: its test is no smooth function */
+#define ZERO_LOOKS_MAX 60 /* looks for a zero, after which the test counts as not smooth */
 #define HALVINGS_MAX 12
 #define STRAIGHT_CHORD_FRACTION 1e-3 /* part of a chord along which the curve goes straight on */
 /* Rounding error of a test relative to its values at the ends of the chord. */
 #define TEST_ROUNDING_RELATIVE 1e-13
-#define TANGENT_ROUNDING 1e-14   /* of a tangent: rounding */
-#define CORRECTION_MAX_UNITS 0.5 /* of a unit: a correction of this size goes somewhere else */
+#define TANGENT_ROUNDING 1e-14   /* rounding of a tangent */
+#define CORRECTION_MAX_UNITS 0.5 /* A correction of this part of a unit leads elsewhere. */
 
 static double vector_dot(int n, const double *a, const double *b)
 {
@@ -144,7 +144,8 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
     return correct(problem, guess, direction, fine, point);
 }
 
-/* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
+/* Returns true if the parameter changes so little that the correction must go to rounding to show
+ * which way it does. */
 static bool is_steep(const struct curve_problem *problem, const struct curve_place *point)
 {
     const double slope = fabs(point->tangent[problem->n]);
@@ -193,7 +194,7 @@ struct chord {
     void *context;
     int looks;
     struct curve_place point;
-    double share; /* of `point`, or NAN if there is none */
+    double share; /* position of `point` on the chord, or NAN if there is none */
     bool failed;
 };
 
@@ -266,7 +267,7 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
 #define TOO_NEAR 1e-4           /* part of the largest value of the test */
 #define CROSSING_ERROR_MAX 1e-6 /* a crossing that is not known better than this is none */
 
-/* By Newton's divided differences. */
+/* Interpolates by Newton's divided differences. */
 static double interpolated(int count, const double *node, const double *value, double position)
 {
     double d[INTERPOLATION_NODES];
@@ -362,8 +363,8 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
         if (!locate_crossing(c, share, half, &better, &next))
             break;
         const double moved = c->length * fabs(next - share);
-        if (k > 1 &&
-            moved >= *uncertainty) /* before that it says how far the crossing was, not this */
+        /* The first step measures the distance to the crossing, not the error. */
+        if (k > 1 && moved >= *uncertainty)
             break;
         *uncertainty = moved;
         *point = better;
@@ -385,7 +386,8 @@ bool curve_find_zero(const struct curve_problem *problem, const struct curve_pla
     return c.length > 0 && look_about(&c, 0.5, 0.5, point, uncertainty);
 }
 
-/* Where the test is no polynomial along the whole chord it is one along a part of it. */
+/* Finds the crossing on ever shorter parts of the chord, until the test is nearly a polynomial
+ * there. */
 static bool find_crossing(struct chord *c, struct curve_place *point, double *uncertainty)
 {
     double begin = 0, end = 1;
@@ -423,7 +425,7 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
     return !c.failed;
 }
 
-/* Where the chord is too far from the curve: one end steps towards the other. */
+/* If the chord is too far from the curve, one end steps towards the other. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
                   const struct curve_place *b, int test, struct curve_place *point,
                   double *uncertainty)

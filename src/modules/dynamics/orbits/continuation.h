@@ -34,28 +34,30 @@ struct curve_problem {
 
 /* Room for two matrices: too much for a stack. */
 struct curve_work {
-    double jacobian[CURVE_MAX * CURVE_MAX]; /* of the place looked at last */
-    double matrix[CURVE_MAX * CURVE_MAX];   /* spoilt by whoever wants to solve */
+    double jacobian[CURVE_MAX * CURVE_MAX]; /* derivatives at the place examined last */
+    double matrix[CURVE_MAX * CURVE_MAX];   /* overwritten by the solver */
 };
 
 struct curve_place {
-    double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1], the tangent of length 1 */
+    double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1]; the tangent has length 1 */
     double test[CURVE_TESTS];
-    double residual; /* largest, before the last correction */
+    double residual; /* largest residual before the last correction */
     int corrections;
-    bool careful; /* to rounding, for the parameter hardly changes */
+    bool careful; /* corrected to rounding, as the parameter hardly changes */
 };
 
 /*
- * From a guess to where the curve meets the plane across `direction` [n + 1] through it. The new
- * tangent goes the same way. `fine`: until rounding.
+ * Corrects a guess to the point where the curve meets the plane through the guess that is normal to
+ * `direction` [n + 1]. The new tangent points the same way. `fine` corrects until only rounding is
+ * left. Returns false if it does not converge.
  */
 bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_place *point);
-/* Of the place looked at last, to the side of `direction`. False: it is across the curve. */
+/* Computes the tangent at the place examined last, towards `direction`. Returns false if the
+ * direction is across the curve. */
 bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent);
-/* The next point `step` along the tangent, and along the bend since `previous` (NULL: not known),
- * with its tests. False: none was found there. */
+/* Finds the next point, `step` along the tangent and along the curvature since `previous` (NULL if
+ * unknown), with its tests. Returns false if none is found. */
 bool curve_step(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double step, struct curve_place *next);
 /* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;

@@ -10,7 +10,7 @@ static double entry(int n, const double *a, int i, int j)
     return a[i * n + j];
 }
 
-/* Of the row of the pair p > q, the column of r > s. */
+/* Returns the entry of the matrix of pair sums in the row of p > q and the column of r > s. */
 static double pair_sum(int n, const double *a, int p, int q, int r, int s)
 {
     return r == q             ? -entry(n, a, p, s)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Along a family of periodic orbits (of conservative motion) to the member with a wanted period:
+ * Follows a family of periodic orbits (of conservative motion) to the member with a wanted period:
  * the period changes step by step, and each orbit is closed from the one before, with its period
  * held and the least change of everything else.
  */
@@ -10,8 +10,8 @@
 
 /* Logarithms of the ratio of two periods: the longest step, and one that is given up. */
 static const double longest_step = 0.03, shortest_step = 1e-6;
-/* Of the extent: an orbit whose start has moved farther, or whose extent has changed by more, is
- * one from elsewhere. */
+/* An orbit is another one if its start has moved by more than this part of the extent, or if its
+ * extent has changed by more than this factor. */
 static const double moved_max = 0.5, extent_change_max = 2;
 /* Relative to the first: periods as near as this are the same. */
 static const double same_period = 1e-12;

@@ -25,7 +25,7 @@ static const double unseen_size_max = 2e-12;
 
 /* ---- what it is ---- */
 
-/* What followed from the parameters' values. */
+/* Drops what was computed for the old values of the parameters. */
 static void forget(struct vector_field *field)
 {
     field->varied = false;
@@ -185,7 +185,8 @@ static bool flow_integrate(struct vector_field *field, const struct system *syst
     return stop == STOP_END;
 }
 
-/* What is stiff takes too many explicit steps. */
+/* Integrates by dop853, or by radau5 if that takes too many steps because the equations are
+ * stiff. */
 static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
                   double *grid)
 {
@@ -343,7 +344,8 @@ double field_crossing(struct vector_field *field, double t, const double *start,
 
 /* ---- jumps ---- */
 
-/* Between two states near each other, on whose chord some switch goes over. */
+/* Returns true if the equations jump where a switch turns over on the chord between two
+ * neighbouring states. */
 static bool jumps_between(const struct vector_field *field, double t, const double *a,
                           const double *b)
 {

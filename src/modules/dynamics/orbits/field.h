@@ -22,23 +22,24 @@ struct cancel;
 
 struct vector_field {
     struct scene scene;
-    struct system system;         /* of the scene, as its parameters are now */
-    int n;                        /* at most FIELD_VARIABLES */
-    int params, param[2];         /* those that are free: places in the scene's */
-    double unit[2];               /* of the parameters: how far they go */
+    struct system system;         /* scene with its present parameters */
+    int n;                        /* number of variables, at most FIELD_VARIABLES */
+    int params, param[2];         /* free parameters, as indices of the scene's */
+    double unit[2];               /* ranges of the free parameters */
     double size[FIELD_VARIABLES]; /* natural sizes of the variables, > 0 */
-    double tol;                   /* of integration, relative to the sizes */
+    double tol;                   /* relative tolerance of the integration, in natural sizes */
     double turn[FIELD_VARIABLES]; /* full turn of an angle, or 0 if it is no angle */
     struct variation *variation;  /* NULL until an orbit is asked for */
-    bool varied;                  /* it is that of the parameters' values, */
-    double drive_by[2];           /* as these are, or NAN if unknown */
-    bool stiff;                   /* explicit steps have turned out to be too many */
-    int64_t evals;                /* of right-hand sides and Jacobians so far */
+    bool varied;                  /* `variation` is that of the present parameters. */
+    /* Derivatives of the drive by the free parameters, or NAN if unknown. */
+    double drive_by[2];
+    bool stiff;    /* Explicit steps have turned out to be too many. */
+    int64_t evals; /* evaluations of right-hand sides and Jacobians so far */
     const struct cancel *cancel;
 };
 
-/* Up to two parameters may be free. Returns false with the error if there are too many variables or
- * kinks. */
+/* Prepares the field, of which up to two parameters may be free. Returns false with `error` filled
+ * if there are too many variables or kinks. */
 bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error);
 void field_free(struct vector_field *field);
@@ -61,8 +62,9 @@ double field_drive_by(struct vector_field *field, int j);
 /* Derivatives of the end of a flow by its start, in units of size. */
 struct flow_slopes {
     double by_start[FIELD_VARIABLES * FIELD_VARIABLES];
-    double log_determinant;                          /* of by_start */
-    double by_parameter[MOST_FREE][FIELD_VARIABLES]; /* by each free one, the time given */
+    double log_determinant; /* logarithm of the determinant of by_start */
+    /* Derivatives by each free parameter, at a fixed time. */
+    double by_parameter[MOST_FREE][FIELD_VARIABLES];
 };
 
 /*

@@ -14,15 +14,15 @@
 #include "modules/solving/compute/algebra.h"
 #include "modules/dynamics/orbits/solutions.h"
 
-#define REAL_PART_ZERO 1e-13 /* in sizes of the largest eigenvalue */
+#define REAL_PART_ZERO 1e-13 /* real part relative to the largest eigenvalue that counts as 0 */
 /* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
 static const double slope_uncertainty_max = 1e-3;
 /* Relative to values and sizes: where a zero without a proof may be, as at the edge of a domain. */
 static const double unproven_position_error = 1e-14;
-/* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
+/* The same share of the largest slope elsewhere, if the slope is 0 but for rounding. */
 static const double slope_rounding_max = 1e-9;
-#define SYMMETRY_SAMPLES 16              /* where symmetries are looked at */
-#define SYMMETRY_ROUNDING_RELATIVE 1e-11 /* of the largest rate or slope there */
+#define SYMMETRY_SAMPLES 16              /* number of states at which symmetries are tested */
+#define SYMMETRY_ROUNDING_RELATIVE 1e-11 /* rounding, as a part of the largest rate or slope */
 
 static const struct row rows[] = {
     [EQUILIBRIUM_STABLE_NODE] = {"stable node", "", "all go to it, without turning", "", NULL},
@@ -206,7 +206,7 @@ static void find_vectors(int n, const double *jacobian, const struct solution *s
     }
 }
 
-/* What is 0 but for rounding is 0. */
+/* Sets real parts that are 0 but for rounding to 0, and counts the growing eigenvalues. */
 static void clean(struct solution *s)
 {
     double size = 0;

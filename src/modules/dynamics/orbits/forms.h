@@ -15,8 +15,9 @@
 bool typed_written(struct typed_models *models, const struct scene *scene, struct scene *written,
                    struct error *error);
 
-/* The system as equations that have bounds: built-in scenes as those in the rows of their terms,
- * whose models, in *models, have to stay (NULL: none). */
+/* Writes the system as equations that have bounds. A built-in scene becomes the equations of its
+ * terms, whose models must outlive `bounded`; *models is NULL if there are none. Returns false with
+ * `error` filled if out of memory. */
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
                        struct typed_models **models, struct system *bounded, struct error *error);
 
@@ -24,7 +25,8 @@ bool scene_with_bounds(const struct scene *scene, const struct system *system,
  * wanted. */
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
 
-/* Of the solution's state, by the Jacobian's bounds there (of a drive: its mean), which also gives
- * the solution its eigenvalues and residual. Returns false if they are not found. */
+/* Determines the type of an equilibrium from the bounds of the Jacobian at its state (averaged
+ * over the drive's period), and sets its eigenvalues and residual. Returns false if they are not
+ * found. */
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form);

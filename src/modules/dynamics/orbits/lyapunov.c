@@ -11,22 +11,23 @@
 #include "modules/dynamics/orbits/dimension.h"
 #include "modules/dynamics/orbits/tangents.h"
 
-#define EVALUATIONS_DEFAULT 2000000 /* evaluations where no time is given */
-#define PILOT_DIVISOR 10            /* part of them before */
-#define TIME_BINS_MIN 4096          /* of the time, at most twice as many */
-#define BIN_STEPS 16                /* at least, as far as is known */
+#define EVALUATIONS_DEFAULT 2000000 /* evaluations if no duration is given */
+#define PILOT_DIVISOR 10            /* The pilot takes one part in this number of them. */
+#define TIME_BINS_MIN 4096          /* bins of the duration; there are at most twice as many */
+#define BIN_STEPS 16                /* Smallest number of steps in a bin, as far as it is known */
 #define FORCED_BINS 512
-#define MAP_PERIODS 8         /* periods of which the map is looked at */
-#define AT_REST 1e-9          /* of the rate that sizes and exponents make */
-#define VOLUME_ROUNDING 1e-12 /* of the largest exponent: volumes stay what they are */
+#define MAP_PERIODS 8 /* periods over which the map is examined */
+#define AT_REST 1e-9  /* rate of rest relative to the largest exponent */
+/* Volumes are conserved if their rate is below this part of the largest exponent. */
+#define VOLUME_ROUNDING 1e-12
 
 struct exponents_search {
     const struct lyapunov_request *request;
     struct lyapunov *found;
     struct tangents t;
-    double t0, period; /* > 0: bins are parts of it, or several */
-    bool timed;        /* by a drive without a period */
-    int parts, times;  /* of a period: a bin */
+    double t0, period; /* [s] Bins are parts of it, or several of them, if > 0. */
+    bool timed;        /* driven, but not periodically */
+    int parts, times;  /* A bin is 1/parts or `times` periods. */
     double bin;        /* [s] */
     size_t bins, done;
     double *series; /* [count + 1][bins]: exponents, divergence; then as many for work */
@@ -91,7 +92,7 @@ static bool go_before(struct exponents_search *s, double skip)
     return true;
 }
 
-/* How long: what is asked for, in bins. */
+/* Sets the length and number of bins from the duration asked for. */
 static void choose_bins(struct exponents_search *s, double duration)
 {
     const double step = s->t.steps > 0 ? s->t.elapsed / (double)s->t.steps : 0;
@@ -113,7 +114,8 @@ static void choose_bins(struct exponents_search *s, double duration)
     s->bin = duration / (double)s->bins;
 }
 
-/* Into the place from which means are taken, and how long they are. */
+/* Advances to the state from which means are taken, and sets the duration and the bins. Returns
+ * false if the motion ends, if cancelled or if out of memory. */
 static bool begin_exponents(struct exponents_search *s)
 {
     const struct lyapunov_request *r = s->request;
@@ -241,8 +243,8 @@ static void evaluate(struct exponents_search *s)
     f->sum = 0;
     for (int j = 0; j < count; j++)
         f->sum += f->regular ? average[j].smooth : average[j].mean;
-    /* What steps leave shows where volumes are known; and tangents that grow as powers of the time
-     * have rates of about 1/time. */
+    /* If volumes are known, the sum shows the error of the steps. Tangents that grow as powers of
+     * the time have rates of about 1/time. */
     const double steps = fmax(count == f->n ? fabs(f->sum - f->divergence) : 0, TANGENT_TOL * size);
     for (int j = 0; j < count; j++) {
         const struct average *a = &average[j];

@@ -17,8 +17,8 @@
 #include "modules/solving/compute/algebra.h"
 
 #define QR_SWEEPS 6
-#define SIGN_NOISE_MAX 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
-#define MULTIPLIER_KNOWN_RELATIVE 1e-3 /* relative: a multiplier that is known */
+#define SIGN_NOISE_MAX 0.5             /* uncertainty above which the sign of a test is unknown */
+#define MULTIPLIER_KNOWN_RELATIVE 1e-3 /* largest relative uncertainty of a known multiplier */
 
 typedef double square[FIELD_VARIABLES * FIELD_VARIABLES];
 
@@ -63,8 +63,8 @@ static void quotient(int n, const double *map, const double *first, const double
     multiply(n - 1, n, n - 1, turned, moved, reduced);
 }
 
-/* How much what moves along the orbit is moved otherwise, in each segment; the sum. Without a
- * trivial multiplier 0 and NAN. */
+/* Computes the relative error of each segment in carrying the direction of motion along. Returns
+ * their sum, or NAN if no multiplier is trivial; all errors are then 0. */
 static double drift(const struct orbit_maps *o, double *each)
 {
     const int n = o->n;
@@ -103,9 +103,9 @@ static void orthogonalise(int n, double *a, double *r)
     }
 }
 
-/* Around the orbit once: the basis q at its start becomes that at its end; r: the product of what
- * all segments do, upper triangular. off [segments]: relative, of the maps. uncertain [n]:
- * relative, of the diagonal of r. */
+/* Carries the basis q once around the orbit. r becomes the product of the maps of all segments,
+ * upper triangular. errors [segments] are relative errors of the maps, and uncertain [n] becomes
+ * the relative uncertainty of the diagonal of r. */
 static void carry(int n, int segments, const double *map, const double *errors, double *q,
                   double *r, double *uncertain)
 {
@@ -162,8 +162,8 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     *m = (struct multipliers){.count = n, .trivial = drift(o, errors)};
     if (n == 0)
         return true;
-    /* what lies across is not better known than which way the motion goes: where this turns, only
-     * little may be left across of what has grown */
+    /* Directions across the orbit are no better known than the direction of motion: where this
+     * turns, little may be left across of what has grown. */
     for (int s = 0; s < o->segments; s++)
         errors[s] = (errors[s] + tol) * vector_length(o->n * o->n, o->map + s * o->n * o->n);
     square q, r, turned, whole;

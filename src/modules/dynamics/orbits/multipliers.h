@@ -8,21 +8,23 @@
 
 struct orbit_maps {
     int n, segments;
-    const double *map; /* [segments][n][n] of each segment, in the order of time */
-    /* [segments][n] where each begins; NULL if forced, so that none is trivial */
+    const double *map; /* [segments][n][n] maps in the order of time */
+    /* [segments][n] rate at each start; NULL if driven, when no multiplier is trivial */
     const double *rate;
-    double log_determinant; /* of their product */
+    double log_determinant; /* logarithm of the determinant of their product */
 };
 
 struct multipliers {
-    int count;                                /* without the trivial one: */
+    int count;                                /* number of multipliers without the trivial one */
     struct eigenvalue value[FIELD_VARIABLES]; /* the largest first */
-    double noise;                             /* what is smaller is not known */
-    double trivial;                           /* distance from 1, or NAN if there is none */
-    double log_determinant;                   /* of all together */
+    double noise;                             /* Multipliers smaller than this are not known. */
+    /* Distance of the trivial one from 1, or NAN if there is none. */
+    double trivial;
+    double log_determinant; /* logarithm of the determinant of the whole map */
 };
 
-/* tol: relative, of the maps. */
+/* Computes the multipliers of an orbit. `tol` is the relative error of the maps. Returns false if
+ * no eigenvalues are found. */
 bool orbit_multipliers(const struct orbit_maps *maps, double tol, struct multipliers *multipliers);
 /* Functions that pass 0 where one is -1, or where the product of two is 1; NAN if unknown. */
 double multipliers_doubling(const struct multipliers *multipliers);

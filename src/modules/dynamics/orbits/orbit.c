@@ -13,14 +13,14 @@
 #include "modules/dynamics/orbits/solutions.h"
 
 #define RETURNS_MAX 48
-#define RETURN_NEAR_FRACTION 0.02 /* of the extent: a return from which the orbit is looked for */
-#define RETURN_FAR_FRACTION 0.2   /* the same when nothing better has come */
-#define REST_SIZES 1e-7           /* of the sizes: nothing moves any more */
+#define RETURN_NEAR_FRACTION 0.02 /* A return within this part of the extent begins a search, */
+#define RETURN_FAR_FRACTION 0.2   /* and within this part if there was no better one. */
+#define REST_SIZES 1e-7           /* The motion rests if its extent is below this, in sizes. */
 #define SETTLING_SPANS_MAX 40     /* spans for which the motion may settle */
-#define SETTLING_PERIODS_MAX 240  /* periods of the drive likewise */
-#define SUBHARMONIC_MAX 16        /* periods of the drive that one of the motion may take */
-#define RETURN_TRIES_MAX 6        /* returns from which an orbit is looked for at once; */
-#define ALL_TRIES 24              /* in all: the motion may be chaotic */
+#define SETTLING_PERIODS_MAX 240  /* the same in periods of the drive */
+#define SUBHARMONIC_MAX 16        /* largest multiple of the drive's period */
+#define RETURN_TRIES_MAX 6        /* largest number of returns tried at once, */
+#define ALL_TRIES 24              /* and in all, as the motion may be chaotic */
 /* The search ends after this number of evaluations, which take about a second. */
 #define SEARCH_EVALUATIONS_MAX 6000000
 
@@ -127,7 +127,8 @@ static bool spent(const struct orbit_search *s)
     return s->field.evals > SEARCH_EVALUATIONS_MAX || s->tries >= ALL_TRIES;
 }
 
-/* From those that come near, the earliest first. */
+/* Tries the returns that come near enough, the earliest first. Returns true if an orbit was found
+ * or if cancelled. */
 static bool take_returns(struct orbit_search *s, const struct returns *r, double distance_max)
 {
     double best = HUGE_VAL;
@@ -191,7 +192,7 @@ static bool find_own(struct orbit_search *s, struct error *error)
     return nothing(s, s->extent < s->first / 2 ? "the motion dies away" : none, error);
 }
 
-/* Near a guess of the period; of a family the one that has it. */
+/* Finds an orbit near a guess of the period; in a family the member that has this period. */
 static bool find_of_period(struct orbit_search *s, double period, struct error *error)
 {
     static const char none[] = "no periodic orbit was found near this guess";
@@ -200,7 +201,7 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
     struct error ignored;
     motion.period = 0;
     if (!take_orbit(s, s->state, period, 0) && !s->any) {
-        s->request = &motion; /* the orbit that it moves on, if that is one of a family */
+        s->request = &motion; /* Find the orbit on which it moves, which may be one of a family. */
         const bool family = find_own(s, &ignored) && s->found->family;
         s->request = wanted;
         s->any = family;
@@ -224,7 +225,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
         return take_orbit(s, s->state, s->request->period, (int)lrint(ratio)) ||
                nothing(s, "no response of that period was found near this guess", error);
     }
-    /* on to where the drive is as at the start */
+    /* Continue to the time at which the drive is as at the start. */
     const double turns = ceil((s->t - t0) / drive - 1e-9), remaining = t0 + turns * drive - s->t;
     if (remaining > 1e-9 * drive &&
         !field_flow(&s->field, s->t, s->state, remaining, s->state, NULL))
@@ -316,7 +317,7 @@ static bool sample(struct vector_field *field, struct found_orbit *orbit, double
     return true;
 }
 
-/* Of its extent, the nearest that it comes to where it was looked for from. */
+/* Returns the smallest distance of the orbit from the requested state as a part of its extent. */
 static double away_from(const struct orbit_search *s, const struct found_orbit *orbit)
 {
     const int n = s->field.n;

@@ -11,14 +11,17 @@
 #include <math.h>
 #include <string.h>
 
-#define FINE_TOL 1e-13 /* of flows, relative to sizes */
+#define FINE_TOL 1e-13 /* tolerance of flows relative to the sizes */
 #define WALK_TOL 1e-8
-#define NEW_SEGMENT_GROWTH_MAX 1e2 /* of a new segment, at most; */
-#define SEGMENTS_MIN 5             /* what grows and dies within a period is seen in its parts */
+#define NEW_SEGMENT_GROWTH_MAX 1e2 /* growth of differences in a new segment, at most */
+/* Differences that grow and decay within a period are resolved by these. */
+#define SEGMENTS_MIN 5
 #define TRIVIAL_MULTIPLIER_ERROR_MAX 1e-2
-#define SEGMENT_GROWTH_MAX 3e3    /* it is cut when it has become this */
-#define STRETCH_MIN_FRACTION 0.5  /* of the way that states go in a step: worth a change */
-#define SHRINK_ROOM_FRACTION 0.25 /* of the period, by which it may shrink without a change */
+#define SEGMENT_GROWTH_MAX 3e3 /* Segments in which differences grow more are halved. */
+/* Time is redistributed only if this shortens the way that states move in a step to this part. */
+#define STRETCH_MIN_FRACTION 0.5
+/* Part of the period by which it may shrink without redistributing the time. */
+#define SHRINK_ROOM_FRACTION 0.25
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -43,7 +46,7 @@ static double span_of(const struct orbit_curve *c, int i, double period)
     return begins(c, i + 1, period) - begins(c, i, period);
 }
 
-/* In units of size, at a time of its own. */
+/* Computes the rate in units of size at a time. */
 static void rate_of(struct vector_field *field, double t, const double *y, double *rate)
 {
     field->evals++;
@@ -73,7 +76,8 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
     return true;
 }
 
-/* By the parameter, where the period changes with it, too: both ends of a segment move in time. */
+/* Corrects the derivative by the parameter where it changes the drive's period: both ends of the
+ * segment move in time. */
 static void add_drive(const struct orbit_curve *c, int i, double rate, struct shot *s)
 {
     const int n = c->field->n;
@@ -191,7 +195,7 @@ static void orbit_curve_test(void *context, const double *u, const double *jacob
     (void)u;
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
     memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
-    /* where even the direction of motion is not carried along they may have any sign */
+    /* Multipliers may have any sign if even the direction of motion is not preserved. */
     const bool known = orbit_curve_multipliers(c, &multipliers) &&
                        !(multipliers.trivial > TRIVIAL_MULTIPLIER_ERROR_MAX);
     value[ORBIT_FOLD] = tangent[n];
@@ -221,7 +225,7 @@ static void turn_tangent(const struct orbit_curve *c, const double *u, double *t
     vector_normalise(c->problem.n + 1, tangent);
 }
 
-/* By how much the period [s] may shrink before a segment of these shares has no length. */
+/* Returns by how much the period [s] may shrink before a segment of these shares has no length. */
 static double room_of(const struct orbit_curve *c, double period, const double *share)
 {
     double room = HUGE_VAL;
@@ -411,7 +415,8 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
     return true;
 }
 
-/* How much a small difference grows over a period: into how many segments to cut it. */
+/* Returns the number of segments, from the growth of small differences over a period, or 0 if the
+ * flow cannot be followed. */
 static int segments_for(struct vector_field *field, const double *state, double period)
 {
     double end[FIELD_VARIABLES], size = 0;

@@ -106,8 +106,9 @@ static void cubic_extremes(struct solution *s, int i, double h, double y0, doubl
     }
 }
 
-/* Of the states on the way, segment by segment, as differences may grow by much over the whole
- * orbit; between two states an extremum is one of the cubic through both. */
+/* Finds the extrema of all variables segment by segment, as differences may grow much over the
+ * whole orbit. Between two states it uses the cubic through both. Returns false if the orbit cannot
+ * be followed. */
 static bool find_extremes(struct solution_curve *path, const double *u, struct solution *s)
 {
     struct vector_field *field = &path->field;

@@ -15,36 +15,41 @@ struct solution_curve {
         struct equilibrium_curve equilibrium;
         struct orbit_curve orbit;
     };
-    const struct curve_problem *problem; /* of the one that it is */
+    const struct curve_problem *problem; /* problem of `equilibrium` or of `orbit` */
     struct curve_work *work;
 };
 
-/* For a solution as a guess, at the field's present parameter; u [problem->n + 1] are its unknowns.
- * psize: unit of the parameter. */
+/* Prepares the curve for a solution as a guess, at the field's present parameter. Its unknowns are
+ * written to u [problem->n + 1]. `psize` is the unit of the parameter. Returns false with `error`
+ * filled if the curve cannot be set up. */
 bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error);
 void solutions_end(struct solution_curve *path);
-/* Onto the curve at the guess's parameter; the tangent goes to growing (1) or falling (-1) ones. */
+/* Corrects u onto the curve at its parameter. The tangent points to growing (1) or falling (-1)
+ * values. Returns false if it does not converge. */
 bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
                           struct curve_place *point);
-/* What the point is; looks at it again, which costs one orbit. `extremes`: along an orbit. */
+/* Computes the solution at a point, which costs one orbit. `extremes` asks for extrema along an
+ * orbit. Returns false if it cannot be computed. */
 bool solutions_at(struct solution_curve *path, const struct curve_place *point, bool extremes,
                   struct solution *solution);
 /* The same of the point that has just been corrected, multipliers as before the last correction. */
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *solution);
-/* What has changed its kind there, if that is a special point: not so neutral saddles. */
+/* Returns the kind of special point at which the test is 0, or SPECIAL_NONE, as for neutral
+ * saddles. */
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);
 
-/* How the unknowns u of a special point, which solutions_begin() has found, go on along its branch,
- * [problem->n + 1]. */
+/* Computes the direction [problem->n + 1] of the branch at a special point with unknowns u, which
+ * solutions_begin() has found. Returns false if it has none. */
 bool solutions_along(struct solution_curve *path, const struct branch_point *special, double *u,
                      double *direction);
 /*
- * Where the branch that leaves a special point begins: a solution of the other branch as the guess,
- * and the direction [problem->n + 1] in which it goes away. side: 1 or -1, of a crossing.
+ * Finds the first place of the branch that leaves a special point: a solution on it and the
+ * direction [problem->n + 1] away from the point. `side` is 1 or -1 at a crossing. Returns false
+ * with `error` filled if none is found.
  */
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct branch_point *point, int side,
@@ -56,21 +61,23 @@ struct orbit_search {
     const struct orbit_request *request;
     struct vector_field field;
     double state[DYNAMICS_VARIABLES], t;
-    double extent; /* of the motion over the last span, in units of size */
-    double first;  /* the same of the first span */
+    double extent; /* extent of the motion over the last span, in units of size */
+    double first;  /* extent over the first span */
     int tries;
     struct found_orbit *found;
-    bool any; /* *found is one, if not the wanted */
+    bool any; /* *found is an orbit, though not the wanted one. */
 };
 
-/* From this guess; across: a direction [1/SI] of the states and of the logarithm of the period in
- * which nothing moves, or NULL if there is none. False: there is none, or it is a rest. */
+/* Closes an orbit from a guess. `normal` is a direction [1/SI] of the states and of the logarithm
+ * of the period in which nothing moves, or NULL. Returns false if no orbit is found or if it is an
+ * equilibrium. */
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
                  const double *normal, struct found_orbit *orbit);
 /* Largest of the ranges of the variables along it, in units of size. */
 double orbit_extent(const struct vector_field *field, const struct solution *solution);
 /*
- * From an orbit of a family, *found, along it to the one with the period wanted [s], which *found
- * becomes. False: it has none, with its range of periods, or cancelled.
+ * Follows the family of orbits from *found to the one with the wanted period [s], which replaces
+ * *found. Returns false with `error` filled if there is none, with the family's range of periods,
+ * or if cancelled.
  */
 bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error);

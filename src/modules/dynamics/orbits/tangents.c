@@ -10,11 +10,13 @@
 
 /* Tangents are made orthonormal at this condition number or length. */
 #define ORTHONORMAL_CONDITION_MAX 10.0
-#define ESCAPE_SIZES 1e100          /* of sizes: the motion does not come back */
-#define STALLED_ESCAPE_SIZES 1e6    /* likewise, where it cannot go on, either */
-#define HOPELESS_STEP_FRACTION 1e-9 /* of the time to go: steps that do not get there, */
-#define HOPELESS_STEPS_MAX 100      /* so many of them one after another */
-#define RATE_JUMP_RELATIVE 1e-3     /* of the rates: more than steps across a kink leave */
+#define ESCAPE_SIZES 1e100       /* distance in sizes from which the motion does not come back */
+#define STALLED_ESCAPE_SIZES 1e6 /* the same if it cannot continue, either */
+/* Steps below this part of the remaining time do not get there, */
+#define HOPELESS_STEP_FRACTION 1e-9
+#define HOPELESS_STEPS_MAX 100 /* if this number of them follow each other. */
+/* Jump relative to the rates, above what steps across a kink leave. */
+#define RATE_JUMP_RELATIVE 1e-3
 
 bool tangents_init(struct tangents *t, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error)
@@ -111,7 +113,8 @@ static bool is_beyond(const struct tangents *t, double bound)
     return far;
 }
 
-/* Where forces are linear tangents do not depend on the motion, which may be begun anew. */
+/* Returns false if the motion has gone too far. With linear forces tangents do not depend on the
+ * motion, which may begin anew. */
 static bool stays(struct tangents *t)
 {
     const bool far = is_beyond(t, ESCAPE_SIZES);

@@ -10,8 +10,8 @@ struct cancel;
 
 enum tangents_end {
     TANGENTS_OK,
-    TANGENTS_LEAVE, /* beyond every bound */
-    TANGENTS_JUMP,  /* of the equations: tangents are not continuous there */
+    TANGENTS_LEAVE, /* The motion has left every bound. */
+    TANGENTS_JUMP,  /* The equations jump, and tangents with them. */
     TANGENTS_STALL,
     TANGENTS_CANCELLED
 };
@@ -31,15 +31,16 @@ struct tangents {
     const struct method *method;
 };
 
-/* From the scene's start; it must stay where it is. */
+/* Begins at the scene's start. `scene` must outlive the tangents. Returns false with `error` filled
+ * if the scene is refused. */
 bool tangents_init(struct tangents *tangents, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error);
 void tangents_free(struct tangents *tangents);
-/* From t [s] for so long; at the end the tangents are orthonormal. */
+/* Advances by `span` from t [s]. The tangents are orthonormal at the end. */
 enum tangents_end tangents_advance(struct tangents *tangents, double t, double span);
 /* y in its first turn */
 void tangents_unwind(struct tangents *tangents);
 int64_t tangents_evals(const struct tangents *tangents);
-/* Gram and Schmidt, twice: columns [count][n] become orthonormal, diagonal [count] their lengths.
- */
+/* Makes the columns [count][n] orthonormal by Gram and Schmidt, twice. diagonal [count] becomes
+ * their lengths. */
 void tangents_orthonormalise(int n, int count, double *column, double *diagonal);

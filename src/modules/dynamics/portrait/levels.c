@@ -10,11 +10,11 @@
 
 #include "modules/dynamics/portrait/portrait.h"
 
-#define CELLS_PER_SIDE 32              /* cells a side, */
-#define SIGN_CHANGE_CELLS_PER_SIDE 256 /* where f changes its sign, */
-#define DOUBTFUL_CELLS_PER_SIDE 1024   /* where only bounds say that it may */
+#define CELLS_PER_SIDE 32              /* cells along a side at first */
+#define SIGN_CHANGE_CELLS_PER_SIDE 256 /* the same where f changes its sign in a cell */
+#define DOUBTFUL_CELLS_PER_SIDE 1024   /* the same where only the bounds of f contain 0 */
 #define HALVINGS_MAX 46
-#define CELLS_EXAMINED_MAX 150000 /* looked at */
+#define CELLS_EXAMINED_MAX 150000 /* largest number of cells */
 
 struct level_segment {
     double x[2], y[2];
@@ -36,7 +36,8 @@ static double value_at(const struct marching *m, double x, double y)
     return m->request->value(m->request->context, x, y);
 }
 
-/* On the side from a to b, where the values have different signs; false: a pole. */
+/* Finds the zero on the side from a to b, where the values have different signs. Returns false at a
+ * pole. */
 static bool crossing(const struct marching *m, const double a[3], const double b[3],
                      double point[2])
 {
@@ -128,7 +129,8 @@ static void examine_cells(struct marching *m, const double box[2][2], int cells)
 
 /* ---- lines ---- */
 
-/* A segment that goes on from this point; its other end. NULL: there is none. */
+/* Takes the next segment that begins at (x, y), which becomes its other end. Returns NULL if there
+ * is none. */
 static const struct level_segment *level_segment_next(struct marching *m, double *x, double *y)
 {
     for (size_t i = 0; i < m->segments; i++) {

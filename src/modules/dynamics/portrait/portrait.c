@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ENERGY_LEVELS 5 /* of the energy, up to a corner of the box */
+#define ENERGY_LEVELS 5 /* energy levels, up to a corner of the box */
 
 bool polyline_put(struct polyline *line, double x, double y)
 {
@@ -39,8 +39,8 @@ bool polyline_gap(struct polyline *line)
 
 struct plane_value {
     const struct portrait_work *work;
-    int variable; /* whose rate it is; -1: the energy */
-    double level; /* of the energy */
+    int variable; /* variable of the rate, or -1 for the energy */
+    double level; /* energy level */
 };
 
 static void place(const struct portrait_work *work, double x, double y, double *state)
@@ -89,7 +89,8 @@ static bool level(const struct plane_value *value, struct polyline *line)
     return level_lines(&request, line);
 }
 
-/* Between the lowest equilibrium and the highest corner, and those of saddles are separatrices. */
+/* Draws lines of equal energy between the lowest equilibrium and the highest corner; those through
+ * saddles are separatrices. */
 static bool energies(struct portrait_work *work, struct polyline *line)
 {
     struct plane_value value = {.work = work, .variable = -1};

@@ -17,8 +17,8 @@ struct portrait_work {
 
 bool polyline_gap(struct polyline *line);
 
-/* Lines f = 0 in the box by marching squares; `bounds`: of f on a cell, NULL: none, then what is
- * smaller than a cell is lost. */
+/* Request for the lines f = 0 in the box by marching squares. `may_be_zero` tests the bounds of f
+ * on a cell; if NULL, lines smaller than a cell may be missed. */
 struct level_request {
     double (*value)(const void *context, double x, double y);
     bool (*may_be_zero)(const void *context, const double box[2][2]);

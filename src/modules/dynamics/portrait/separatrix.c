@@ -12,21 +12,22 @@
 
 #include "modules/dynamics/portrait/portrait.h"
 
-#define START_OFFSET_FRACTION 1e-6        /* of the box */
-#define POINT_STRIDE_FRACTION 0.02        /* of the box, from point to point */
-#define EQUILIBRIUM_REACHED_FRACTION 1e-3 /* of the box: an equilibrium has been reached */
+#define START_OFFSET_FRACTION 1e-6 /* offset of the start as a part of the box */
+#define POINT_STRIDE_FRACTION 0.02 /* distance between points as a part of the box */
+/* An equilibrium is reached within this part of the box. */
+#define EQUILIBRIUM_REACHED_FRACTION 1e-3
 #define SEPARATRIX_POINTS_MAX 1500
-#define FRAME_MARGIN_FRACTION 1e-9 /* of the box: the frame */
+#define FRAME_MARGIN_FRACTION 1e-9 /* rounding of the frame as a part of the box */
 
 struct plane_walk {
     struct portrait_work *work;
     double y[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], t;
     double width[2];
     bool wraps[2];   /* an angle whose range is one turn */
-    int sign;        /* of time */
-    double rate_max; /* [1/s] 0: not known; no longer steps than of its time constant */
+    int sign;        /* direction of time */
+    double rate_max; /* [s^-1] Steps are at most its time constant; 0 if unknown. */
     struct polyline *line;
-    struct separatrix *separatrix; /* NULL: a trajectory */
+    struct separatrix *separatrix; /* NULL for a trajectory */
 };
 
 static int variable_of(const struct plane_walk *w, int k)
@@ -100,7 +101,8 @@ static int reached(const struct plane_walk *w, int except)
 
 /* ---- crossings ---- */
 
-/* Where variable k has this value, between the state before and the one `span` later. */
+/* Records the crossing at which variable k has this value, between the previous state and the one
+ * `span` later. */
 static void cross(struct plane_walk *w, const double *previous, double span, int k, double value)
 {
     struct separatrix *s = w->separatrix;

@@ -13,16 +13,18 @@
 #define REFERENCE_VECTORS 1000 /* each with */
 #define COMPARED_VECTORS 20000
 #define EXTRA_DELAYS 2    /* delays more than unfold the motion */
-#define BINS_PER_OCTAVE 4 /* of a factor of two */
-#define CELL_BITS 50      /* of a double below them: their edges are 1, 1.25, 1.5, 1.75 times 2^k */
+#define BINS_PER_OCTAVE 4 /* bins per factor of two */
+/* Least significant bits of a double below a bin: bin edges are 1, 1.25, 1.5, 1.75 times 2^k. */
+#define CELL_BITS 50
 #define OCTAVES_MAX 40
 #define DISTANCE_BINS (BINS_PER_OCTAVE * OCTAVES_MAX)
 #define SMALLEST_DISTANCE_PAIRS 300        /* pairs below the smallest distance */
-#define LARGEST_DISTANCE_PAIR_FRACTION 0.1 /* of all pairs below the largest */
-#define SLOPE_BINS 8                       /* bins: a factor of four */
-/* Stretches of known attractors are off by so much beyond that (Lorenz, Roessler, Henon). */
+#define LARGEST_DISTANCE_PAIR_FRACTION 0.1 /* part of all pairs below the largest distance */
+#define SLOPE_BINS 8                       /* bins of a stretch: a factor of four */
+/* Slopes of known attractors (Lorenz, Roessler, Henon) are off by this part beyond their
+ * scatter. */
 #define SYSTEMATIC_ERROR_RELATIVE 0.05
-#define SLOPE_UNCERTAINTY_MAX 0.15 /* of the slope: what may be left open of it */
+#define SLOPE_UNCERTAINTY_MAX 0.15 /* largest relative uncertainty of a slope */
 
 struct pair_counts {
     double log_count[EXTRA_DELAYS + 1][DISTANCE_BINS]; /* ln of pairs below the upper edge */
@@ -103,7 +105,7 @@ static double slope_between(const struct pair_counts *sums, int k, int first, in
     return xy / xx;
 }
 
-/* What halves of a stretch and more delays change of its slope. */
+/* Returns by how much the slope differs between halves of a stretch and with more delays. */
 static double open_part(const struct pair_counts *sums, int first, double slope)
 {
     const int last = first + SLOPE_BINS, middle = first + SLOPE_BINS / 2;

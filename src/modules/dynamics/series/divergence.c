@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How distances between neighbours grow, and where they grow evenly. */
+/* Mean logarithms of distances between neighbours, and the stretch in which they grow evenly. */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
@@ -28,9 +28,9 @@ static double between_any(const struct delay_space *s)
 }
 
 /*
- * Across the flow through vector i: what lies along it neither grows nor shrinks, and would hide
- * slow growth. The vector that passes there is followed: *j is moved by single samples, `centre` no
- * farther than a delay, and up to `most`.
+ * Returns the logarithm of the distance across the flow through vector i: along the flow it neither
+ * grows nor shrinks, which would hide slow growth. The vector that passes there is followed: *j
+ * moves by single samples, at most a delay from `centre` and up to `most`.
  */
 static double log_across(const struct delay_space *s, size_t i, size_t centre, size_t most,
                          size_t *j)
@@ -55,7 +55,7 @@ static double log_across(const struct delay_space *s, size_t i, size_t centre, s
     }
 }
 
-/* Of one pair, added to the means of its part. */
+/* Adds the distances of one pair to the means of its part. */
 static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t samples,
                          const struct divergence *d, double *mean)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which delayed values make a vector, and whether vectors say what comes. */
+/* Choice of the delay and the number of delayed values in a vector, and how well such vectors
+ * predict. */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
@@ -11,9 +12,9 @@
 #define MOST_DELAY 1000             /* samples */
 #define LOOKED_AT 50000             /* values of which the information is taken */
 #define EXAMINED_VECTORS 1000       /* that are asked for false neighbours, and for what comes */
-#define FALSE_NEIGHBOUR_FACTOR 10   /* times as far as before: a false neighbour */
-#define NEIGHBOUR_DISTANCE_SIGMAS 2 /* standard deviations: it was none before */
-#define DISTANCE_MIN_SIGMAS 1e-6    /* of those: nothing is nearer */
+#define FALSE_NEIGHBOUR_FACTOR 10   /* A neighbour is false if its distance grows by this factor, */
+#define NEIGHBOUR_DISTANCE_SIGMAS 2 /* unless it was this number of standard deviations before. */
+#define DISTANCE_MIN_SIGMAS 1e-6    /* smallest distance in standard deviations */
 #define FALSE_SHARE 0.01
 
 /* ---- neighbours ---- */
@@ -48,7 +49,8 @@ bool space_sort(struct delay_space *s, size_t n, struct arena *arena)
     return s->order;
 }
 
-/* From values like its first one to either side, until that alone is too far. */
+/* Searches outwards among the sorted values from that of vector i, until the difference in this
+ * value alone is too large. */
 void space_nearest(const struct delay_space *s, size_t i, int wanted, struct neighbours *found)
 {
     const double y = s->y[i];
@@ -75,7 +77,7 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
 
 /* ---- the delay ---- */
 
-/* Of equally full bins; *memory becomes false without memory. */
+/* Assigns values to bins with equal numbers of values. Returns false if out of memory. */
 static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsigned char *bin)
 {
     double *sorted = arena_array(arena, n, sizeof *sorted), edge[INFORMATION_BINS];
@@ -192,7 +194,8 @@ int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *fal
 
 enum { UNKNOWNS = SPACE_DIMENSIONS + 1 };
 
-/* Of the best linear function of the vectors' values and a constant: squared error, mean. */
+/* Returns the mean square error of the best linear function of the vectors' values and a
+ * constant. */
 static double linear_error(const struct delay_space *s, size_t ahead, size_t vectors)
 {
     const int n = s->dimensions + 1;

@@ -9,20 +9,21 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#define MEAN_CROSSINGS_MIN 20      /* crossings of the mean, upwards */
-#define SERIES_PARTS 4             /* of the series, whose sizes */
-#define PART_SIZE_RATIO_MAX 2      /* differ by no more than this factor */
-#define PART_MEAN_DRIFT_MAX 2      /* of those sizes: so far apart may their means be */
-#define PREDICTION_ERROR_RATIO 0.7 /* of the error of a linear function */
-#define EXTRA_DELAYS 2   /* delays more than unfold the motion: what they change is an error */
+#define MEAN_CROSSINGS_MIN 20 /* crossings of the mean, upwards */
+#define SERIES_PARTS 4        /* parts of the series, whose sizes */
+#define PART_SIZE_RATIO_MAX 2 /* differ by no more than this factor */
+#define PART_MEAN_DRIFT_MAX 2 /* and whose means differ by no more than this number of sizes */
+/* Largest prediction error relative to that of a linear function. */
+#define PREDICTION_ERROR_RATIO 0.7
+#define EXTRA_DELAYS 2   /* additional delays, whose effect counts as an error */
 #define HORIZON_TURNS 40 /* turns at most */
-#define HALVES_DIFFERENCE_MAX                                                                      \
-    0.5                         /* of the exponent: halves of the stretch may differ by so much    \
-                                 */
-#define DISTANCE_GROWTH_MIN 3.0 /* by less than this factor distances do not grow at all */
+/* Largest relative difference between the exponents of both halves. */
+#define HALVES_DIFFERENCE_MAX 0.5
+/* Distances that grow by less than this factor do not grow at all. */
+#define DISTANCE_GROWTH_MIN 3.0
 
-/* What flows whose exponents are known were off beyond the scatter (Lorenz x and z, Roessler, the
- * driven pendulum, Duffing; 5000 and 20 000 samples, 16 starts each: -11 to +13 %). */
+/* Error of flows with known exponents beyond the scatter (Lorenz x and z, Roessler, the driven
+ * pendulum, Duffing; 5000 and 20 000 samples, 16 starts each: -11 to +13 %). */
 #define SYSTEMATIC_ERROR_RELATIVE 0.08
 
 static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
@@ -109,7 +110,9 @@ static bool is_fit(const struct samples *x, const struct part *whole, double *tu
 
 /* ---- the vectors ---- */
 
-/* Shorter delays where the first unfolds nothing. False: no memory, or cancelled. */
+/* Chooses the delay and the dimension, with shorter delays if the first unfolds nothing. Returns
+ * false if out of memory, if cancelled, or with the reason set if no number of delays unfolds the
+ * motion. */
 static bool unfold(struct delay_space *space, const struct samples *x, double sigma,
                    struct arena *arena, struct series_exponent *found)
 {

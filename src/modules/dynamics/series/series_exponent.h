@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whether a series is chaotic, as far as it alone can tell: how fast neighbours in the space of its
- * delays go apart, and how many of them there are. */
+/* The largest Lyapunov exponent and the correlation dimension of a series, from neighbours in the
+ * space of its delays. */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -26,22 +26,24 @@
 #define EXPONENT_GROWTH 5.0
 
 struct series_exponent {
-    struct measured value; /* [1/s] NAN: not determined */
+    struct measured value; /* [1/s] NAN if not determined */
     bool determined;
-    char reason[200];      /* reason if not */
-    double delay;          /* [s] 0: as far as this it did not come; so are those below */
-    int dimensions;        /* delayed values of a vector */
-    double apart;          /* [s] neighbours are no nearer in time */
-    double t_begin, t_end; /* [s] since they were neighbours: where distances grow evenly, */
-    double growth;         /* by this factor */
+    char reason[200]; /* reason if it is not determined */
+    double delay;     /* [s] 0, as all below, if the analysis ended earlier */
+    int dimensions;   /* number of delayed values in a vector */
+    double apart;     /* [s] smallest distance of neighbours in time */
+    /* [s] range, since they were neighbours, in which distances grow evenly, */
+    double t_begin, t_end;
+    double growth; /* and the factor by which they grow */
     size_t pairs;
-    /* Correlation dimension (Grassberger, Procaccia 1983); value NAN: its sums are no power of the
-     * distance over a factor of 4, or no same one with more delays. */
+    /* Correlation dimension (Grassberger, Procaccia 1983). The value is NAN if the sums are no
+     * power of the distance over a factor of 4, or change with more delays. */
     struct measured dimension;
-    double distance[2]; /* where they are, as y */
+    double distance[2]; /* range of distances, in units of y */
     char dimension_reason[200];
 };
 
-/* False: no memory, or cancelled. Of 10 000 samples it takes about half a second. */
+/* Determines the exponent and the dimension. 10 000 samples take about half a second. Returns false
+ * if out of memory or cancelled. */
 bool series_exponent(const struct series *series, struct arena *arena,
                      struct series_exponent *found, struct error *error);

@@ -46,27 +46,28 @@ struct neighbours {
     double square[SPACE_NEAREST];
 };
 
-/* Up to `wanted` vectors nearest to vector i, which may lie beyond the last of them; none at
- * distance 0. */
+/* Finds up to `wanted` vectors nearest to vector i, which may lie behind the last one. Vectors at
+ * distance 0 do not count. */
 void space_nearest(const struct delay_space *space, size_t i, int wanted, struct neighbours *found);
 
-/* The first sample after lag 0 that says least about the one before; in samples, at least 1. 0: no
- * memory, or cancelled. */
+/* Returns the delay [samples], at least 1: the first minimum of the mutual information, or the lag
+ * at which the correlation falls to 1/e. Returns 0 if out of memory or cancelled. */
 int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct arena *arena);
 /*
- * How many delayed values unfold the motion, which is then the space's; 0: no number up to the
- * most, *false_share: what is left then. -1: cancelled.
+ * Finds the number of delayed values that unfold the motion, sets it in the space and returns it.
+ * Returns 0 if there is none up to the largest, -1 if cancelled. *false_share is the remaining
+ * share of false neighbours.
  */
 int choose_dimensions(struct delay_space *space, size_t n, double sigma, double *false_share);
-/* Error of what neighbours predict `ahead` samples behind the vectors, over that of the best linear
- * function of the same values. NAN: nothing to tell. */
+/* Returns the error of predicting the value `ahead` samples behind a vector from its neighbours,
+ * relative to that of the best linear function of the same values, or NAN if undefined. */
 double prediction_ratio(const struct delay_space *space, size_t n, size_t ahead);
 
-/* ---- divergence.c: mean logarithms of distances ---- */
+/* ---- mean logarithms of distances (divergence.c) ---- */
 
 struct divergence {
-    size_t steps, stride; /* [steps] of so many samples, from 0 on */
-    double *mean;         /* [steps] of ln(distance) */
+    size_t steps, stride; /* [steps] of `stride` samples, from 0 on */
+    double *mean;         /* [steps] mean of ln(distance) */
     double *part;         /* [DIVERGENCE_PARTS][steps] of successive parts of the series */
     size_t pairs;
     double last;  /* mean over the last quarter of the steps */
@@ -75,22 +76,23 @@ struct divergence {
 
 #define DIVERGENCE_PARTS 8
 
-/* Neighbours are only vectors that can be followed for so long. False: no memory, or cancelled. */
+/* Computes the divergence. Only vectors that can be followed for `samples` are neighbours. Returns
+ * false if out of memory or cancelled. */
 bool divergence_find(const struct delay_space *space, size_t samples, struct arena *arena,
                      struct divergence *found);
 
 struct even_growth {
     size_t first, last; /* steps */
-    double slope;       /* a step */
-    double error;       /* of it, NAN: no stretch */
+    double slope;       /* slope per step */
+    double error;       /* error of the slope, or NAN if there is no stretch */
     double halves[2];
 };
 
-/* The stretch in which they grow evenly; `begin`: not before [steps]. */
+/* Finds the stretch in which distances grow evenly, not before step `begin`. */
 struct even_growth divergence_growth(const struct divergence *divergence, size_t begin);
 
 /* ---- correlation_sum.c ---- */
 
-/* Fills in dimension, distance, dimension_reason. False: no memory, or cancelled. */
+/* Sets dimension, distance and dimension_reason. Returns false if out of memory or cancelled. */
 bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
                            struct series_exponent *found);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the numbers of measure=attractor stand for. */
+/* The attractors that the numbers of measure=attractor denote. */
 #include "modules/sweep/compute/worker.h"
 
-/* The one with that number; a new one where it is none, if there is room. */
+/* Returns the attractor with that number, which is added if it is new and there is room. */
 static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *found, int *count,
                                                     double number)
 {

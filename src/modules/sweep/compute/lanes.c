@@ -97,9 +97,9 @@ unsigned lanes_turning_groups(const double *previous, const double *row)
 
 struct stretch_watch {
     int64_t first, count;
-    bool alike;                                              /* all lanes step by one clock */
+    bool alike;                                              /* All lanes step by one clock. */
     double open[LANE_COUNT];                                 /* not 0 inside the window */
-    double t0[LANE_COUNT], h[LANE_COUNT], t_end[LANE_COUNT]; /* to: the time after the last step */
+    double t0[LANE_COUNT], h[LANE_COUNT], t_end[LANE_COUNT]; /* t_end follows the last step */
 };
 
 CLONES static void add_areas(double h, const double *restrict previous, const double *restrict row,
@@ -193,7 +193,7 @@ static int64_t min_steps(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-/* Before the first step. */
+/* Prepares the watches before the first step. */
 static void begin_watching(struct sweep_worker *worker, struct stretch_watch *stretch)
 {
     const struct sweep_job *job = worker->job;
@@ -217,7 +217,8 @@ static void begin_watching(struct sweep_worker *worker, struct stretch_watch *st
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
 }
 
-/* How far no lane ends and no window begins after step i; is anybody in its window? */
+/* Returns the step up to which no lane ends and no window begins after step i. *open becomes true
+ * if a lane is in its window. */
 static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *open)
 {
     int64_t next = INT64_MAX;
@@ -306,7 +307,7 @@ void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, 
     worker->steps += (double)steps;
 }
 
-/* After the last, shorter step from `was` to y. */
+/* Completes the watch after the last, shorter step from `was` to y. */
 static void finish_watch(struct sweep_worker *worker, int lane, const double *was, const double *y)
 {
     const struct lane_clock *clock = &worker->clock[lane];
@@ -406,7 +407,8 @@ bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, e
                                                        request->settings.dt);
 }
 
-/* False: its steps are too many for lanes, or refused. */
+/* Sets the clock of a lane. Returns false if its steps are too many for lanes, or if they are
+ * refused. */
 static bool set_clock(const struct sweep_worker *worker, const struct system *system, double h,
                       struct lane_clock *clock)
 {
@@ -441,7 +443,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
         sweep_refuse(worker, i, &error);
         return;
     }
-    const double tol = worker->settings.tol; /* which points that go alone change */
+    const double tol = worker->settings.tol; /* points that run alone change it */
     if (!sweep_lanes_fit(job, system, drag) ||
         !set_clock(worker, system, worker->settings.dt, &clock)) {
         sweep_alone(worker, i);

@@ -26,7 +26,7 @@ CLONES static void add_own_areas(const double *restrict previous, const double *
     }
 }
 
-/* Rows of t, y, v after attempts; before: the row before these. */
+/* Watches rows of t, y, v after attempted steps. `previous` is the row before them. */
 static void watch_attempts(struct sweep_worker *worker, const double *previous, int64_t count,
                            struct adaptive_watch *adaptive)
 {

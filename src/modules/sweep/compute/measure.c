@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a sweep can vary and what it can measure. */
+/* The parameters and settings that a sweep can vary, and the quantities that it can measure. */
 #include <hooke/base/catalog.h>
 #include <hooke/scene/typed.h>
 #include "modules/sweep/compute/worker.h"
@@ -72,7 +72,7 @@ static const struct row rows[] = {
 
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
 
-/* What print knows of a run. */
+/* Finds a quantity of a run, as print knows it. Returns false if there is none of this name. */
 static bool measured_column_find(const struct model *model, struct text name,
                                  struct sweep_measure *measure)
 {

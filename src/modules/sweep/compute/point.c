@@ -15,7 +15,7 @@ void sweep_common(const struct sweep_request *request, struct scene *scene,
 {
     *scene = *request->scene;
     *settings = request->settings;
-    if (settings->kernel == KERNEL_PROPAGATOR) /* whose last bits are others than those of lanes */
+    if (settings->kernel == KERNEL_PROPAGATOR) /* Its last bits differ from those of lanes. */
         settings->kernel = KERNEL_SPECIALISED;
 }
 
@@ -77,7 +77,8 @@ bool sweep_point(const struct sweep_request *request, const struct sweep *sweep,
 {
     const double *given = request->scene->value;
     for (int a = 0; a < request->axes; a++)
-        if (request->axis[a].target == SWEEP_DERIVED) /* which sets parameters of other names */
+        /* A derived quantity sets parameters of other names. */
+        if (request->axis[a].target == SWEEP_DERIVED)
             memcpy(scene->value, given, scene_params(scene)->count * sizeof *given);
         else if (request->axis[a].target == SWEEP_PARAM)
             scene->value[request->axis[a].index] = given[request->axis[a].index];

@@ -17,7 +17,7 @@ void replay_begin(struct sweep_worker *worker)
         worker->run[lane] = sweep_run(worker, worker->point[lane]);
 }
 
-/* What has been kept of the steps from `first` on. */
+/* Gives the stored steps from `first` on to the run of a lane. */
 static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;
@@ -32,7 +32,7 @@ static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, in
     }
 }
 
-/* For each lane by itself: so many rows at once fill a line of the cache. */
+/* Stores each lane by itself: AT_ONCE rows fill a cache line. */
 void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
 {
     enum { AT_ONCE = 4 };

@@ -7,7 +7,7 @@
 #include <float.h>
 #include <stdlib.h>
 
-#define LOOK_STEPS 1024 /* between looks at what has happened */
+#define LOOK_STEPS 1024 /* steps between checks of the events */
 /* Distance of two times, in rounding units, that counts as none. */
 #define SECTION_TIME_ULPS 16
 #define STATE_DISTANCE_MAX 1e-6 /* A state that is nearer, in sizes, has come again. */
@@ -46,7 +46,7 @@ double section_steps(const struct sweep_request *request, const struct system *s
 /* ---- names ---- */
 
 struct point_names {
-    struct expr_scope own; /* of the run */
+    struct expr_scope own; /* scope of the run */
     const struct scene *scene;
 };
 
@@ -64,7 +64,7 @@ static int own_slot(void *context, int slot)
     return slot < SWEEP_SLOT_PARAM ? slot : -1;
 }
 
-/* With the parameters of the point. */
+/* Compiles the event with the parameters of the point. Returns false if out of memory. */
 static bool crossings_settle(struct sweep_worker *worker, struct crossings *crossings)
 {
     struct point_names names = {.scene = &worker->scene};
@@ -125,7 +125,7 @@ bool crossings_end(const struct sweep_request *request, const struct run *run, i
                               : (double)steps > ceil(request->duration / run->settings.dt);
 }
 
-/* How many of its events come before nothing comes for long. */
+/* Returns the number of events before a long time without one. */
 static int64_t events_of(const struct sweep_request *request, const struct run *run)
 {
     const int64_t count = (int64_t)run_event_records(run);
@@ -160,7 +160,7 @@ bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t pe
                SECTION_TIME_ULPS * DBL_EPSILON * fmax(fabs(due), fabs(t0));
 }
 
-/* In its first turn. */
+/* Returns an angle in its first turn, and other values unchanged. */
 static double turned(const struct crossings *crossings, int variable, double value)
 {
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
@@ -202,7 +202,7 @@ static bool comes_again(const struct crossings *crossings, const double *state, 
     return true;
 }
 
-/* How far state k is from that so many events on, in sizes. */
+/* Returns the distance in sizes between state k and the state `lag` events later. */
 static double apart_by(const struct crossings *crossings, const double *state, int64_t k,
                        int64_t lag)
 {
@@ -215,7 +215,8 @@ static double apart_by(const struct crossings *crossings, const double *state, i
     return apart;
 }
 
-/* Near a period doubling motion goes to half as many points from both sides, slowly. */
+/* Returns true if the states still approach half as many points, which near a period doubling is
+ * slow and from both sides. */
 static bool still_settles(const struct crossings *crossings, const double *state, int64_t count,
                           int64_t apart)
 {
@@ -257,7 +258,7 @@ void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossin
     worker->failed |= !state;
 }
 
-/* To the last event that is wanted, or until none comes for long. */
+/* Advances to the last event that is wanted, or until none comes for long. */
 static void advance_events(const struct sweep_request *request, struct crossings *crossings)
 {
     const size_t wanted = (size_t)(request->section.skip + request->section.keep);

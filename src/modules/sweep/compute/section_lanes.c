@@ -158,13 +158,13 @@ static int64_t strobe_step(const struct sweep_worker *worker, const struct cross
     return (int64_t)floor(due / h - STROBE_MARGIN);
 }
 
-/* False: the moment is not seen from there on. */
+/* Repeats the step of the strobe exactly. Returns false if the moment is not seen from there on. */
 static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, const double *y)
 {
     const int64_t period = worker->job->request->section.skip + p->seen + 1;
     const size_t row = (size_t)p->seen + 1;
     take_again(worker, p, p->step, y);
-    if (!crossings_strobed(p, row, period)) /* it lies at the very beginning of the next step */
+    if (!crossings_strobed(p, row, period)) /* It lies at the very beginning of the next step. */
         take_again(worker, p, p->step + 1, p->run->y);
     return crossings_strobed(p, row, period);
 }
@@ -229,7 +229,7 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
     const int direction = p->event.direction;
     double y[LIMIT_VARIABLES];
     p->done = crossings_end(worker->job->request, p->run, step + 1 - p->last, 0);
-    if (p->done || (step == 0 && a == 0 && b != 0)) /* what it starts at is none */
+    if (p->done || (step == 0 && a == 0 && b != 0)) /* A crossing at the start does not count. */
         return;
     const bool crosses = signbit(a) != signbit(b);
     p->alone = !isfinite(b) || b == 0 || a == 0 ||

@@ -16,7 +16,7 @@
 int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
 {
     const int64_t number = sweep->first + i;
-    if (sweep->axes < 2) /* without dividing, which takes long */
+    if (sweep->axes < 2) /* avoids a slow division */
         return axis == 0 ? number : 0;
     return axis == 0 ? number / sweep->axis[1].count : number % sweep->axis[1].count;
 }
@@ -103,7 +103,7 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
     return true;
 }
 
-/* What is finished already. */
+/* Takes over the points that are finished in `previous`. */
 static void take_before(const struct sweep *previous, struct sweep *sweep)
 {
     const int64_t shift = sweep->first - previous->first;
@@ -118,8 +118,8 @@ static void take_before(const struct sweep *previous, struct sweep *sweep)
     memcpy(sweep->reason, previous->reason, sizeof sweep->reason);
 }
 
-/* Whether lanes can measure this: what they show on the way is the first variable where its
- * velocity changes sign. */
+/* Returns true if lanes can measure this: they show only the first variable, where its velocity
+ * changes sign. */
 static bool lane_measures(const struct sweep_measure *measure)
 {
     if (sweep_watches(measure))
@@ -164,8 +164,8 @@ static bool drives(const struct sweep_request *request, const struct sweep *swee
     return differs;
 }
 
-/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once
- * for many. Else along the longer one. */
+/* Returns the axis along which lanes lie: the one that leaves the drive unchanged, as what depends
+ * on time alone is then computed once for many lanes; otherwise the longer one. */
 static int choose_along(const struct sweep_request *request, const struct sweep *sweep)
 {
     if (request->axes < 2)
@@ -203,7 +203,7 @@ static bool lanes_go(const struct sweep_job *job)
     return go;
 }
 
-/* Which tasks there are: rows of the first axis from its first to its last point here. */
+/* Divides the sweep into tasks: rows of the first axis from its first to its last point here. */
 static void lay_out(struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
@@ -213,9 +213,9 @@ static void lay_out(struct sweep_job *job)
     job->lane_axis = choose_along(request, sweep);
     if (job->lane_axis == 0 && request->axes > 1 && rows < LANE_COUNT &&
         rows < request->axis[0].count)
-        job->lane_axis = 1; /* the others' rows are not here */
+        job->lane_axis = 1; /* Rows of the other lanes are not here. */
     if (sweep->count == 0) {
-        job->lines = job->blocks = job->width = 1; /* with nothing to do */
+        job->lines = job->blocks = job->width = 1; /* nothing to do */
         return;
     }
     job->width = job->in_lanes && lanes_go(job) ? LANE_COUNT : 1;
@@ -244,16 +244,16 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
         system && bind_end(request, job->sweep, job->sweep->first, system) &&
         plan_make(system, request->method, settings, request->duration, plan, &ignored);
     bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL;
-    bool starts = false; /* at other times */
+    bool starts = false; /* starts at other times */
     for (int a = 0; a < request->axes; a++) {
         job->clocks |= sets_clock(&request->axis[a]);
         starts |= sets_clock(&request->axis[a]) && request->axis[a].target != SWEEP_DT;
     }
     for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
-        possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* that is long in itself */
+        possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* takes long by itself */
     }
-    if (job->replays) /* whose states are what lanes show on the way */
+    if (job->replays) /* Lanes must show the states that are replayed. */
         possible = possible && system->order == 2 && system->n == 2 && !request->section.wanted &&
                    (job->clocks || (plan->whole > 0 &&
                                     (!sweep_needs_trace(job) || plan->whole <= SWEEP_REPLAYED)));
@@ -283,7 +283,7 @@ static void do_task(void *context, int thread, int64_t task)
     atomic_fetch_add(&job->computed, computed);
 }
 
-/* What was there before does not count. */
+/* Reports progress. Points that were finished before do not count. */
 static void report_points(void *context, double fraction)
 {
     (void)fraction;
@@ -342,7 +342,7 @@ static bool run_workers(struct sweep_job *job, struct error *error)
     return ready > 0 || error_memory(error);
 }
 
-/* To a section it takes other times than the duration. */
+/* Predicts the steps of a sweep at a section, which does not last for the duration. */
 static void plan_section(const struct sweep_request *request, const struct sweep *sweep,
                          struct plan *plan)
 {
@@ -375,7 +375,7 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
 #define LANES_GAIN 50.0
 #define REPLAY_GAIN 2.0
 
-/* By how much fixed steps are more than with the present dt, where that is swept. */
+/* Returns the factor by which fixed steps are more than with the present dt, if dt is swept. */
 static double more_steps(const struct sweep_request *request)
 {
     double more = 1;
@@ -409,7 +409,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }
 
-/* Where lanes lie along the first axis, LANE_COUNT rows of it belong together. */
+/* Points of a batch. If lanes lie along the first axis, LANE_COUNT of its rows belong together. */
 #define BATCH_MOST ((int64_t)1 << 18)
 
 int64_t study_sweep_batch(const struct sweep_request *request)

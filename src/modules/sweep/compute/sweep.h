@@ -21,31 +21,32 @@ enum sweep_role { SWEEP_PARAM, SWEEP_DERIVED, SWEEP_DT, SWEEP_TOL };
 struct sweep_axis {
     char name[LIMIT_NAME + 1];
     enum sweep_role target;
-    int index; /* of the parameter or the derived quantity */
+    int index; /* index of the parameter or the derived quantity */
     enum quantity quantity;
     double begin, end; /* SI */
     int count;
     bool log;
 };
 
-/* By name, of a scene; false: nothing that can be swept. */
+/* Finds what `name` varies in the scene. Returns false if it cannot be swept. */
 bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_axis *axis);
 double sweep_axis_value(const struct sweep_axis *axis, int i);
 
 enum sweep_kind {
-    /* Watched on the way, of a column: */
-    SWEEP_AMPLITUDE, /* half its swing in the last third of the duration */
-    SWEEP_PERIOD,    /* mean time between its maxima there */
-    SWEEP_MEAN,      /* over that time */
-    SWEEP_MAX,       /* from the start on */
+    /* The following are watched during the run, for a column. */
+    SWEEP_AMPLITUDE, /* half the peak-to-peak value in the last third of the duration */
+    SWEEP_PERIOD,    /* mean time between maxima in this window */
+    SWEEP_MEAN,      /* mean over this window */
+    SWEEP_MAX,       /* maximum of the whole run */
     SWEEP_MIN,
-    SWEEP_ERROR,        /* as struct run_errors has it */
-    SWEEP_ENERGY_ERROR, /* largest, as the ledger has it */
+    SWEEP_ERROR,        /* error as in struct run_errors */
+    SWEEP_ENERGY_ERROR, /* largest error of the energy balance */
     SWEEP_STEPS,
     SWEEP_EVALS,
-    SWEEP_REACHED,   /* [s] time reached: of what diverges, when */
-    SWEEP_ATTRACTOR, /* by measure->attractor: of the point's start, whatever the method and
-                        duration */
+    SWEEP_REACHED, /* [s] end of the run, which is earlier if it diverges */
+    /* Result of measure->attractor for the point's start; depends on neither method nor
+     * duration. */
+    SWEEP_ATTRACTOR,
     SWEEP_VARIABLE,
     SWEEP_OBSERVED, /* a typed quantity */
     SWEEP_OBSERVABLE,
@@ -74,16 +75,17 @@ struct sweep_formula {
     enum quantity quantity;
 };
 
-/* At the end, unless it says otherwise. */
+/* Quantity measured at the end of a run, unless its kind says otherwise. */
 struct sweep_measure {
     enum sweep_kind kind;
-    enum sweep_kind column; /* what is watched: one of the last four, else the first variable */
-    int variable;           /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
+    /* Column that is watched: one of the last four kinds, or the first variable. */
+    enum sweep_kind column;
+    int variable;                              /* index for SWEEP_VARIABLE and SWEEP_OBSERVED */
     const struct observable *observable;       /* SWEEP_OBSERVABLE */
     const struct sweep_expression *expression; /* column SWEEP_FORMULA */
     const struct sweep_formula *formula;       /* kind SWEEP_FORMULA */
-    char name[LIMIT_SYMBOL + 16];              /* max(z) */
-    find_attractor *attractor;                 /* of SWEEP_ATTRACTOR */
+    char name[LIMIT_SYMBOL + 16];              /* such as "max(z)" */
+    find_attractor *attractor;                 /* used by SWEEP_ATTRACTOR */
 };
 
 static inline bool sweep_watches(const struct sweep_measure *measure)
@@ -113,12 +115,12 @@ enum quantity sweep_measure_quantity(const struct sweep_measure *measure,
  */
 
 struct sweep_section {
-    bool wanted, strobe; /* strobe: each period of the drive; else: */
-    const char *text;    /* as it was typed */
-    /* In slots of the run's scope (run_scope), then those of the scene; its scope is up to the
-     * sweep. */
+    bool wanted, strobe; /* `strobe` measures at each period of the drive, not at `event` */
+    const char *text;    /* text as typed */
+    /* Its slots are those of the run's scope (run_scope), then those of the scene. The sweep sets
+     * its scope. */
     struct event event;
-    int64_t skip, keep; /* together at most LIMIT_EVENT_RECORDS */
+    int64_t skip, keep; /* numbers of events, together at most LIMIT_EVENT_RECORDS */
 };
 
 #define SWEEP_SKIP_USUAL 100
@@ -129,55 +131,61 @@ struct sweep_section {
 struct sweep_request {
     const struct scene *scene;
     const struct method *method;
-    struct run_settings settings; /* what is recorded is up to the sweep */
+    struct run_settings settings; /* The sweep decides what is recorded. */
     double duration;              /* [s] */
     struct sweep_axis axis[2];
     int axes;
     struct sweep_measure measure[SWEEP_MEASURES];
     int measures;
-    /* What is wanted of them, where some of it is a formula: shown [columns], the others are
-     * measure [place]. 0: the measures. */
+    /* Results that are asked for, if some of them are formulas: shown [columns]; those that are not
+     * formulas are measure[place]. With columns 0 the measures are shown. */
     struct sweep_measure shown[SWEEP_MEASURES];
     int place[SWEEP_MEASURES], columns;
-    struct sweep_section section; /* then the measures are columns, see sweep_at_section() */
-    int64_t shard, shards;        /* 1 … shards */
-    int64_t first, count;         /* count > 0: only these points, as numbers of the whole sweep */
-    int threads;                  /* 0: as many as there are processors */
-    const struct sweep *previous; /* what is finished there is taken; NULL */
+    struct sweep_section section; /* The measures are then columns, see sweep_at_section(). */
+    int64_t shard, shards;        /* number of the shard, 1 to `shards` */
+    /* If count > 0, only these points, numbered in the whole sweep. */
+    int64_t first, count;
+    int threads;                  /* number of threads, or 0 for the number of processors */
+    const struct sweep *previous; /* points finished there are taken over; may be NULL */
     const struct cancel *cancel;
-    /* from the calling thread, ten times a second; NULL */
+    /* Called ten times a second from the calling thread; may be NULL. */
     void (*progress)(void *context, double fraction);
     void *context;
 };
 
-enum sweep_status { SWEEP_MISSING = -1, SWEEP_REFUSED = -2 }; /* of a point, else enum stop */
+/* Status of a point, beside enum stop. */
+enum sweep_status { SWEEP_MISSING = -1, SWEEP_REFUSED = -2 };
 
 struct sweep {
     struct sweep_axis axis[2];
-    /* of a section so many for each point: after how many events its states come again (NAN: not
-     * within half of those that were kept), then keep times the time [s] and what was measured */
+    /* Each point has `measures` values. At a section these are the number of events after which its
+     * states repeat (NAN if not within half of those kept), then for each event the time [s] and
+     * the quantities measured. */
     int axes, measures;
-    int64_t total, first, count; /* points of all shards, number of the first here, how many here */
-    double
-        *value; /* [count][measures] NAN: not defined, or did not get there; owned: sweep_free() */
-    signed char *status;                             /* [count] enum stop or sweep_status */
-    int64_t finished, refused, failed, side_by_side; /* failed: diverged and the like; in lanes */
-    char reason[600];                                /* of the first refused point */
-    double steps;                                    /* of all */
+    /* Points of all shards, number of the first one here, number here. */
+    int64_t total, first, count;
+    double *value; /* [count][measures] NAN if undefined or not reached; freed by sweep_free() */
+    signed char *status; /* [count] enum stop or sweep_status */
+    /* Numbers of points; `failed` ones ended early, such as by divergence; `side_by_side` ones ran
+     * in lanes. */
+    int64_t finished, refused, failed, side_by_side;
+    char reason[600]; /* reason of the first refused point */
+    double steps;     /* steps of all points */
     double seconds;
     int threads;
 };
 
 /* So many points are a cell; the last one of `total` may have fewer. */
 int64_t sweep_cell(int64_t total);
-/* Which points the shard has, or `first` and `count`: total, first and count, no results yet. */
+/* Sets total, first and count to the points of the shard, or of the request's `first` and `count`.
+ * The sweep has no results yet. */
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep);
 /* So many points [> 0] at a time fill the lanes of all threads, each with a task of their own. */
 int64_t study_sweep_batch(const struct sweep_request *request);
-/* Steps and computing time [s] that it will take, roughly; NAN: not known before. */
+/* Estimates the steps and the computing time [s]; NAN if they cannot be predicted. */
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds);
-/* False: refused as a whole, or cancelled; then what is finished is kept. sweep_free() in every
- * case. */
+/* Computes the sweep. Returns false with `error` filled if it is refused as a whole or cancelled,
+ * when finished points are kept. sweep_free() must be called in any case. */
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error);
 void sweep_free(struct sweep *sweep);
 /* place on the axis of point first + i */
@@ -195,6 +203,6 @@ struct sweep_attractor {
     struct basin basin;
 };
 
-/* Of that measure, by number; returns how many. */
+/* Finds the attractors that a measure has numbered. Returns their number. */
 int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
                      struct sweep_attractor found[SWEEP_ATTRACTORS]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a sweep sees of a trajectory that goes by. */
+/* Extremes and means of a trajectory, watched step by step. */
 #include "modules/sweep/compute/worker.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of a sweep share. */
+/* Types and functions that the files of a sweep share. */
 #pragma once
 
 #include "modules/lanes/lanes.h"
@@ -56,31 +56,31 @@ enum {
 struct sweep_job {
     const struct sweep_request *request;
     struct sweep *sweep;
-    bool watches; /* something is watched on the way */
-    bool tops;    /* from the start on */
+    bool watches; /* Some quantity is watched during the run. */
+    bool tops;    /* It is watched from the start, not only in the window. */
     bool means;
-    bool in_lanes; /* as far as that does not depend on the point */
-    bool adapts;   /* the size of steps follows the error */
-    bool replays;  /* measured of runs that are given the steps that the lanes took */
-    bool clocks;   /* dt or t0 is swept: points have other steps, unless: */
-    double opens;  /* [s] after t0: where the window begins */
-    int64_t whole; /* in lanes: full steps, and the rest [s] */
-    double rest;
-    int64_t room;                /* steps of which states are kept to be replayed */
-    bool in_pieces;              /* of longer runs, which go on by so many at a time */
-    int lane_axis;               /* the axis along which lanes lie */
-    int64_t width;               /* points of a block */
-    int64_t line, block;         /* the first that hold points of this sweep */
-    int64_t lines, blocks;       /* and how many; tasks: lines times blocks */
+    bool in_lanes;         /* possible in lanes, as far as that does not depend on the point */
+    bool adapts;           /* the size of steps follows the error */
+    bool replays;          /* Runs are measured after receiving the steps of lanes. */
+    bool clocks;           /* dt or t0 is swept, so that points have steps of their own */
+    double opens;          /* [s] begin of the window, after t0 */
+    int64_t whole;         /* number of full steps, unless `clocks` */
+    double rest;           /* [s] last, shorter step */
+    int64_t room;          /* steps of which states are stored for the replay */
+    bool in_pieces;        /* Longer runs are replayed in portions of `room` steps. */
+    int lane_axis;         /* axis along which lanes lie */
+    int64_t width;         /* number of points in a block */
+    int64_t line, block;   /* first line and block with points of this sweep */
+    int64_t lines, blocks; /* their numbers; there are lines times blocks tasks */
     struct sweep_worker *worker; /* one for each thread */
-    int64_t missing;             /* points that are to be computed … */
-    atomic_llong computed;       /* … and of these */
+    int64_t missing;             /* number of points to compute, */
+    atomic_llong computed;       /* and of those that have been computed */
 };
 
-/* How a lane gets to its end by fixed steps: whole ones, and the rest [s]. */
+/* Fixed steps of a lane: full ones of h, and the rest [s]. */
 struct lane_clock {
     double h, rest;
-    int64_t whole, opening; /* after so many the window is open */
+    int64_t whole, opening; /* The window is open after `opening` steps. */
 };
 
 /* The state of a lane after its whole steps, and the evaluations that these took. */
@@ -91,40 +91,40 @@ struct lane_end {
 
 struct sweep_worker {
     struct sweep_job *job;
-    struct scene scene; /* of the present point */
+    struct scene scene; /* scene of the present point */
     struct run_settings settings;
-    struct lanes *lanes; /* NULL: none are used */
+    struct lanes *lanes; /* NULL if no lanes are used */
     double *row;
-    double *replay;              /* [LANE_COUNT][room][2]; NULL: nothing is replayed */
-    struct run *run[LANE_COUNT]; /* in pieces: of each lane; NULL if there is none */
+    double *replay;              /* [LANE_COUNT][room][2] NULL if nothing is replayed */
+    struct run *run[LANE_COUNT]; /* run of each lane if replayed in portions, or NULL */
     struct system *system;       /* [LANE_COUNT] */
     struct extremes watch[LANE_COUNT];
     double tol[LANE_COUNT];
-    double area[LANE_COUNT], span[LANE_COUNT]; /* what means are made of */
-    int64_t point[LANE_COUNT];                 /* of each lane: place in the sweep */
+    double area[LANE_COUNT], span[LANE_COUNT]; /* integral and time for means */
+    int64_t point[LANE_COUNT];                 /* index of each lane's point in the sweep */
     struct lane_clock clock[LANE_COUNT];
     struct lane_end end[LANE_COUNT];
     int used;
-    double *work;                /* of a step alone */
-    double part[SWEEP_MEASURES]; /* measures of a point, where columns are made of them */
-    struct section *section;     /* NULL: points are measured over the duration */
+    double *work;                /* memory of a single step */
+    double part[SWEEP_MEASURES]; /* measures of a point, from which columns are computed */
+    struct section *section;     /* NULL if points are measured over the duration */
     enum drag drag;
-    double steps; /* of all points so far */
+    double steps; /* steps of all points so far */
     int64_t side_by_side;
-    int64_t refused; /* place of the first refused point, -1 if there is none */
+    int64_t refused; /* index of the first refused point, or -1 if there is none */
     char reason[600];
-    bool failed; /* no memory */
+    bool failed; /* memory is out */
 };
 
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
 void sweep_worker_free(struct sweep_worker *worker);
 /* Returns how many points were computed; those that are there are not. */
 int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
-/* What all points have in common. */
+/* Sets the scene and the settings that all points share. */
 void sweep_common(const struct sweep_request *request, struct scene *scene,
                   struct run_settings *settings);
-/* Makes that, or another point's, the scene and the settings of this point; false: refused, with
- * the reason. */
+/* Changes `scene` and `settings` from those of sweep_common() or of another point to those of point
+ * i. Returns false with `error` filled if the point is refused. */
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
                  struct scene *scene, struct run_settings *settings, struct error *error);
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
@@ -133,20 +133,23 @@ double *sweep_values(struct sweep_worker *worker, int64_t i);
 
 /* ---- expressions (formula.c) ---- */
 
-/* Of a slot from SWEEP_SLOT_PARAM on. */
+/* Returns the value of a slot from SWEEP_SLOT_PARAM on. */
 double sweep_scene_value(const struct scene *scene, int slot);
-/* At all recorded rows; false: no memory, or it is not defined. */
+/* Evaluates the expression at all recorded rows. Returns false if out of memory or if it is
+ * undefined. */
 bool expression_column(const struct run *run, const struct sweep_expression *expression,
                        const struct scene *scene, double *result);
 /* Its measures become the columns of point i. */
 void sweep_combine(struct sweep_worker *worker, int64_t i);
-/* What depends on the state at the end only; of other kinds NAN. */
+/* Returns a measure that depends on the state at the end only, or NAN for other kinds. */
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y);
-void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
-/* The run of point i; NULL: refused. */
+/* Computes point i by a run of its own. */
+void sweep_alone(struct sweep_worker *worker, int64_t i);
+/* Creates the run of point i. Returns NULL if it is refused. */
 struct run *sweep_run(struct sweep_worker *worker, int64_t i);
-/* Takes it to its end, measures it and destroys it. evals: what its steps take, < 0: as it says */
+/* Takes the run to its end, measures it and destroys it. `evals` is the number of evaluations of
+ * its steps; if negative, the run's own count. */
 void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals);
 /* Returns true if what is measured needs the states of the whole run. */
 bool sweep_needs_trace(const struct sweep_job *job);
@@ -154,18 +157,20 @@ bool sweep_needs_trace(const struct sweep_job *job);
 /* ---- in lanes (sweep_lanes.c) ---- */
 
 bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag);
-void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
-void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
-/* replay.c: measured of runs that are given the states which the lanes have come to */
+void sweep_gather(struct sweep_worker *worker, int64_t i); /* Adds point i to the lanes. */
+void sweep_flush(struct sweep_worker *worker);             /* Computes the points in the lanes. */
+/* The following measure runs that are given the states of lanes (replay.c); replay_lane() is called
+ * at the end of a lane. */
 void replay_begin(struct sweep_worker *worker);
 void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count);
-void replay_lane(struct sweep_worker *worker, int lane, int64_t evals); /* at its end */
+void replay_lane(struct sweep_worker *worker, int lane, int64_t evals);
 void replay_end(struct sweep_worker *worker);
-/* lanes_adaptive.c: the same after lanes_set(), where steps follow the error */
+/* Continues after lanes_set() with steps that follow the error (lanes_adaptive.c). */
 void sweep_adapt(struct sweep_worker *worker);
-/* Lanes are looked at in groups of so many for velocities that change their sign. */
+/* Lanes are examined in groups of this size for velocities that change their sign. */
 enum { TURN_GROUP = LANE_COUNT / 4 };
-/* Returns a bit for each group in which one does from one row of y, v [LANE_COUNT] to the next. */
+/* Returns a bit for each group with a velocity that changes its sign between two rows of y, v
+ * [LANE_COUNT]. */
 unsigned lanes_turning_groups(const double *previous, const double *row);
 /* Returns the first lane from that one on whose group has its bit, or one past the last. */
 static inline int next_turning(unsigned groups, int lane)
@@ -176,7 +181,7 @@ static inline int next_turning(unsigned groups, int lane)
 }
 /* So far out that it goes alone. */
 bool lane_suspicious(const double *y, int n);
-/* What is measured of a lane that has come to its end. */
+/* Measures a lane that has come to its end. */
 void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
                         int64_t evals);
 
@@ -186,7 +191,7 @@ void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, 
 bool section_create(struct sweep_worker *worker);
 void section_free(struct section *section);
 void section_alone(struct sweep_worker *worker, int64_t i);
-/* What has been gathered, the lanes having begun. */
+/* Advances the points in the lanes, which have begun. */
 void section_march(struct sweep_worker *worker);
-/* Steps that a point takes, by that of a run over the duration; NAN: not known before. */
+/* Returns the number of steps of a point, from those of a run over the duration; NAN if unknown. */
 double section_steps(const struct sweep_request *request, const struct system *system);
