@@ -38,7 +38,7 @@ static void fill_rows(const struct session *session, const struct comparison *co
     }
 }
 
-/* Which rows took extra steps: they are not the methods as they are printed. */
+/* Names the rows that took extra steps: they are not the methods as they are published. */
 static void put_turning(const struct comparison *rows, int count, struct buffer *output)
 {
     bool any = false;
@@ -57,7 +57,7 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
         buffer_char(output, '\n');
 }
 
-/* Which rows have times that do not compare with the rest. */
+/* Names the rows whose times are not comparable with the others. */
 static void put_general(const struct comparison *rows, int count, struct buffer *output)
 {
     struct buffer names = {0};
@@ -76,7 +76,7 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     buffer_free(&names);
 }
 
-/* In words, each with its setting where a method has several. */
+/* Appends the verdicts in words, each with its setting if a method has several. */
 static void put_verdicts(const struct compared_row *rows, int count, struct buffer *text)
 {
     bool several = false;

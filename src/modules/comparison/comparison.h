@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of comparison share, and what they keep. */
+/* Functions that the commands of comparison share, and the data that they keep. */
 #pragma once
 
 #include <hooke/command/handler.h>
@@ -7,13 +7,14 @@
 
 extern const struct module comparison_module;
 
-/* Of the argument of `stress` (stressed_type.c): methods, and the names of its cases. */
+/* Type of the argument of `stress` (stressed_type.c): methods, and the names of its cases. */
 extern const struct argument_type_row stressed_type;
 
-/* What the module keeps in a session. */
+/* Data that the module keeps in a session. */
 struct comparison_part {
-    struct precision *precision;  /* the last study, for `plot precision`; NULL if there is none */
-    struct references references; /* of the scenes that were studied last */
+    /* the latest study, for `plot precision`, or NULL if there is none */
+    struct precision *precision;
+    struct references references; /* references of the scenes that were studied last */
 };
 
 /* Returns the references that are kept between studies, or NULL if out of memory: none are then. */
@@ -47,13 +48,14 @@ char precision_letter(int curve);
  * arena. */
 bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
                       struct error *error);
-/* One table a method, or that of one method only (NULL: of all); a wide one has more columns. */
+/* Appends one table per method, or that of `only` unless it is NULL; a wide table has more
+ * columns. */
 void precision_tables(const struct precision *precision, const struct method *only, int width,
                       struct arena *arena, struct buffer *output);
-/* One line a method: its slope, and what it costs at best. */
+/* Appends one line per method: its slope, and its cost at best. */
 void precision_overview(const struct precision *precision, struct buffer *output);
-/* The fastest methods for errors that are `step` decades apart; all: with what is fewest, and what
- * is not ranked. */
+/* Appends the fastest methods for errors that are `step` decades apart. With `all`, also the
+ * methods with the fewest evaluations, and those that are not ranked. */
 void precision_winners(const struct precision *precision, int step, bool all, int width,
                        struct arena *arena, struct buffer *output);
 /* "a euler  b verlet …", in lines of that width. */

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#define MIN_ERROR 1.1102230246251565e-16 /* where an error of 0 is drawn: half an ulp of 1 */
+/* height at which an error of 0 is drawn: half an ulp of 1 */
+#define MIN_ERROR 1.1102230246251565e-16
 
 enum { LETTERS = 26, LEVEL_STEP = 3 /* [decade] between errors whose fastest method is named */ };
 
@@ -72,7 +73,7 @@ static double top_of(const struct precision *precision)
     return top > 0 ? pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0)) : 1;
 }
 
-/* What a diagram is built of. */
+/* Parts of a diagram. */
 struct diagram {
     const struct precision *precision;
     struct arena *arena;
@@ -278,7 +279,7 @@ static const char *words_of(const struct diagram *d)
 
 /* ---- the figure ---- */
 
-/* named: labels have names instead of letters, for pictures. */
+/* Makes the diagram. If `named`, labels have names instead of letters, for pictures. */
 static bool make_diagram(const struct precision *precision, bool named, struct arena *arena,
                          struct figure *figure, struct error *error)
 {

@@ -38,7 +38,7 @@ static bool check_range(const struct argument_value *range, const char *example,
     return error_at(error, range->where, "a sweep needs two ends above 0, as in %s", example);
 }
 
-/* brief: without what is about the whole study. */
+/* Explains the marks in the tables; if `brief`, without those about the whole study. */
 static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
 {
     const bool resolved = !precision->reference.dissenting_method[0];
@@ -83,7 +83,7 @@ static void put_figure(const struct session *session, const struct precision *pr
         figure_print(&figure, width, height, session_charset(session), false, text);
 }
 
-/* What was studied, how long it took, and what errors are measured against. */
+/* Describes the study: its subject, duration and reference. */
 static void put_subject(const struct session *session, const struct precision *precision,
                         double seconds, struct buffer *text)
 {
@@ -194,7 +194,7 @@ static void keep_precision(struct session *session, struct precision *precision)
     part->precision = stored;
 }
 
-/* Of the last study: the slope of each method, or all values of those that are named. */
+/* Shows the latest study: the slope of each method, or all values of the named methods. */
 static bool reply_tables(const struct session *session, const struct arguments *args,
                          struct reply *reply, struct error *error)
 {

@@ -114,8 +114,9 @@ struct fastest_row {
     double error;
     const struct precision *precision;
     struct precision_cost *cost; /* [curves] ranked, then others */
-    int ranked, others, tied;    /* tied: of those ranked, the best among them */
-    int width;                   /* [cell] for their names */
+    /* ranked curves, curves that follow, and the best of the ranked ones that tie */
+    int ranked, others, tied;
+    int width; /* [cell] for their names */
 };
 
 static const char *precision_name_of(const struct fastest_row *row, int i)
@@ -259,7 +260,7 @@ static struct fastest_row *fastest_rows_rank(const struct precision *precision, 
     return row;
 }
 
-/* Which methods were left out of the rankings, and why. */
+/* Names the methods that were left out of the rankings, with the reason. */
 static void put_left_out(const struct precision *precision, const struct fastest_row *row,
                          size_t count, struct buffer *output)
 {

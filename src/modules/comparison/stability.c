@@ -174,7 +174,7 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
         buffer_put(output, TEXT("  this scene's z lies outside of the picture\n"));
 }
 
-/* For methods that only know forces without velocity: growth over omega dt. */
+/* Draws growth over omega dt, for methods that only apply to forces without velocity. */
 static bool put_growth_figure(struct buffer *output, const struct session *session,
                               const struct stability *s, int height, struct arena *arena)
 {
@@ -207,7 +207,7 @@ static bool put_growth_figure(struct buffer *output, const struct session *sessi
     return figure_print(&figure, width, height, session_charset(session), false, output);
 }
 
-/* height: rows that are left for it; it takes at least 8. */
+/* Draws the picture in `height` rows, but at least 8. */
 static bool put_picture(struct buffer *output, const struct session *session,
                         const struct stability *s, int height, struct arena *arena)
 {
@@ -231,8 +231,8 @@ static void stability_table_put(struct buffer *output, const struct stability *r
 
 /* ---- the command ---- */
 
-/* Of several methods those that do not apply are left out with the reason; one alone is an error.
- */
+/* Studies each method. If there are several, those that do not apply are left out with the reason;
+ * otherwise this is an error. */
 static bool study_each(const struct session *session, const struct arguments *args,
                        struct stability *rows, int *count, struct buffer *absent,
                        struct error *error)

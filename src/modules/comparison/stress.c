@@ -28,7 +28,8 @@ struct stress_total {
     const struct method *method;
     int count[CLASSES];
     const struct stress *stress;
-    const struct stress_row *slowest; /* by time, else by steps; NULL: nothing was finished */
+    /* slowest by time, else by steps, or NULL if nothing was finished */
+    const struct stress_row *slowest;
 };
 
 static bool is_slower(const struct stress_row *row, const struct stress_row *other)
@@ -130,8 +131,8 @@ static void put_totals(const struct stress *stress, const struct method *const *
 
 /* ---- verdict by verdict ---- */
 
-/* Which of the rows each verdict was given to: the cases of one method, else the methods; with the
- * first reason where `reasons` are wanted. */
+/* Names the rows of each verdict: the cases of one method, or the methods; with the first reason if
+ * `reasons` is set. */
 static void put_verdicts(const struct stress *stress, int begin, int end, bool by_method, int width,
                          bool reasons, struct buffer *output)
 {
@@ -197,7 +198,7 @@ static void put_short(const struct session *session, const struct stress *stress
                       const struct method *const *method, int methods, struct arena *arena,
                       struct buffer *output)
 {
-    enum { ROWS_OF_ONE = 4 /* what the table of one method takes */ };
+    enum { ROWS_OF_ONE = 4 /* rows of the table of one method */ };
     int width, height;
     struct buffer end = {0};
     session_size(session, &width, &height);

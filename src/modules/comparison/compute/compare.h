@@ -23,7 +23,7 @@ struct catalog;
 /* Processor time of one solve, in seconds; NAN if it was not timed. */
 struct timing_result {
     double minimum, median;
-    double spread; /* how far the second shortest sample is above the shortest, relative */
+    double spread; /* relative difference of the second shortest sample from the shortest */
     /* Mean number of other threads that ran meanwhile. Where some did, the time may be up to
      * TIMING_CONTENTION times too long: processors share units, caches and memory. */
     double others;
@@ -31,12 +31,13 @@ struct timing_result {
     bool few; /* fewer samples than asked for */
 };
 
-#define TIMING_SPREAD 0.1 /* above it a time is flagged and not ranked */
+#define TIMING_SPREAD 0.1 /* spread above which a time is flagged and not ranked */
 
 /* Fewest samples that show whether a time is sound. */
 enum { TIMING_SAMPLES_MIN = 3 };
 
-/* What other threads beside it may do to a time, and how many of them are none. */
+/* Largest factor by which other threads may change a time, and the mean number of them that is
+ * negligible. */
 #define TIMING_CONTENTION 2.2
 #define TIMING_OTHERS 0.25
 
@@ -46,7 +47,7 @@ void timing_put_machine(double others, struct buffer *text);
 /* Returns true if at least three samples were taken and the two shortest agree. */
 bool timing_is_sound(const struct timing_result *time);
 
-/* [ns] of the minimum; NAN: not timed */
+/* Returns the shortest time per step [ns], or NAN if it was not timed. */
 double timing_step_ns(const struct timing_result *time, int64_t steps);
 
 /* ---- reference: what errors are measured against ----
@@ -60,36 +61,39 @@ double timing_step_ns(const struct timing_result *time, int64_t steps);
  */
 
 struct reference {
-    double *y; /* [STUDY_TIMES][n], owned: reference_free() */
+    double *y; /* [STUDY_TIMES][n], owned; release with reference_free() */
     int n, scored;
     double span;                       /* [s] */
     double amplitude[LIMIT_VARIABLES]; /* > 0 */
     bool exact;
     const struct method *method[2]; /* unless exact: the solution, and what confirmed it */
     double accuracy; /* distance between both, or the conditioning floor of the closed form */
-    struct singularity singular; /* where there is no reference because the solution ends */
-    double meaning; /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
-    bool sudden;    /* there they part within 1/256 of the span: not as rounding grows */
+    struct singularity singular; /* the end of the solution, if that is why there is no reference */
+    /* [s] time after t0 from which the two methods differ by more than 1e-3, or span if they
+     * do not */
+    double meaning;
+    bool sudden; /* they separate within 1/256 of the span, not as rounding grows */
     /* [s] the shortest stretch that its steps had to be cut for, 0 if there is none */
     double shortest;
-    double bound; /* [s] no step of it is longer, except of one of the two methods */
+    double bound; /* [s] longest step, except of one of the two methods */
     bool again;   /* computed again, in shorter steps, because finer runs disagreed with it */
-    /* their runs agree with each other and not with it: not resolved; NULL: nobody */
+    /* Methods whose finest runs agree with each other and not with the reference, so that it is not
+     * resolved, or NULL. */
     const struct method *dissenting_method[2];
-    double apart; /* by so much, in amplitudes */
-    bool stored;  /* by an earlier study of the same scene */
+    double apart; /* [amplitudes] their distance from it */
+    bool stored;  /* computed by an earlier study of the same scene */
 };
 
-/* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or
- * no two methods agree to reach the end. Of a failure `singular` holds. */
+/* Computes a reference at bounded cost (up to about 4e7 evaluations per solution). Returns false if
+ * cancelled, or if no two methods agree or reach the end; reference->singular then tells why. */
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
-/* As study_reference(), where no step of any method is longer than `step` [s]. */
+/* Does the same as study_reference() with steps of any method of at most `step` [s]. */
 bool study_reference_again(const struct system *system, double span, double step,
                            const struct cancel *cancel, struct reference *reference,
                            struct error *error);
 void reference_free(struct reference *reference);
-/* "dop853 and gauss6, which agree …" */
+/* Appends "dop853 and gauss6, which agree …". */
 void reference_describe(const struct reference *reference, struct buffer *text);
 
 /*
@@ -104,8 +108,8 @@ struct references {
         struct scene scene;
         double span; /* [s] */
         struct reference reference;
-        struct error why; /* there is none: y NULL */
-        uint64_t used;    /* when, counted in uses; 0: nothing is kept here */
+        struct error why; /* reason why there is none; y is then NULL */
+        uint64_t used;    /* number of the latest use, or 0 if nothing is stored here */
     } stored[REFERENCES_STORED];
     uint64_t uses;
 };
@@ -118,19 +122,19 @@ struct references {
 bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error);
-/* One that is suspect, computed again in steps of at most `step` [s], and kept instead. False: that
- * cannot be done, and the old one stays (ERROR_NUMERICAL), or cancelled. */
+/* Computes a suspect reference again in steps of at most `step` [s], and stores it instead. Returns
+ * false if that fails (ERROR_NUMERICAL), so that the old one stays, or if cancelled. */
 bool references_again(struct references *references, const struct scene *scene,
                       const struct system *system, double span, double step,
                       const struct cancel *cancel, struct reference *reference,
                       struct error *error);
-/* What is kept of it; NULL: nothing, or that there is none. */
+/* Returns the stored reference of the scene, or NULL if none is stored or there is none. */
 const struct reference *references_find(struct references *references, const struct scene *scene,
                                         double span);
 void references_free(struct references *references);
 
 struct study_errors {
-    double end, max; /* at the end, on the grid */
+    double end, max; /* error at the end, and the largest on the grid */
     /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
     double energy;
     double phase, amplitude; /* [rad] and relative, at the end, of an oscillator; NAN */
@@ -140,24 +144,26 @@ struct study_errors {
 
 struct method_choice {
     const struct method *method;
-    enum drag drag; /* DRAG_DEFAULT: the method's own */
+    enum drag drag; /* DRAG_DEFAULT selects the method's own */
 };
 
-const char *contender_drag(const struct method_choice *choice); /* NULL: the method's own */
+/* Returns the name of the drag, or NULL for the method's own. */
+const char *contender_drag(const struct method_choice *choice);
 
 struct precision_request {
     const struct scene *scene;
     const struct method_choice *choice;
     int choices;
-    /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps too */
+    /* [s] ends of the sweep, or NAN to choose them. If given, methods that adapt take fixed steps,
+     * too. */
     double dt[2];
-    double tol[2];    /* ends of the sweep of methods that adapt, NAN: choose */
+    double tol[2];    /* ends of the sweep of methods that adapt, or NAN to choose them */
     double duration;  /* [s] */
     bool compensated; /* sums of fixed steps */
     enum timing timing;
-    double seconds; /* [s] about what all of it may take besides the reference, 0: chosen */
+    double seconds; /* [s] approximate time of everything but the reference, or 0 to choose it */
     bool recording; /* time a run that records, too */
-    struct references *references; /* kept between studies, NULL: not */
+    struct references *references; /* kept between studies, or NULL */
     const struct cancel *cancel;
 };
 
@@ -173,16 +179,16 @@ struct precision_point {
     bool probed;
     /* [s] of the processor, for the one solve that was measured, sampling included */
     double seconds;
-    double part; /* of the duration that it covers: less than 1 where it was given up or probed */
-    bool costly; /* so long that this one solve is its time: it is not repeated */
-    /* the time is that of so many, scaled to all of them; 0: of whole solves */
+    double part; /* part of the duration that it covers, below 1 if it was given up or probed */
+    bool costly; /* so long that this one solve is its time and is not repeated */
+    /* Number of steps that were timed, scaled to all of them, or 0 for whole solves. */
     int64_t timed_steps;
     double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
-    bool is_below_reference; /* below the accuracy of the reference */
+    bool is_below_reference; /* the error is below the accuracy of the reference */
     bool asymptotic;         /* takes part in the fit */
     enum kernel path;        /* as study_path() */
     struct timing_result time;
-    /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+    /* [s] the same with all rows recorded, the shortest of three, or NAN if not asked for. */
     double recording;
 };
 
@@ -191,9 +197,11 @@ struct precision_curve {
     struct method_choice choice;
     bool adaptive;
     int first, count;
-    double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
+    /* slope of log error over log dt (or log tol), or NAN for fewer than three points */
+    double slope, r2;
     int fitted;
-    /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is expected (exact) */
+    /* Expected slope: the order, or 1 for tol (error proportional to tolerance), or NAN for exact
+     * methods. */
     double expected;
     /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is expected */
     bool differs;
@@ -230,8 +238,8 @@ void precision_free(struct precision *precision);
 struct precision_row {
     struct precision_point point;
     struct precision_curve curve;
-    double accuracy; /* of the reference */
-    bool stored;     /* the reference, by an earlier study */
+    double accuracy; /* accuracy of the reference */
+    bool stored;     /* the reference was computed by an earlier study */
     bool resolved;   /* it is not contradicted by the finest runs of two methods */
     const struct precision *precision;
 };
@@ -239,7 +247,7 @@ struct precision_row {
 /* One for each point, from the arena; they hold as long as `precision`. Returns NULL if out of
  * memory. */
 const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena);
-extern const struct result_columns precision_columns; /* of struct precision_row */
+extern const struct result_columns precision_columns; /* columns of struct precision_row */
 
 /* A point that says something: it reached the end, with an error below 1. */
 bool precision_meaningful(const struct precision_point *point);
@@ -248,45 +256,45 @@ bool precision_meaningful(const struct precision_point *point);
 const char *precision_failure(const struct precision *precision,
                               const struct precision_point *point);
 
-/* What an error costs, read off a curve between its points (straight lines in logarithms); false:
- * not reached. */
+/* Cost of an error, read off a curve between its points (straight lines in logarithms). */
 struct precision_cost {
     int curve;
     enum kernel path;
     double evals, minimum, median; /* [s], NAN without times */
-    bool timed;                    /* by sound times */
+    bool timed;                    /* true if the times are reliable */
     /* Its minimum is inside of [minimum, median] of the fastest, or within PRECISION_TIE of its
      * minimum. */
     bool tied;
 };
 
-/* what minima of the same solve differ by from one process to the next */
+/* Ratio of minima of the same solve in different processes. */
 #define PRECISION_TIE 1.05
 
 bool precision_cost_at(const struct precision *precision, int curve, double error,
                        struct precision_cost *cost);
 /*
- * The curves that reach this error, the fastest first (without times: by evaluations); returns how
- * many are ranked. Those with general code that are not ahead of all specialised ones follow,
- * *others: code of their own might bring them anywhere ahead. (One that is ahead stays there: it
- * would only gain.) costs [curves]; others may be NULL.
+ * Lists the curves that reach this error, the fastest first (by evaluations if there are no times).
+ * Returns the number of ranked ones. Those with general code that are not faster than all
+ * specialised ones follow, *others of them: specialised code might bring them anywhere ahead. (A
+ * faster one keeps its rank, because it could only gain.) costs has [curves]; others may be NULL.
  */
 int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
                       int *others);
 
 /*
- * Force evaluations that an error needs on an undamped linear oscillator, predicted from the
- * method's amplification matrix: phase, amplitude and shape of M^n against the rotation
- * (NUMERICS 1.5). NAN: another scene, adaptive steps, or a method without such a matrix.
+ * Returns the number of force evaluations that an error needs on an undamped linear oscillator,
+ * predicted from the method's amplification matrix: phase, amplitude and shape of M^n against the
+ * rotation (NUMERICS 1.5). Returns NAN for another scene, adaptive steps, or a method without such
+ * a matrix.
  */
 double precision_predict(const struct precision *precision, int curve, double error);
 bool precision_predicts(const struct system *system);
 
-/* Natural rates times duration are so large that explicit methods take their steps for stability
- * alone. */
+/* Returns true if natural rates times duration are so large that explicit methods choose their
+ * steps for stability alone. */
 bool precision_is_stiff(const struct system *system, double duration);
-/* A dozen methods that apply to the system, by what it is (stiff or not); returns how many. Each of
- * the others that was considered is offered with the reason. */
+/* Chooses a dozen methods that apply to the system, by its stiffness, and returns their number.
+ * absent() is called with each other method that was considered, and the reason. */
 #define PRECISION_DEFAULTS 12
 int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
                        void (*absent)(void *context, const char *method, const char *reason),
@@ -302,35 +310,37 @@ struct compare_request {
     int dts;
     const double *tol; /* [tols] adaptive where the method can; fixed-step methods use dt */
     int tols;
-    double first;     /* [s] first step of methods that adapt, 0: dt[0] */
+    double first;     /* [s] first step of methods that adapt, or 0 for dt[0] */
     double duration;  /* [s] */
     bool compensated; /* sums of fixed steps */
     struct recording_rule record;
     enum timing timing;
-    struct references *references; /* kept between studies, NULL: not */
+    struct references *references; /* kept between studies, or NULL */
     const struct cancel *cancel;
 };
 
 struct comparison {  /* one method at one setting */
     struct run *run; /* owned by the caller after study_compare */
-    /* against the exact solution; without one end, max and floor against the reference */
+    /* Errors against the exact solution; without one, end, max and floor are against the
+     * reference. */
     struct run_errors errors;
     double duration; /* [s] asked for */
     const struct method
-        *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
-    bool reference_stored; /* by an earlier study */
+        *reference[2]; /* methods of that reference, or NULL if it is not needed or there is none */
+    bool reference_stored; /* the reference was computed by an earlier study */
     struct ledger ledger;
     /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
     double order;
     double energy_factor; /* E/E0 at the end */
-    /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
+    /* E/E0 predicted by the method's amplification matrix, or NAN if that does not apply. */
     double predicted_factor;
     /* The matrix says that steps of this size grow where the solution does not, or shrink to less
      * than a tenth of its energy. */
     bool grows, shrinks;
     enum kernel path; /* as study_path() */
     struct timing_result time;
-    char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
+    /* the result in words, as "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
+    char verdict[200];
 };
 
 /* Steps and computing time [s] that all of it will take; false where study_compare would refuse. */
@@ -350,15 +360,15 @@ void comparison_free(struct comparison *row); /* destroys the run if it is still
 struct compared_row {
     struct comparison comparison; /* its run NULL */
     const struct method *method;
-    double dt, tol; /* [s] and a number; NAN: the other one */
+    double dt, tol; /* [s] and a number; the one that is not used is NAN */
     int64_t steps;
     struct cost cost;
     enum stop stop;
-    int number;                         /* of the run */
-    struct measured period;             /* [s] NAN: none, or not looked for */
-    double data_rms;                    /* from a recording, NAN if there is none */
-    enum quantity data_quantity;        /* of that */
-    char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
+    int number;                         /* number of the run */
+    struct measured period;             /* [s] NAN if there is none, or it was not measured */
+    double data_rms;                    /* distance from a recording, or NAN if there is none */
+    enum quantity data_quantity;        /* quantity of the recording */
+    char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)", or empty without a recording */
     bool too_long;                      /* it was not run, the steps are those that it would take */
     bool mixed;                         /* the rows are not all timed by the same code */
     bool balanced; /* drag or a drive changes the energy, so that its error is one of the balance */
@@ -371,7 +381,7 @@ void compared_too_long(struct compared_row *row, const struct method_choice *cho
                        double steps, double seconds);
 /* "10 ms", "tol 1e-06" */
 void compared_setting(const struct compared_row *row, struct buffer *text);
-extern const struct result_columns compared_columns; /* of struct compared_row */
+extern const struct result_columns compared_columns; /* columns of struct compared_row */
 
 /* ---- order: how fast the error falls with the step ----
  *
@@ -383,9 +393,9 @@ extern const struct result_columns compared_columns; /* of struct compared_row *
 struct order_request {
     const struct scene *scene;
     struct method_choice choice;
-    double dt[2];                  /* [s] ends of the sweep, NAN: choose */
+    double dt[2];                  /* [s] ends of the sweep, or NAN to choose them */
     double duration;               /* [s] */
-    struct references *references; /* kept between studies, NULL: not */
+    struct references *references; /* kept between studies, or NULL */
     const struct cancel *cancel;
 };
 
@@ -394,9 +404,9 @@ struct order_point {
     int64_t steps;
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
-    /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    /* Largest error of a variable in units of its amplitude, or NAN if it did not reach the end. */
     double error;
-    double slope;  /* to the point before; NAN */
+    double slope;  /* slope to the point before, or NAN */
     int64_t turns; /* extra steps that end at turning points */
     bool fitted;
 };
@@ -417,17 +427,18 @@ extern const struct catalog order_verdict_catalog; /* struct row at the enum's p
 
 struct order {
     struct method_choice choice;
-    int claimed; /* by the row; explicit drag claims 1 on a scene with drag */
-    /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    int claimed; /* order that the row claims; explicit drag claims 1 on a scene with drag */
+    /* `guard` is the reach of local slopes and of the line's own uncertainty, or NAN without a
+     * range. */
     double slope, guard, r2;
     struct order_point point[ORDER_POINTS];
     int points, fitted;
     double floor;          /* errors below are not claimed */
-    bool reference_stored; /* what they are measured against was there before */
+    bool reference_stored; /* the reference was computed by an earlier study */
     enum order_verdict verdict;
     bool switches;   /* the forces switch, beside dry friction */
     bool unsettled;  /* there are points to fit, but their slopes have not reached one value */
-    char words[300]; /* why the scene spoils it, "" where nothing is to say */
+    char words[300]; /* reason why the scene spoils the order, or "" */
 };
 
 /* A point with what it belongs to: a row of the study's table. */
@@ -444,8 +455,8 @@ size_t order_rows(const struct order *order, struct order_row *rows);
 /* Columns of struct order, struct order_point and struct order_row. */
 extern const struct result_columns order_columns, order_point_columns, order_row_columns;
 
-/* False: the method does not apply, there is no reference, or cancelled (what is finished is kept:
- * points > 0). */
+/* Measures the order. Returns false if the method does not apply, if there is no reference, or if
+ * cancelled; finished points are kept (points > 0). */
 bool study_order(const struct order_request *request, struct order *order, struct error *error);
 
 /* ---- selftest: what the rows claim, measured on this machine ---- */
@@ -472,6 +483,6 @@ struct selftest_row {
     bool passed;
 };
 
-/* One method, as its row says; false: no memory, or cancelled. */
+/* Checks the claims of one method's row. Returns false if out of memory or cancelled. */
 bool selftest_method(const struct method *method, const struct cancel *cancel,
                      struct selftest_row *row);

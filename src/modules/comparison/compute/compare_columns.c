@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a row of a comparison says: to programs, to files, to people. */
+/* Columns of a comparison's rows, for programs, files and people. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/compare.h"

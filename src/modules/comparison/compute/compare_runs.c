@@ -10,9 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the one-step matrix (or the growth factor) of the method says of the energy of one undriven
- * linear oscillator.
- */
+/* Energy of one undriven linear oscillator as the method's one-step matrix (or growth factor)
+ * predicts it. */
 struct prediction {
     bool known;
     double growth; /* spectral radius: amplitude factor a step */
@@ -90,7 +89,7 @@ static struct prediction predict(const struct run *run)
     prediction.factor = exp(2 * prediction.amplitude);
     prediction.exact = exact_factor(run, omega);
     prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
-    if (one_step && isnan(prediction.swing)) /* what single steps do beyond the spectral radius */
+    if (one_step && isnan(prediction.swing)) /* growth of single steps beyond the spectral radius */
         prediction.swing = fmax(2 * log(matrix_size(matrix) / prediction.growth), 0);
     return prediction;
 }
@@ -112,8 +111,9 @@ static double energy_trend(const struct run *run)
     return known ? max[3] / max[0] : NAN;
 }
 
-#define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
-#define ENERGY_ROUNDING 1e-12  /* Energy errors below this are rounding. */
+/* largest number for one method: in stiff scenes explicit ones take tiny steps */
+#define ADAPTIVE_STEPS 2000000
+#define ENERGY_ROUNDING 1e-12 /* Energy errors below this are rounding. */
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
 /* The trend of a steady drift is 4, that of a bounded error about 1. */
 #define ENERGY_TREND_MAX 1.5
@@ -124,7 +124,7 @@ static void put_energy_off(double error, struct buffer *output)
     buffer_format(output, error < 1 ? "within %.2g of E0" : "off by %.2g times E0", error);
 }
 
-/* What the energy was seen to do where nothing predicts it. */
+/* Describes the observed energy, if nothing predicts it. */
 static void observe(const struct comparison *row, const char *span, struct buffer *output)
 {
     const struct run *run = row->run;
@@ -147,7 +147,8 @@ static void observe(const struct comparison *row, const char *span, struct buffe
                       ledger->error_max / peak, span, peak);
         return;
     } else if (energy_trend(run) <=
-               ENERGY_TREND_MAX) { /* after an orbit or two, of others too: they drift */
+               /* the error of any method grows after an orbit or two if it drifts */
+               ENERGY_TREND_MAX) {
         buffer_format(output, "energy %s",
                       run->method->flags & KEEPS_ENERGY && !run->plan.adaptive ? "bounded: " : "");
         put_energy_off(ledger->error_max, output);
@@ -160,7 +161,7 @@ static void observe(const struct comparison *row, const char *span, struct buffe
     buffer_format(output, " in %s", span);
 }
 
-/* What it did beside what the method's matrix says. */
+/* Compares the observed energy with the prediction of the method's matrix. */
 static void confirm(struct comparison *row, const struct prediction *prediction, const char *span,
                     struct buffer *output)
 {
@@ -227,7 +228,8 @@ static void comparison_verdict(struct comparison *row)
     buffer_free(&text);
 }
 
-/* Without a closed form: the same solve again on the common grid, against the reference. */
+/* Measures the error without a closed form: solves again on the common grid, against the
+ * reference. */
 static void measure(struct comparison *row, const struct reference *reference,
                     const struct cancel *cancel)
 {
@@ -332,7 +334,9 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
                            error)) {
                 return false;
             }
-            if (isnan(plan.steps)) /* adaptive: not known, and no reason to forget the others */
+            /* the steps of adaptive methods are unknown, which is no reason to leave out the
+             * others */
+            if (isnan(plan.steps))
                 continue;
             *steps += plan.steps;
             *seconds += plan.seconds;
@@ -419,7 +423,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
         !scene_bind(request->scene, &system, error)) {
         return false;
     }
-    /* Without a reference there are no errors; that is no reason not to compare. */
+    /* Errors need a reference, but a comparison does not. */
     if (!system_has_exact(&system) &&
         !references_get(request->references, request->scene, &system, request->duration,
                         request->cancel, &reference, &none) &&

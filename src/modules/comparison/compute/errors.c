@@ -52,7 +52,7 @@ void grid_errors(const struct system *system, const struct reference *reference,
         }
         if (turns) {
             const struct phase_turn a = turn_of(o, y), b = turn_of(o, exact);
-            /* what has vanished has none */
+            /* A motion that has vanished has no phase. */
             if (a.size == 0 && b.size > 0)
                 phase = NAN;
             phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);

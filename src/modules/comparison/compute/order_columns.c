@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a measured order says, and each point of its sweep: to programs, to people. */
+/* Columns of a measured order and of the points of its sweep, for programs and people. */
 #include <hooke/base/catalog.h>
 #include "modules/comparison/compute/compare.h"
 

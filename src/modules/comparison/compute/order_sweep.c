@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROUNDING_ERROR_MAX 1e-6 /* Above this error a slope near 0 is not caused by rounding. */
-#define SLOPE_IDLE 0.3          /* Below this slope a smaller step gains nothing. */
+#define ROUNDING_ERROR_MAX 1e-6 /* A slope near 0 above this error is not caused by rounding. */
+#define SLOPE_IDLE 0.3          /* A smaller step gains nothing below this slope. */
 #define ROUNDING_FACTOR 10      /* Errors below this many times the rounding bend the line. */
 /* Number of points in the fit; one more where the steps are closer together. */
 #define FIT_POINTS 4
@@ -28,8 +28,8 @@
 #define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
 #define SLOPE_KINK 0.02       /* a change above that of slopes alike before is of rounding */
-#define COST_MAX 6e6          /* of one solve */
-/* From this order on the steps of the sweep are closer together. */
+#define COST_MAX 6e6          /* cost of one solve */
+/* Lowest order whose sweep has steps closer together. */
 #define FINE_SWEEP_ORDER 5
 
 static const struct row verdicts[] = {
@@ -151,9 +151,9 @@ struct order_line {
 };
 
 /*
- * Least squares of log error = a + p log dt + c dt, the last term for what comes after the leading
- * one; with three points c = 0. guard: the standard error, half of what that term changes, or how
- * far local slopes are from a line.
+ * Fits log error = a + p log dt + c dt by least squares, the last term for what follows the leading
+ * one. `guard` is the larger of the standard error and half of the change by that term. With three
+ * points c = 0, and `guard` is the largest distance of a local slope from that of the line.
  */
 static struct order_line order_line_fit(const struct order_point *point, int n)
 {
@@ -194,8 +194,7 @@ static double point_noise(const struct order *order, const struct order_point *p
 
 /*
  * Returns true if the slopes within a window of n points are alike, or approach a limit: each
- * change is smaller than the one before. *rest is how far the
- * last slope may be from the limit.
+ * change is smaller than the one before. *rest is how far the last slope may be from the limit.
  */
 static bool slopes_settle(const struct order *order, const struct order_point *point, int n,
                           double *rest)
@@ -364,7 +363,7 @@ static bool sweep_steps(const struct sweep_target *target, double *grid, struct 
         struct order_point *previous = order->points ? &order->point[order->points - 1] : NULL;
         if (previous)
             point.slope = log_slope(previous, &point);
-        /* Of the steps too coarse to arrive only the last is of interest. */
+        /* Only the last of the steps too coarse to reach the end is kept. */
         const bool instead = previous && !wanted && isnan(previous->error) && isnan(point.error);
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a measured order means on its scene, in words. */
+/* Explains a measured order on its scene in words. */
 #include "modules/comparison/compute/verify.h"
 
 #include <math.h>
@@ -23,8 +23,8 @@ static double fastest(const struct system *system)
     return max;
 }
 
-/* What turning points and switches do to the order; NULL if there is nothing. misses: another one
- * was found, or none. */
+/* Returns what turning points and switches do to the order, or NULL if nothing. `misses` is true if
+ * another order was found, or none. */
 static const char *explain_jumps(const struct system *system, const struct order *order,
                                  bool misses)
 {
@@ -51,7 +51,7 @@ static const char *explain_jumps(const struct system *system, const struct order
     return NULL;
 }
 
-/* What the sizes of steps and errors say where the order is another one, or none was found. */
+/* Explains another order, or none, by the sizes of steps and errors. */
 static void explain_sizes(const struct system *system, struct order *order)
 {
     const bool none = order->verdict == ORDER_NO_RANGE,

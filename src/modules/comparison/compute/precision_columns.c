@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a point of a precision study says: to programs, to files, to people. */
+/* Columns of the points of a precision study, for programs, files and people. */
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/compare.h"
 

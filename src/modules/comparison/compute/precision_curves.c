@@ -9,23 +9,24 @@
 
 #define SECONDS_DEFAULT 12.0 /* Time allowed unless the request states one [s]. */
 #define SECONDS_STIFF 20.0   /* The same for stiff scenes. */
-#define SWEEP_SHARE 0.45     /* of them for the errors, the rest for the times */
-#define SECONDS_QUICK 0.4    /* for the times alone, with `timing quick` */
+#define SWEEP_SHARE 0.45     /* share of the time for the errors; the rest is for the times */
+#define SECONDS_QUICK 0.4    /* [s] time for the times alone, with `timing quick` */
 #define LOG2_FIRST 0         /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
 /* a solve's evaluations, Jacobians and solves, once a curve has POINTS_ENOUGH points */
 #define COST_USUAL 2.1e6
-#define COST_MAX 6e6 /* before that */
-/* before it has POINTS_FIRST: what explicit methods take in stiff scenes is of interest, too */
+#define COST_MAX 6e6 /* the same before that */
+/* The same before it has POINTS_FIRST points: the cost of explicit methods in stiff scenes is of
+ * interest, too. */
 #define COST_FIRST 2.4e7
-#define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
+#define COST_TRIAL 2e5 /* cost of an adaptive solve before its whole cost is known */
 #define POINTS_ENOUGH 4
 #define POINTS_FIRST 1
 /* errors that stop falling are rounding only below this, or near the reference's accuracy */
 #define FLOOR_ERROR 1e-9
-#define ERROR_SETTLED 0.05 /* After an error this small, failures end a sweep. */
+#define ERROR_SETTLED 0.05 /* Failures end a sweep after an error this small. */
 #define FAILURES_MAX 3     /* Number of failures in a row that end a sweep. */
 #define FLOOR_POINTS 2     /* that many without gain end a sweep */
 
@@ -89,9 +90,9 @@ static int hardest_interval(const struct precision *precision)
 }
 
 /*
- * Steps that already lose the motion in the one of 256 intervals where it goes furthest, started on
- * the solution, lose all of it: 1/256 of the cost finds that out. False: nothing is lost there, or
- * the steps are longer than the interval.
+ * Returns true if these steps lose the motion, started on the solution, in the one of 256 intervals
+ * where it moves furthest: they then lose all of it, which is found at 1/256 of the cost. Returns
+ * false if nothing is lost there, or if the steps are longer than the interval.
  */
 static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *point, bool *memory)
 {
@@ -149,8 +150,8 @@ static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver
     return solver_run(solver, sweep->grid, cancel);
 }
 
-/* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a
- * probe would say. */
+/* Solves and measures a point. Returns false if out of memory. A setting that is `wanted` by the
+ * user is solved whatever a probe would show. */
 static bool measure(struct sweeping *sweep, struct precision_point *point, bool wanted)
 {
     const struct precision *precision = sweep->precision;
@@ -193,7 +194,7 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     return true;
 }
 
-/* Whether the point just measured ends the sweep. */
+/* Returns true if the point just measured ends the sweep. */
 static bool finished(struct sweeping *sweep, const struct precision_point *point, double fraction)
 {
     struct precision_curve *curve = sweep->curve;
@@ -269,7 +270,7 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
             curve->count ? &precision->point[precision->points - 1] : NULL;
         if (previous)
             point.order = local_order(previous, &point);
-        /* Of settings in a row that say nothing only the last is of interest. */
+        /* Only the last of consecutive settings without a meaningful error is kept. */
         const bool instead =
             previous && !wanted && !precision_meaningful(previous) && !precision_meaningful(&point);
         struct precision_point *index = instead ? previous : add_point(sweep);

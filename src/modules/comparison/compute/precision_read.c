@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the points of a precision study say: slopes, the fastest for an error, predicted against
+/* Evaluates the points of a precision study: slopes, the fastest for an error, predicted against
  * measured cost. */
 #include "modules/comparison/compute/errors.h"
 
@@ -18,7 +18,7 @@
 #define ROUNDING_ERROR_MAX 1e-8
 #define FIT_POINTS_MAX 4 /* Points of a dt sweep in the fit, the finest inside the bands. */
 #define FIT_POINTS_MIN 3
-#define PRECISION_POINTS 64 /* of a curve that are fitted at most */
+#define PRECISION_POINTS 64 /* largest number of points of a curve that are fitted */
 
 static double abscissa(const struct precision_point *point)
 {
@@ -241,8 +241,8 @@ double precision_predict(const struct precision *precision, int c, double error)
     double previous_error = NAN, before_x = NAN, slope = NAN, found = NAN;
     if (!(size > 0))
         return NAN;
-    /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one
-     * before it is luck. Smaller errors lie on along the last slope. */
+    /* Steps go from coarse to fine, until the matrix's own rounding shows. The last crossing
+     * counts, because an earlier one is luck. Smaller errors are extrapolated by the last slope. */
     double x = 3;
     while (x > 1e-6) {
         double matrix[4];

@@ -45,8 +45,8 @@ static double time_recording(const struct precision_request *request,
     return shortest;
 }
 
-/* Of fixed steps TIMED_STEPS_MAX are timed: what one costs does not depend on how many there are.
- */
+/* Limits the timing of fixed steps to TIMED_STEPS_MAX: the cost of one does not depend on their
+ * number. */
 static void shorten(const struct precision *precision, struct solver *solver, const int *index,
                     int count)
 {
@@ -65,7 +65,7 @@ static void multiply(struct timing_result *time, double factor)
 struct timed_points {
     struct solver *solver;
     struct timing_result *result;
-    int *index; /* of the point */
+    int *index; /* index of the point */
     int count;
 };
 

@@ -10,9 +10,9 @@
 #include <string.h>
 
 /*
- * In the order tried, looked up by name: a method that is not there or does not apply is passed
- * over. tol: of an adaptive method, the next try takes ten times as much; 0: fixed steps, halved
- * until the result does not move.
+ * Candidates in the order in which they are tried. Methods that do not exist or do not apply are
+ * skipped. The tolerance `tol` of an adaptive method is ten times as large in the next try; with 0
+ * the steps are fixed, and halved until the result does not change.
  */
 static const struct candidate {
     const char *name;
@@ -35,7 +35,7 @@ static const struct candidate {
 #define JUMP_FREE_TIMES 3
 #define REFERENCE_MEANING 1e-3 /* Two references that differ by more are both meaningless. */
 #define COST_MAX 40e6          /* evaluations, Jacobians and solves of one solution, over n */
-#define COST_ALL 80e6          /* of all of them, over n: some seconds */
+#define COST_ALL 80e6          /* the same of all of them, over n: some seconds */
 #define TOLERANCE_TRIES 3
 #define TRIES_BURST 8
 #define VOLUME_SHRINK_MIN 1e4
@@ -143,8 +143,8 @@ static bool try_candidate(struct reference_search *search, const struct candidat
 }
 
 /*
- * Where two of them part for the first time. Rounding that grows takes its time from one power of
- * ten to the next; what is a jump has another reason.
+ * Finds where two solutions separate for the first time. Growing rounding takes its time from one
+ * power of ten to the next; a jump has another reason.
  */
 static void set_meaning(const struct reference_search *search, const double *a, const double *b)
 {

@@ -11,8 +11,8 @@
 /* Number of times an interval is solved again with the bursts that were found in it. */
 #define BURST_ROUNDS 12
 
-/* Where the next adaptive step ends at the latest, on the way from t to `t_end`; shift: of the
- * clock; *index: the burst that is ahead. */
+/* Returns the latest end of the next adaptive step, between t and `t_end`. `shift` is that of the
+ * clock; *index is the next burst. */
 static double next_stop(const struct reference_search *search, int *index, double t, double t_end,
                         double shift)
 {
@@ -102,8 +102,8 @@ static int by_time_back(const void *a, const void *b)
     return by_time(b, a);
 }
 
-/* Bursts of the interval that was just crossed, from those before it on; false: none that are new.
- */
+/* Finds the bursts of the interval that was just crossed, of which those from old_count on are
+ * replaced. Returns false if it has none. */
 static bool look_for_bursts(struct reference_search *search, int old_count)
 {
     const bool forward = search->reference->span > 0;
@@ -164,8 +164,9 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
 }
 
 /*
- * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of
- * them, so that rounding of the time does not add up. steps: in an interval, 0: adaptive.
+ * Solves so that steps end at every grid time. If the laws do not depend on time the clock starts
+ * anew at each of them, so that rounding of the time does not add up. `steps` is the number in an
+ * interval, or 0 for adaptive steps.
  */
 static enum stop walk_grid(struct reference_search *search, struct solver *s, int64_t steps,
                            double *grid)
@@ -198,7 +199,7 @@ static enum stop walk_grid(struct reference_search *search, struct solver *s, in
     return STOP_END;
 }
 
-/* Within what is left of the cost of all of them. */
+/* Limits the cost to what is left for all solutions. */
 enum stop reference_walk(struct reference_search *search, struct solver *s, int64_t steps,
                          double *grid)
 {

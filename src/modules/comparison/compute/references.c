@@ -54,7 +54,8 @@ void reference_describe(const struct reference *reference, struct buffer *text)
     }
 }
 
-/* What a solution depends on. A typed model is never changed: each line makes another one. */
+/* Returns true if a solution is the same for both. A typed model is never changed: each line makes
+ * another one. */
 static bool same_scene(const struct scene *a, const struct scene *b)
 {
     return a->model == b->model && memcmp(a->value, b->value, sizeof a->value) == 0 &&
@@ -89,7 +90,7 @@ static bool reference_copy(const struct reference *source, struct reference *tar
     return target->y;
 }
 
-/* In the place of the one that was used the longest time ago; without memory it is not kept. */
+/* Replaces the reference whose latest use is the longest ago. Stores nothing if out of memory. */
 static void stored_reference_keep(struct references *references, const struct scene *scene,
                                   double span, const struct reference *reference,
                                   const struct error *why)

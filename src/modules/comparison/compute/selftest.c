@@ -9,8 +9,9 @@
 #include <string.h>
 
 #define ORDER_COST 250000 /* evaluations of one solve */
-#define ORDER_NEAR 0.15   /* of the claim */
-/* Above this order so few steps lie between the largest and rounding that later terms still add. */
+#define ORDER_NEAR 0.15   /* largest distance from the claimed order */
+/* Orders above this leave few steps between the largest and rounding, so that later terms still
+ * contribute. */
 #define HIGH_ORDER 8
 #define AREA_MAX 1e-10
 #define RETURN_MAX 1e-9

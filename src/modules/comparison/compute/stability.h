@@ -17,7 +17,7 @@ struct catalog;
 struct mode {
     double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
     double t;           /* [s] where it was met */
-    /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
+    /* Sign s of y'' + 2 zeta omega y' + s omega^2 y = 0; if it is not positive, omega is a unit. */
     enum stiffness_sign sign;
 };
 
@@ -33,7 +33,8 @@ struct stability_request {
 };
 
 struct stability_check { /* one step size, run for so many steps */
-    /* growth a step; measured: envelope of the last quarter over that of the second */
+    /* Growth per step; the measured one is from the envelopes of the second and the last
+     * quarter. */
     double dt, predicted, measured;
     int64_t steps;
     bool agrees;
@@ -53,8 +54,8 @@ struct stability {
     int modes, at_start;
     struct mode worst;    /* grows most at dt */
     struct mode tightest; /* sets dt_max */
-    /* [s] supremum of the steps in which nothing grows but what does so by itself; HUGE_VAL:
-     * every, 0: none, NAN: nothing decides it */
+    /* [s] supremum of the steps in which nothing grows but what does so by itself: HUGE_VAL for all
+     * steps, 0 for none, NAN if nothing decides it. */
     double dt_max;
     bool scalar;  /* one equation of first order: it has a rate, no omega or zeta */
     bool refused; /* dt_max is the longest step that the method takes, stable or not */
@@ -64,23 +65,23 @@ struct stability {
     int checks;
     bool agrees;
     enum stability_verdict verdict;
-    double doubling; /* steps until the amplitude doubles; HUGE_VAL: never */
-    double weak[2];  /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
-    /* [s], [s], 1: begin and end of a narrow resonance and the largest growth in it, or NAN if
-     * there is none */
+    double doubling; /* steps until the amplitude doubles, or HUGE_VAL if it never does */
+    double weak[2];  /* growth - 1 is about weak[0] (omega dt)^weak[1], or NAN if it is not weak */
+    /* [s], [s], [1] Begin and end of a narrow resonance and the largest growth in it, or NAN if
+     * there is none. */
     double window[3];
-    enum stop stop;          /* of the scene itself, run with dt where it is not linear */
+    enum stop stop;          /* stop of a run of the scene itself with dt, if it is not linear */
     double reached, largest; /* [s] and amplitude of that run over the natural one */
 };
 
-extern const struct result_columns stability_columns; /* of struct stability */
+extern const struct result_columns stability_columns; /* columns of struct stability */
 /* A growth a step for people: "1.00012", "1+2.3e-06". */
 void buffer_growth(struct buffer *output, double growth);
 
 bool study_stability(const struct stability_request *request, struct stability *stability,
                      struct error *error);
-/* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not
- * apply there. */
+/* Returns the growth per step on y' = lambda y with z = lambda dt (and its conjugate), or NAN if
+ * the method does not apply. */
 double stability_growth(const struct method_choice *choice, double re, double im);
 
 /* ---- stress: the stiff and the extreme, each method, one verdict each ---- */
@@ -89,9 +90,9 @@ enum stress_verdict {
     STRESS_EXACT,    /* error at rounding, or at what can be known */
     STRESS_ACCURATE, /* error below 1 % */
     STRESS_BOUNDED,  /* wrong, but no larger than the motion */
-    STRESS_DAMPED,   /* what should swing is gone */
+    STRESS_DAMPED,   /* the oscillation has vanished */
     STRESS_SINGULAR, /* the solution itself goes to infinity on the way */
-    STRESS_REFUSED,  /* with the reason: does not apply, out of budget, no solution … */
+    STRESS_REFUSED,  /* not run, with the reason: does not apply, out of budget, no solution … */
     STRESS_DIVERGED,
     STRESS_UNKNOWN,     /* arrived, but no two references do */
     STRESS_UNEXPLAINED, /* none of these: must not happen */
@@ -108,15 +109,16 @@ struct stress_case {
         const char *param;
         double value; /* SI */
     } set[8];
-    const struct stress_scene *stress_scene; /* that scene; NULL: the preset */
+    const struct stress_scene *stress_scene; /* the typed scene, or NULL for the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
-    int param; /* PARAM: its place */
-    /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
+    int param; /* index of the parameter for STRESS_PARAM */
+    /* SI value of the parameter or the initial values; for STRESS_STEP, dt in units of the method's
+     * own limit. */
     double value;
-    double span; /* [s], 0: ten seconds */
+    double span; /* [s] 0 means ten seconds */
     bool fixed;  /* the case is about its dt: methods that adapt take it too */
     double dt;   /* [s] where fixed, else span/1024 */
-    double tol;  /* 0: 1e-6 for methods that adapt */
+    double tol;  /* 0 means 1e-6 for methods that adapt */
 };
 
 /* Fills in a case: the table's, then every preset that calls itself stiff or extreme. Returns false
@@ -124,13 +126,13 @@ struct stress_case {
 bool stress_case_at(size_t index, struct stress_case *result);
 
 struct stress_row {
-    int index;         /* of the case */
-    const char *scene; /* its name */
+    int index;         /* index of the case */
+    const char *scene; /* name of the case */
     const struct method *method;
     enum stress_verdict verdict;
-    double error; /* NAN: did not arrive, or nothing to measure against */
+    double error; /* NAN if it did not reach the end, or if there is no reference */
     int64_t steps;
-    double seconds; /* of computing */
+    double seconds; /* [s] computing time */
     char reason[240];
 };
 
@@ -148,15 +150,15 @@ struct stress {
     struct stress_case cases[STRESS_MAX];
     int count;
     struct arena text;      /* names of the cases of a scene */
-    struct stress_row *row; /* [rows], case by case, the methods in order; owned: stress_free() */
+    struct stress_row *row; /* [rows] by case, then by method; owned, release with stress_free() */
     int rows;
     int count_of[STRESS_VERDICTS];
     double seconds;
 };
 
-/* scene NULL: the cases that are always there. only: one of them, by its name or its number from
- * 1; empty: all. False also when cancelled: the finished rows are kept. stress_free() in every
- * case. */
+/* Runs the cases, of the scene or, if it is NULL, the built-in ones. `only` selects one of them by
+ * its name or its number from 1; if empty, all are run. Returns false with the error also if
+ * cancelled: finished rows are kept. Call stress_free() in every case. */
 bool study_stress(const struct stress_scene *scene, struct text only,
                   const struct method *const *methods, int count, const struct cancel *cancel,
                   struct stress *stress, struct error *error);

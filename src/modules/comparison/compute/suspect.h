@@ -10,10 +10,10 @@
 
 /* The finest run of one choice. */
 struct witness {
-    const struct method *method; /* NULL: none has arrived yet */
+    const struct method *method; /* NULL as long as none has reached the end */
     double *grid;                /* [STUDY_TIMES * n] */
-    double moved;                /* from the run before it, in amplitudes; NAN if there was none */
-    double step;                 /* [s] in the mean */
+    double moved; /* [amplitudes] distance from the run before it, or NAN if there was none */
+    double step;  /* [s] in the mean */
 };
 
 struct witnesses {

@@ -49,9 +49,9 @@ enum { TIMING_SAMPLES_MORE = 10 };
 /* One solver on the bench. */
 struct timed_solver {
     struct solver *solver;
-    int index;      /* of the result */
+    int index;      /* index of the result */
     int64_t batch;  /* solves a sample */
-    double seconds; /* of a sample, expected */
+    double seconds; /* [s] expected duration of a sample */
     int quota;
     double sample[TIMING_SAMPLES + TIMING_SAMPLES_MORE];
     int samples;

@@ -17,14 +17,14 @@
 /* growth - 1 up to which the amplitude takes 700 steps or more to double, which looks stable for
  * long */
 #define GROWTH_WEAK 1e-3
-#define STEPS_MOST 16384  /* of a check */
-#define HISTORY_STEPS 8   /* steps: more than any method remembers */
-#define RATE_EXTREME 1e20 /* [1/s] beyond it, or its inverse, omega is the unit */
+#define STEPS_MOST 16384  /* largest number in a check */
+#define HISTORY_STEPS 8   /* more than any method remembers */
+#define RATE_EXTREME 1e20 /* [1/s] omega is the unit beyond it, or its inverse */
 #define HUGE_STEP 100     /* omega dt above which NAN means unbounded growth */
 #define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
-#define LIMIT_OFFSET 1e-2 /* how far from the limit the checks on both sides stand, relative */
-#define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
-#define STATES_CHECKED 16 /* states along the run whose eigenvalues are looked at */
+#define LIMIT_OFFSET 1e-2 /* relative distance of the checks on both sides from the limit */
+#define ASIDE_NARROW 1e-4 /* the same at the start of a narrow resonance */
+#define STATES_CHECKED 16 /* number of states along the run whose eigenvalues are examined */
 #define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
@@ -181,7 +181,7 @@ static void add_mode(struct mode *mode, int *count, int max, double omega, doubl
         mode[(*count)++] = (struct mode){omega, zeta, t, sign};
 }
 
-/* Of an eigenvalue: rounding leaves a little of what is none. */
+/* Returns the damping ratio of an eigenvalue, without rounding around 0. */
 static double damping_ratio(double zeta)
 {
     return zeta < 1e-12 ? 0 : fmin(1, zeta);
@@ -293,8 +293,8 @@ static void modes_along(const struct system *system, const struct stability_requ
 
 /* ---- the limit ---- */
 
-/* Whether a step up to dt may be unstable for this mode: a look at a few sizes, the exact search is
- * dear. */
+/* Returns true if a step up to dt may be unstable for this mode, judged from a few sizes because
+ * the exact search is expensive. */
 static bool may_limit(const struct method_choice *choice, const struct mode *mode, double dt)
 {
     static const double part[] = {1. / 64, 0.125, 0.25, 0.5, 0.75, 0.9, 0.99, 0.9999};
@@ -423,8 +423,8 @@ static bool run_scene(const struct system *system, const struct stability_reques
     return true;
 }
 
-/* What a scene does by itself is no fault of the method, nor is a rate that is right to
- * RATE_TOLERANCE. */
+/* Judges the growth. Growth of the scene itself is no fault of the method, nor is a rate that is
+ * correct to RATE_TOLERANCE. */
 static enum stability_verdict stability_judge(const struct stability *s, const struct mode *mode)
 {
     const double growth = mode_growth(&s->choice, mode, s->dt), rate = growth_rate(mode) * s->dt,

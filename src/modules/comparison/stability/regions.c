@@ -13,7 +13,7 @@
 static const double growth_rounding = 1e-8;
 /* [1] Half the width of the plane for methods that are stable at every step. */
 static const double unbounded_width = 6;
-/* Beyond this a region is not looked at: the right half plane of backward differentiation. */
+/* Regions are not examined beyond this: the right half plane of backward differentiation. */
 static const double widest_plane = 40;
 static const double zeta_max = 1.5;
 enum { PLANE_CELLS = 110, DAMPED_CELLS = 120 };

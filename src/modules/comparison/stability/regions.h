@@ -6,8 +6,8 @@
 
 /* Planes in which boundaries are drawn. */
 enum region_plane {
-    REGION_Z,      /* z = lambda dt: where a step does not grow */
-    REGION_STARS,  /* z: where it grows less than the exact solution, an order star */
+    REGION_Z,      /* plane of z = lambda dt: a step does not grow */
+    REGION_STARS,  /* plane of z: a step grows less than the exact solution (order star) */
     REGION_DAMPED, /* zeta and omega dt of a damped oscillator */
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a study of stability says, and each of its checks by running: to programs, to people. */
+/* Columns of a study of stability and of its checks by running, for programs and people. */
 #include <hooke/base/catalog.h>
 #include "modules/comparison/compute/stability.h"
 

@@ -20,9 +20,9 @@
 #define CASE_STEPS 1024   /* fixed steps where the case does not say */
 #define ERROR_EXACT 1e-10 /* errors below are rounding that has added up */
 #define ERROR_ACCURATE 1e-2
-/* amplitudes that a wrong motion may have and still be called bounded */
+/* Amplitudes within which a wrong motion is called bounded. */
 #define AMPLITUDE_BOUNDED 10.0
-/* of what should swing in the last quarter: less than this is damped away */
+/* Part of the expected oscillation in the last quarter below which it is damped away. */
 #define DAMPED_FRACTION 0.1
 
 static const struct row verdicts[] = {
@@ -144,12 +144,12 @@ static void stress_totals(struct stress *stress)
 
 struct stress_state {
     const struct stress_case *what;
-    double *limit; /* [methods] of STRESS_STEP; NAN: not yet known */
+    double *limit; /* [methods] limits for STRESS_STEP, NAN until known */
     struct system system;
     double span, tol, dt;
     struct reference reference;
-    char refused[200];           /* the scene itself is refused: why */
-    struct singularity singular; /* looked for when one fails */
+    char refused[200];           /* reason if the scene itself is refused */
+    struct singularity singular; /* searched for when one method fails */
     bool looked;
     double *grid; /* [STUDY_TIMES][n] */
     const struct cancel *cancel;

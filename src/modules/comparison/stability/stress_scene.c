@@ -137,6 +137,6 @@ double stress_limit(const struct system *system, const double *y, int states, in
                 fastest = mode[i];
     }
     const double limit = fastest.omega > 0 ? mode_limit(&choice, &fastest) : HUGE_VAL;
-    /* 0, NaN: no step is better than another */
+    /* A limit that is not positive and finite prefers no step. */
     return limit > 0 && isfinite(limit) ? limit : 1 / fastest.omega;
 }
