@@ -72,7 +72,8 @@ static void save_without_memory(void)
         session_keeper()->write(&error);
 }
 
-/* What keeps the session tells on standard error, where it can be read after panes, too. */
+/* Writes the session a last time; errors go to standard error, where they remain readable after
+ * panes. */
 static void keep_at_end(const struct session_keeper *keeper)
 {
     struct error error;
@@ -147,12 +148,12 @@ static int run_option(struct session *session, const struct options *options, st
     return status;
 }
 
-/* What needs no prompt. */
+/* Runs the tasks that need no prompt. */
 static void tasks_run(struct session *session, const struct options *options, enum front_kind kind,
                       struct reply *reply, struct streams *streams)
 {
     if (!options->only) {
-        strays_sweep_path("."); /* of programs that were killed */
+        strays_sweep_path("."); /* files of killed programs */
     }
     if (options->only) {
         session->execution.status = run_option(session, options, reply);
@@ -161,7 +162,8 @@ static void tasks_run(struct session *session, const struct options *options, en
     }
 }
 
-/* What must be open is open; the state of a session is beside the folder of the user. */
+/* Confines the program after all files are open; the state of a session is beside the folder of
+ * the user. */
 static void confine(const struct options *options, bool prompt, struct reply *reply)
 {
     struct error error = {0};
@@ -209,10 +211,10 @@ static int session_front_run(const struct options *options)
     int status = ERROR_USAGE;
     struct buffer messages = {0};
     if (ready && begin_session(&session, options, &messages)) {
-        session->front.context = session; /* of progress; another front end brings its own */
+        session->front.context = session; /* shows progress; other front ends set their own */
         streams.log = &session->log;
         if (kind == FRONT_IS_PANES) {
-            reply.sink = panes_sink(session); /* what is said from now on stands in the log */
+            reply.sink = panes_sink(session); /* messages appear in the log from here on */
         }
         if (messages.len > 0) {
             reply_note(&reply, "%s", messages.data);
@@ -224,7 +226,7 @@ static int session_front_run(const struct options *options)
             session->execution.status = 0;
         }
         tasks_run(session, options, kind, &reply, &streams);
-        /* what is typed at the prompt afterwards has been answered there */
+        /* errors of lines typed at the prompt were shown there and do not change the status */
         status = session->execution.status;
         if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
             struct front_program program = {

@@ -103,7 +103,7 @@ struct heat {
 
 /* The range of values that the shades of a map stand for. low > high if there is no value. */
 struct heat_scale {
-    double low, high; /* of the values that are finite */
+    double low, high; /* range of the finite values */
     bool log;         /* positive values of very different size */
 };
 /* Returns the scale of a map. */

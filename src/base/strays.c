@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a killed program leaves behind: files and folders under their hidden names, which begin all
- * alike. Each is locked while somebody writes it, so that what can be locked belongs to nobody: a
- * process number would say nothing after a reboot or in a container. Where a file system knows no
+ * Removes files and folders that killed programs left behind under hidden names, which share a
+ * prefix. Each is locked while a program writes it, so one that can be locked has no owner; a
+ * process number would be meaningless after a reboot or in a container. If the file system has no
  * locks, nothing is removed.
  */
 #define _GNU_SOURCE /* F_OFD_GETLK, renameat2 */

@@ -156,7 +156,7 @@ static bool run_collected(struct session *session, const struct arguments *argum
     if (!ok)
         return false;
     buffer_clear(&reply->lines);
-    reply->recorded &= !redirect->plot; /* what the study says is not shown */
+    reply->recorded &= !redirect->plot; /* output of a study is dropped before drawing */
     if (redirect->plot)
         return draw_redirected(session, arguments, redirect, reply, error);
     return redirect_finish(session, redirect, table_row, reply, error);

@@ -472,7 +472,7 @@ void reply_command_end(struct reply *reply, const char *kind)
     if (lines->len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
         struct table_store *store = reply->store;
         lines->data[--lines->len] = '\0';
-        reply->store = NULL; /* of records only */
+        reply->store = NULL; /* the store keeps only records */
         reply_begin(reply, kind);
         reply_string(reply, "text", lines->data);
         reply_end(reply);

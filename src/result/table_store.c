@@ -172,7 +172,7 @@ void store_cell_real(struct table_store *store, const char *name, const char *un
         return;
     struct arena *arena = &store->row->arena;
     struct column_growth *growth = store->row->growth;
-    if (cells->text) { /* among words */
+    if (cells->text) { /* a number in a column of words */
         char z[REAL_TEXT_SIZE];
         const char *copy = arena_text(arena, (struct text){z, real_format(value, z)});
         cells->text[growth->rows] = copy ? copy : "";

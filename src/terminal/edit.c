@@ -203,7 +203,7 @@ void edit_paste(struct panes *panes, struct text paste)
 
 void edit_clear(struct panes *panes)
 {
-    for (; editor.has_line; let_it_go_on()) /* of a macro */
+    for (; editor.has_line; let_it_go_on()) /* remaining lines of a macro */
         free(editor.line);
     editor.gives_up = true;
     let_it_go_on();

@@ -20,7 +20,8 @@
  * file. */
 static int open_locked(const char *path, bool *locked, struct error *error)
 {
-    static bool waited; /* in vain, once: whoever has the lock keeps it */
+    /* set after one unsuccessful wait, because the owner of the lock keeps it */
+    static bool waited;
     const struct write_policy policy = {.force = true};
     for (;;) {
         struct stat mine, there;

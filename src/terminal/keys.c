@@ -147,7 +147,7 @@ static void leave_reading(const char *text, struct buffer *line)
 
 /* ---- reading ---- */
 
-/* Where nothing was looked for it is the beginning of a command. */
+/* Repeats a search. Without one, the key begins a command. */
 static void say_next(const struct press *press, struct buffer *line)
 {
     if (*press->session->view.wanted)
@@ -156,7 +156,7 @@ static void say_next(const struct press *press, struct buffer *line)
         leave_reading("n", line);
 }
 
-/* Where the page has none it is the beginning of a command. */
+/* Runs the recipe of the page. Without one, the key begins a command. */
 static void say_recipe(const struct press *press, struct buffer *line)
 {
     if (press->session->view.recipe)
@@ -355,7 +355,7 @@ static int on_key(int count, int last)
         key->make(&(struct press){panes_active->program->session, count, key->arg}, &line);
     }
     if (line.len > 0) {
-        /* what is offered on the page, against what looks at it */
+        /* the page's own command, unlike commands that scroll the page */
         const bool entered =
             on_cursors && keys_on_text() && !text_starts(buffer_text(&line), TEXT("scroll "));
         if (entered) {

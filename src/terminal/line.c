@@ -195,7 +195,7 @@ static char **word_complete(const char *word, int begin, int end)
         command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
                          candidate_append, &all);
     if (file) {
-        while (cursor == start && all.count > 0) /* what else could stand there: once it is begun */
+        while (cursor == start && all.count > 0) /* other completions that could begin there */
             free(all.match[all.count--]);
         collect_files((struct text){rl_line_buffer + start, cursor - start}, file, &all);
     }

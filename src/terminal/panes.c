@@ -444,8 +444,7 @@ void panes_run(struct front_program *program)
     line_begin(session); /* line_begin() precedes ncurses: both look the terminal up */
     panes.color = saved.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
-    /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it
-     * while it draws. */
+    /* Must precede ncurses, which would otherwise handle Ctrl-Z and ignore it while it draws. */
     signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
     panes_active = &panes;
     const bool edits = nowhere && signals_pipe() >= 0 && edit_begin(nowhere);

@@ -16,7 +16,7 @@ struct session_keeper {
     void (*begin)(struct session *session);
     void (*end)(void);
     int64_t (*due)(
-        void); /* [clock_ns] when keep() has something to do; INT64_MAX: it has nothing */
+        void); /* [clock_ns] time at which keep() has something to do, or INT64_MAX if never */
     /* Writes if that is due. line means that a line was executed, which makes it due unless writing
      * takes long. Returns false with an error to report. */
     bool (*keep)(bool line, struct error *error);

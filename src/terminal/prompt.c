@@ -105,7 +105,7 @@ static bool confirm(void *context, const char *question)
     struct front_program *program = context;
     char *answer = NULL;
     size_t capacity = 0;
-    streams_flush(program->streams); /* what the question is about */
+    streams_flush(program->streams); /* shows the text that the question refers to */
     fprintf(stderr, "%s [y/N] ", question);
     bool yes = getline(&answer, &capacity, stdin) > 0 && (answer[0] == 'y' || answer[0] == 'Y');
     clearerr(stdin);

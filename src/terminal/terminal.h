@@ -51,7 +51,7 @@ struct streams {
 /* --split DIR: each table of results in CSV as a file, DIR/001-run.csv and so on (split.c). */
 struct split {
     struct folder folder;
-    struct buffer content; /* of the present one */
+    struct buffer content; /* content of the current file */
     char name[64];
     int count;
     bool open, failed;
@@ -172,10 +172,10 @@ void batch_run(struct session *session, const struct options *options, bool inpu
  */
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
-/* After a typed line: says what a module has next, which an empty Enter then takes; `room`: for
- * so many cells of it, as all must be seen that is taken: where there is room for the first
- * statements only, those. 0 also where something was typed before it could be seen. Says nothing
- * where it would say the same as after the line before. */
+/* Shows, after a typed line, the next command that a module suggests, which an empty Enter then
+ * runs. It must be visible as a whole, so that only the first statements that fit into `room` cells
+ * are offered. `room` is 0 also if something was typed before it could be seen. Shows nothing if
+ * the suggestion has not changed since the previous line. */
 void offer_next(struct front_program *program, int room);
 /* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
  * malloc()ed, and so is the result, in its place. */
@@ -187,7 +187,7 @@ void describe_terminal(void);
 bool panes_possible(struct error *error);
 /* F1 at the plain prompt: what the word at the cursor is; the line stays. */
 void prompt_explain(void);
-/* What is said before the panes are there, and in them. */
+/* Returns a sink that writes to the log, before and after the panes appear. */
 struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
@@ -199,7 +199,7 @@ bool typed_run(struct session *session, struct text typed, struct reply *reply);
 bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply);
 void front_greet(struct reply *reply);
 
-/* ---- progress.c: of what takes long ---- */
+/* ---- progress of long computations (progress.c) ---- */
 
 bool progress_due(double fraction, bool *is_finished);
 void progress_text(const struct session *session, const struct run *run, double fraction,
@@ -211,8 +211,8 @@ void progress_print(void *context, const struct run *run, double fraction);
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
-/* What readline takes for the line's end may lie behind it (in vi's command mode: a yank that is
- * repeated), where its searches never end; a count is kept small. */
+/* Corrects the end of the line if readline's own lies behind it (a repeated yank in vi's command
+ * mode), where its searches never end; keeps a count small. */
 void line_mend(void);
 void line_redisplay(void); /* rl_redisplay_function where readline draws */
 /* Empties the line. */

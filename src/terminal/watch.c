@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the session asks of the panes: to look after the terminal between two slices of a run, to
- * draw into a file. */
+/* Functions that the session calls in the panes: watching the terminal between two slices of a
+ * run, and drawing into a file. */
 #include "terminal/panes.h"
 #include <hooke/base/cancel.h>
 

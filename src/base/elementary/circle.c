@@ -38,9 +38,9 @@ static uint64_t upper_product(uint64_t a, uint64_t b)
 }
 
 /*
- * x >= 2^-20, finite: with x = m 2^e the bits of 2/pi from 2^(1 - e) on times
- * m, without those of weight 4 and above: two are quarters, those behind a
- * fraction.
+ * Reduces a finite x >= 2^-20. With x = m 2^e it multiplies m by the bits of 2/pi from 2^(1 - e)
+ * on, without those of weight 4 and above. Two bits of the product count quarters, the following
+ * ones are the fraction.
  */
 static uint64_t quarters_far(double x, double *r, double *low)
 {

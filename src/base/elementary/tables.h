@@ -18,9 +18,10 @@
 extern const uint64_t powers_of_two[TABLE_ROWS];
 
 /*
- * Of the doubles m with bits FIRST_M + (j << ROW_SHIFT) and following, 0.697 <= m < 1.395: c, of
- * at most 9 bits, for which m c - 1 is a double of less than 0.00528; -log c, the first part a
- * multiple of 2^-42. 1 is in the middle of a row, with c = 1.
+ * Table of reciprocals. Row j holds for the doubles m with bits from FIRST_M + (j << ROW_SHIFT) on,
+ * 0.697 <= m < 1.395. It has c, of at most 9 bits, such that m c - 1 is a double of less than
+ * 0.00528, and -log c, whose first part is a multiple of 2^-42. 1 is in the middle of a row, with c
+ * = 1.
  */
 #define FIRST_M 0x3FE6500000000000
 struct reciprocal {

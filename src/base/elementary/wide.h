@@ -54,9 +54,10 @@ INLINE struct wide wide_sum(double a, double b)
 }
 
 /*
- * `fused`: products and sums in one operation, only where what comes out is a double anyway, so
- * that both ways give the same bits. HAS_FUSED_MULTIPLY: all machines that this is compiled for can
- * do it; else fused_here() asks the machine, and FUSED_CLONE is compiled for those that can.
+ * `fused` selects products and sums in one operation, used only where the result is a double
+ * anyway, so that both ways give the same bits. HAS_FUSED_MULTIPLY is true if all target machines
+ * have the operation. Otherwise fused_here() asks the machine, and FUSED_CLONE is compiled for
+ * those that have it.
  */
 #ifdef __FP_FAST_FMA
 #define HAS_FUSED_MULTIPLY true

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What an accepted step of a size that follows the error is made of: of any method in adapt.c, and
- * again for explicit Runge-Kutta methods where the method and the scene are known to the compiler.
- * One text, so both give the same bits.
+ * Parts of an accepted adaptive step. They are compiled for any method in adapt.c, and again for
+ * explicit Runge-Kutta methods where the compiler knows the method and the scene. Both use this
+ * text, so both give the same bits.
  *
- * The next step is rho h, from the errors e of the last two accepted steps, in units of what is
- * aimed at: rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k
- * (digital filters: Soderlind 2003, ACM Trans. Math. Softw. 29:1), through the limiter 1 + atan(rho
- * - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math. 185:225). An error that is just right leaves h
- * as it is: an implicit method keeps its factors, and no power is computed.
+ * The next step is rho h, from the errors e of the last two accepted steps, in units of the aim:
+ * rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k (digital
+ * filters: Soderlind 2003, ACM Trans. Math. Softw. 29:1), through the limiter 1 + atan(rho
+ * - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math. 185:225). An error close to the aim leaves h
+ * unchanged, so that an implicit method keeps its factors and no power is computed.
  */
 #pragma once
 

@@ -8,7 +8,7 @@
 
 /* A guard below this part of its change over the probe is at its switch. */
 #define GUARD_ZERO_RELATIVE 1e-4
-#define AT_ONCE 1e-9 /* of the probe: as near as another one is that the motion meets at once */
+#define AT_ONCE 1e-9 /* relative to the probe: switches closer than this are met at once */
 /* Smallest step, in sizes of variables, over which arguments are differentiated. */
 #define ARGUMENT_STEP_MIN 1e-6
 /* Second derivatives are taken over an interval this many times as long. */

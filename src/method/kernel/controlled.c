@@ -264,8 +264,8 @@ INLINE int64_t controlled_steps(const struct method *method, int n, slope_functi
 
 /* ---- rows and shapes ---- */
 
-/* Shapes with kernels for all METHOD_CONTROLLED methods, and for METHOD_UNROLLED ones, too: the
- * others would be long. */
+/* Shapes with kernels for all METHOD_CONTROLLED methods (ALWAYS), and for METHOD_UNROLLED ones only
+ * (OFTEN), since more would make the program long. */
 #define ALWAYS_SHAPES(S) S(spring) S(duffing) S(driven) S(pendulum) S(kepler)
 #define OFTEN_SHAPES(S) S(damped) S(vanderpol)
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)

@@ -78,7 +78,7 @@ enum { LAST_MOTION = SHAPE_COUNT - 1, FLOWS(FLOW_PLACE) PLACES };
         break;
 #define MOTION_ENTRY(shape) [SHAPE_##shape] = NAME(shape),
 #define FLOW_ENTRY(shape, n) [SHAPE_##shape] = NAME(shape),
-/* NULL: four variables, linear */
+/* Step kernels by method and shape; NULL for four variables and for linear systems. */
 static step_function *const steps[][PLACES] = {
     {NULL},
 #define ROSENBROCK(...) {MOTIONS(MOTION_ENTRY) FLOWS(FLOW_ENTRY)},

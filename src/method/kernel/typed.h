@@ -13,7 +13,7 @@ enum { FRAME = 512 };
 
 /* A term: a program, or what the scene below has. */
 struct typed_addend {
-    program_function *run; /* NULL: the latter */
+    program_function *run; /* program, or NULL for a built-in term */
     const struct program *program;
     const struct bound_term *term;
     double *frame;

@@ -239,8 +239,9 @@ double multistep_growth(const struct method *method, double x, double zeta,
                         enum stiffness_sign sign)
 {
     const double product =
-                     stiffness_sign_value(sign), /* of the two eigenvalues, and what parts them */
-        split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
+                     /* product of the two eigenvalues, and their splitting */
+        stiffness_sign_value(sign),
+                 split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     if (split < 0) /* a complex pair */
         return growth_of(method->multistep,
                          x * (-zeta + sqrt(-split) * (double complex)_Complex_I));

@@ -70,11 +70,11 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
 }
 
 /*
- * Until what is left, by the rate at which increments shrink, is `enough`. The rate is the one of
- * this solution: a single increment is accepted only if it is itself that small, because what
- * earlier steps needed says nothing about this one (Hairer and Wanner carry a rate over, but let it
- * age). Parts that shrink slowly may still hide behind faster ones, as across a kink: hence the
- * caution.
+ * Iterates until the remaining error, estimated by the rate at which increments shrink, is
+ * `enough`. The rate is the one of this solution: a single increment is accepted only if it is
+ * itself that small, because what earlier steps needed says nothing about this one (Hairer and
+ * Wanner carry a rate over, but let it age). Parts that shrink slowly may still hide behind faster
+ * ones, as across a kink: hence the caution.
  */
 static enum step_status approach(const struct newton *equations, struct step *step, double t,
                                  double h, const double *y, double *z, const double *weight,

@@ -269,9 +269,9 @@ INLINE void newton_weights(const double *scale, int n, const double *y, double *
 /* ---- one stage in closed form ---- */
 
 /*
- * q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a scalar
- * equation in v', because the force that does not depend on velocity is linear in q. force: that at
- * t and y; dragged: o->quadratic is not 0.
+ * Solves q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a
+ * scalar equation in v', because the force that does not depend on velocity is linear in q. `force`
+ * is the force at t and y; `dragged` is true if o->quadratic is not 0.
  */
 INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force,
                                          struct step *step, double h, const double *y, double *z,
@@ -373,8 +373,9 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
 }
 
 /*
- * newton_stage() to rounding for q'' = a(t, q, q') of one coordinate: z and y + z [2]; work: for
- * newton_follow(). The functions stand alone, so that a compiler that knows them inlines them.
+ * Solves a stage as newton_stage(), to rounding, for q'' = a(t, q, q') of one coordinate, with z
+ * and y + z [2] and the work of newton_follow(). The functions are separate parameters, so that a
+ * compiler that knows them inlines them.
  */
 INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *slopes,
                                      const void *forces, struct step *step, double t, double h,

@@ -69,8 +69,8 @@ INLINE double kick_from_end(const struct oscillator *o, double w, double force, 
 }
 
 /*
- * v' = v + w F, and the ways in which drag can enter. side: of the step's middle, < 0 before, 0 in
- * it, > 0 after; a step without symmetry is all "after".
+ * Kicks v' = v + w F, with each variant of drag. `side` is < 0 before the middle of the step, 0 at
+ * it, and > 0 after it; a step without symmetry is all "after".
  */
 INLINE void split_kick(const struct split_way *way, int n, const struct split_forces *forces,
                        const struct frozen *prepared, int side, double t, double w,
@@ -105,8 +105,9 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
 }
 
 /*
- * z [n] in: the state, out: after the step; pull [n/2]: the last force, known: that at the start.
- * half: the drag's flow over h/2. frozen [count]: prepared for the kicks, or NULL.
+ * Takes all stages of a step, which change the state z [n]. pull [n/2] is the last force, which is
+ * that at the start if `known` is set. `half` is the drag's flow over h/2; frozen [count] is
+ * prepared for the kicks, or NULL.
  */
 INLINE void split_stages(const struct split_way *way, int n, const struct split_forces *forces,
                          const struct drag_flow *half, const struct frozen *frozen, double t,

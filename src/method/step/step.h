@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the step bodies share. Rows stand in rk.def, split.def and algorithms.def; catalog.c makes
- * them one table.
+ * Declarations shared by the step bodies. Rows are in rk.def, split.def and algorithms.def;
+ * catalog.c joins them into one table.
  *
  * The arithmetic of a step is fixed here once and for all, because faster kernels must give the
  * same bits: the operations in the order written, no contraction, and a coefficient that is zero is
- * skipped, not multiplied. Sums begin with -0.0, the number that changes nothing when something is
- * added to it: so a sum of one is that one, to the bit, and a compiler may leave the addition out.
+ * skipped, not multiplied. Sums begin with -0.0, which is neutral in additions, so that a sum of
+ * one term is that term, to the bit, and a compiler may omit the addition.
  */
 #pragma once
 
@@ -129,14 +129,15 @@ struct nystrom {
 /*
  * z_i = y + h sum_j a_ij f(t + c_j h, z_j), y' = y + h sum_i b_i f(t + c_i h, z_i).
  *
- * Stage by stage, where a is lower triangular with this diagonal (its first element may be 0);
- * estimated error (1 - diagonal h J)^-1 h sum_i (b_i - b_hat_i) f_i.
+ * Solved stage by stage if a is lower triangular with this diagonal (its first element may be 0).
+ * The estimated error is (1 - diagonal h J)^-1 h sum_i (b_i - b_hat_i) f_i.
  *
- * Else (diagonal 0) all at once, by the eigenvalues of a^-1: one is real (0: none), two are alpha
- * +- i beta. With T the real and imaginary parts of the eigenvectors, so that a^-1 T = T diag(real,
- * [alpha -beta; beta alpha]), it is left = T^-1 a^-1, right = T; y' = y + sum_i d_i (z_i - y);
- * estimated error, of a method with the slope at the start as one more stage, (real - h J)^-1 (h
- * f(t, y) + sum_i estimate_i (z_i - y)) (Hairer, Wanner 1996, IV.8).
+ * Otherwise (diagonal 0) all stages are solved at once, by the eigenvalues of a^-1. One is real (0
+ * if there is none), two are alpha +- i beta. With T the real and imaginary parts of the
+ * eigenvectors, so that a^-1 T = T diag(real, [alpha -beta; beta alpha]), left = T^-1 a^-1, right =
+ * T; y' = y + sum_i d_i (z_i - y). The estimated error, for a method with the slope at the start as
+ * one more stage, is (real - h J)^-1 (h f(t, y) + sum_i estimate_i (z_i - y)) (Hairer, Wanner 1996,
+ * IV.8).
  */
 struct implicit_tableau {
     int stages;      /* all at once: 3 at most */
@@ -202,7 +203,7 @@ march_function *typed_kernel(const struct method *method, const struct system *s
                              enum drag drag);
 /* kernel_implicit.c */
 march_function *implicit_kernel(const struct method *method, const struct system *system);
-/* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
+/* Kernels of all splittings, by the shapes of kernel.h (kernel_shape.c) … */
 march_function *shape_split(int shape);
 march_function *typed_split(int shape); /* and by those of kernel_typed.h */
 march_function *any_kernel(const struct method *method);

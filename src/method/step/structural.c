@@ -24,8 +24,8 @@ struct structural {
 static const double LARGE = 8;
 
 /*
- * work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is,
- * Jacobian; what following a solution takes
+ * Returns the size of work, which holds the acceleration [n/2], a+, its increment, F and factors,
+ * the state's increment (in place of F), the Jacobian, and the memory of newton_follow().
  */
 size_t structural_work(const struct method *method, int n)
 {
@@ -265,8 +265,8 @@ enum step_status hht_step(const struct method *method, struct step *step)
 }
 
 /*
- * Method with rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 -
- * alpha_m + alpha_f)^2/4, gamma = 1/2 - alpha_m + alpha_f
+ * Takes a step of the method with rho = 0.8. alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho +
+ * 1), beta = (1 - alpha_m + alpha_f)^2/4, gamma = 1/2 - alpha_m + alpha_f.
  */
 enum step_status generalised_alpha_step(const struct method *method, struct step *step)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The session as it is, as records of a file that only grows, and back. Nothing that was computed
- * is computed again: rows of runs, results, fits and tables are there as bits.
+ * Writes a session as records of a file that only grows, and restores it. Nothing is computed
+ * again: rows of runs, results, fits and tables are stored bit for bit.
  *
- * The file, version 2. Numbers are in the byte order of the machine that wrote it.
+ * The format of the file is version 2. Numbers are in the byte order of the machine that wrote it.
  *
  *     16 bytes     "hooke session 2\n"
  *     records, one after the other:
@@ -14,26 +14,27 @@
  *         8        checksum of the 24 bytes above
  *         content
  *
- * Where a head does not fit its checksum, reading goes on at the next one that does; a record whose
- * content does not fit its own, or of a kind that is not known, is skipped and named. Kinds:
+ * If a head does not match its checksum, reading continues at the next one that does. A record of
+ * an unknown kind, or whose content does not match its checksum, is skipped and named. The kinds
+ * are:
  *
- *     D  the bytes of a recording's file, or the times and values of the curve of a fit, once:
- *        fields sum, content
- *     R  a run without its rows: fields id, number, method, scene, events, note, asked (each thing
- *        that was asked of it), state (hooke/run/store.h). The last one of an id counts.
- *     W  rows of a run: 4 numbers of 8 bytes (id, the first row, how many, bytes of a row), rows.
- *        All of that run's from the first on are replaced.
- *     L  what was typed since: fields from (the first entry), text_from, entries, text
- *     T  what was said since, for the log pane: lines
- *     B  one thing that was found of the equations, once: fields id, kind (equilibria, orbit,
+ *     D  the bytes of a recording's file, or the times and values of the curve of a fit, stored
+ *        once, as fields sum, content
+ *     R  a run without its rows, as fields id, number, method, scene, events, note, asked (each
+ *        result that was requested), state (hooke/run/store.h). The last one of an id counts.
+ *     W  rows of a run, as 4 numbers of 8 bytes (id, the first row, number of rows, bytes of a
+ *        row), then the rows. They replace all rows of that run from the first one on.
+ *     L  input typed since the last one, as fields from (the first entry), text_from, entries, text
+ *     T  output printed since the last one, for the log pane, as lines
+ *     B  one result about the equations, stored once, as fields id, kind (equilibria, orbit,
  *        branch), value (of the parameters), and its own
- *     S  all the rest, as fields, in a few thousand bytes. Records count once an S follows them:
- *        what stands after the last one was being written when the program ended.
+ *     S  everything else, as fields, in a few thousand bytes. Records are valid only if an S
+ *        follows them; records after the last S were being written when the program ended.
  *
- * Fields are those of hooke/base/fields.h: one that is missing, or has another size than this
- * program's, is left out, and what needs it is named. S has the set-up as commands; beside arrays
- * that have an item a parameter stand the names of the parameters: a program that has more of
- * them, or in another order, reads them.
+ * The format of fields is in hooke/base/fields.h. A field that is missing, or has a different size
+ * than in this program, is left out, and the parts that need it are named. S has the set-up as
+ * commands. Arrays with one item per parameter are stored with the names of the parameters, so that
+ * programs with more of them, or with another order, can read them.
  */
 #pragma once
 
@@ -51,7 +52,8 @@ struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
     const struct cancel *cancel; /* NULL if nobody stops it */
-    int64_t deadline; /* [clock_ns] when further rows are left to another time; 0: never */
+    /* [clock_ns] time after which further rows are left to the next call, or 0 for none */
+    int64_t deadline;
 };
 
 void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */
@@ -60,10 +62,9 @@ void stored_free(struct stored *stored); /* and forgets: all is written again, t
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error);
 
-/*
- * Into a new session. name: of the file; temporary: folder for what only files can be read from,
- * NULL: /tmp. notes: a line for each part that could not be restored, and why. Returns false if
- * there is nothing that could be restored.
- */
+/* Restores the session from the content of the file `name` into a new session. `temporary` is a
+ * folder for data that can only be read from files; NULL stands for /tmp. notes receives a line
+ * for each part that could not be restored, with the reason. Returns false if nothing could be
+ * restored. */
 bool session_restore(struct session *session, struct text content, const char *name,
                      const char *temporary, struct buffer *notes, struct error *error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a sensor missed: samples far off those about them say nothing about how a curve goes. */
+/* Finds echoes that a sensor missed: samples far from their neighbours, which do not belong to
+ * the course of a curve. */
 #include "modules/words/internal.h"
 
 #include <hooke/base/numeric.h>
@@ -7,7 +8,7 @@
 #include <math.h>
 
 #define ECHO_NEIGHBOURS 2  /* Samples on each side; one or two echoes in a row are found. */
-#define ECHO_POINTS_MIN 50 /* With fewer points each of them counts. */
+#define ECHO_POINTS_MIN 50 /* Each of fewer points counts. */
 /* Factor of what 95 % of the samples deviate from the median around them (Hampel 1974). */
 #define ECHO_DISTANCE_FACTOR 8.0
 
@@ -48,7 +49,7 @@ bool drop_echoes(struct points *points, struct arena *arena)
     size_t echoes = 0, kept = 0;
     for (size_t i = 0; far > 0 && points_go_on(points, i); i++)
         echoes += off_median(points, i) > far;
-    /* where many are, it is no sensor's fault but a curve with steps */
+    /* many outliers mean a curve with steps, not a fault of the sensor */
     if (echoes == 0 || echoes > n / 20)
         return true;
     double *x = arena_array(arena, n, sizeof *x), *y = arena_array(arena, n, sizeof *y);

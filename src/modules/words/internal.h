@@ -5,8 +5,8 @@
 #include "modules/words/describe.h"
 #include <hooke/base/cancel.h>
 
-/* What a curve that was measured may go back by and does not turn [standard deviations], and any
- * curve [of its swing]. */
+/* Largest backward movement that does not count as a turn: for a measured curve in standard
+ * deviations, and for any curve relative to its swing. */
 #define TURN_SIGMAS 8.0
 #define TURN_ROUNDING 1e-9
 
@@ -14,7 +14,7 @@
 struct points {
     const double *x, *y; /* [n] those of the curve where all of them are read, or copies */
     size_t n;
-    double noise;  /* standard deviation of y, of what was measured; 0: a line */
+    double noise;  /* standard deviation of measured y, or 0 for a line */
     bool measured; /* samples may be missing */
     const struct cancel *cancel;
 };
@@ -35,19 +35,19 @@ bool drop_echoes(struct points *points, struct arena *arena);
 /* Turns, crossings, period, amplitudes; over something else than time no crossings. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading);
-/* As the axes show numbers: with their factor and unit. range: of the axis, beside which a value
- * may be nothing; NULL if there is none. */
+/* Write a number as the axes show it, with their factor and unit. A value that is negligible
+ * beside `range`, that of the axis, counts as 0; range may be NULL. */
 void figure_number(double value, struct buffer *output); /* four digits */
 void figure_value(const struct axis *axis, double value, const double *range,
                   struct buffer *output);
-/* Around what, how often, how far from there. half: of what the curve spans, by which both
- * directions are measured; equal: by the same. */
+/* Finds the centre, the number of turns and the distances from the centre. Directions are
+ * measured in halves of the range of the curve, or in the same unit if `equal` is set. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading);
 
 /* As a charset: the description and a table; as many whole sentences as there is room for.
  */
 bool words_print(const struct figure *figure, int width, struct buffer *output);
-/* Without a table. */
+/* Writes the description of a heat map, without a table. */
 bool words_heat(const struct heat *heat, int width, struct buffer *output);
 bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                 int height);

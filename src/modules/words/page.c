@@ -10,7 +10,7 @@
 
 #define CURVE_ROWS 11 /* Rows of a table, which divide it into ten equal parts. */
 #define COLUMN_CELLS 14
-#define CURVES_MAX 12 /* of a table */
+#define CURVES_MAX 12 /* largest number of curves in a table */
 
 /* ---- a table of equally spaced places ---- */
 
@@ -146,7 +146,7 @@ static int lines_of(const struct buffer *folded)
     return lines;
 }
 
-/* Without the last sentence; returns false if there is one only. */
+/* Removes the last sentence; returns false if there is only one. */
 static bool drop_sentence(struct buffer *text)
 {
     size_t end = text->len > 1 ? text->len - 1 : 0;

@@ -74,7 +74,7 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
     return true;
 }
 
-/* What a window of time leaves out is no gap. */
+/* Collects the points of a curve. Points outside of the window of time do not count as a gap. */
 static bool points_gather(const struct figure *figure, const struct curve *curve,
                           struct arena *arena, struct points *points, struct curve_reading *reading)
 {
@@ -97,7 +97,7 @@ static bool points_gather(const struct figure *figure, const struct curve *curve
     return (n == i && !sorted) || copy_points(figure, curve, sorted, arena, points);
 }
 
-/* Of what was measured. */
+/* Computes the noise of measured values. */
 static void find_noise(const struct curve *curve, struct arena *arena, struct points *points)
 {
     if (!curve->points)
@@ -296,13 +296,14 @@ static double points_value(const struct points *p, double x)
     return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
 }
 
-/* At the places of the one whose samples are measured, or lie closer. */
+/* Computes the distance at the points of the curve whose samples are measured, or closer
+ * together. */
 static struct curve_distance distance_between(const struct points *source,
                                               const struct points *target, bool at_from)
 {
     const struct points *here = at_from ? source : target, *there = at_from ? target : source;
     struct curve_distance distance = {.largest = NAN, .x = NAN, .rms = NAN};
-    double sum = 0; /* of squares, in units of the largest */
+    double sum = 0; /* sum of squares, in units of the largest */
     size_t n = 0;
     for (size_t i = 0; points_go_on(here, i); i++) {
         const double difference = fabs(here->y[i] - points_value(there, here->x[i]));

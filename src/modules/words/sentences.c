@@ -233,7 +233,8 @@ static void put_winding(const struct described *s, struct buffer *output)
     buffer_format(output, " in %.0f turn%s", turns, turns > 1 ? "s" : "");
 }
 
-/* Without its subject; false: nothing more than its ends is known. */
+/* Writes the course of a curve without its subject. Returns false if nothing but its ends is
+ * known. */
 static bool put_course(const struct described *s, struct buffer *output)
 {
     switch (s->curve->course) {
@@ -289,7 +290,7 @@ static void put_gaps(const struct described *s, struct buffer *output)
     figure_value(s->x, s->curve->hole[1], s->x_range, output);
 }
 
-/* What a figure of one curve says in two sentences. */
+/* Describes a figure of one curve in two sentences. */
 static void put_alone(const struct described *s, const char *name, struct buffer *output)
 {
     buffer_format(output, " %s ", name);
@@ -427,7 +428,7 @@ static void put_bands(const struct figure_reading *reading, struct buffer *outpu
         const struct described s = subject_of(reading, i);
         if (!isfinite(s.curve->widest.y))
             continue;
-        /* with three curves there are six sentences already: it ends the last of them */
+        /* three curves have six sentences already, so this ends the last of them */
         const bool full = reading->figure->curves == CURVES_DESCRIBED && output->len > 0;
         output->len -= full;
         buffer_format(output, "%s band about %s is widest, +- ", full ? "; the" : " The",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a curve turns, and from that its crossings, its period and how its swing changes. */
+/* Finds the turns of a curve and derives its crossings, its period and the change of its swing. */
 #include "modules/words/internal.h"
 
 #include <hooke/base/numeric.h>
@@ -18,12 +18,12 @@
 #define END_DEVIATION_MAX 0.25
 /* Largest movement of the middle between turns, as a part of the swing. */
 #define MIDDLE_JUMP_MAX 0.1
-/* In a longer time without samples, in half periods, turns and crossings are unknown. */
+/* A longer time without samples, in half periods, leaves turns and crossings unknown. */
 #define HOLE_HALF_PERIODS 0.5
 
 struct turn {
     double x, y;
-    size_t index; /* of the point */
+    size_t index; /* index of the point */
 };
 
 /* Vertex of the parabola through the point and its neighbours. */
@@ -90,8 +90,8 @@ static bool keeps_middle(const struct turn *turn, size_t count)
     return (double)jumps <= (1 - REGULAR_SHARE_MIN) * (double)count;
 }
 
-/* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
- * crosses it several times. */
+/* Returns x where the curve crosses the level between two points, or NAN if it does not.
+ * Searches from both ends, since noise crosses it several times. */
 static double crossing(const struct points *p, size_t search_first, size_t search_last,
                        double level)
 {
@@ -128,8 +128,7 @@ static bool has_hole(const struct points *p, double x_begin, double x_end, doubl
     return false;
 }
 
-/* Of what was measured: how long no sample is missing for; what turned or crossed within longer
- * than that is left out. */
+/* Finds gaps in measured samples. Turns and crossings within longer gaps are left out. */
 static bool find_holes(const struct points *p, const double *x_crossing, size_t crossings,
                        struct arena *arena, double *least, struct curve_reading *reading)
 {
@@ -149,7 +148,8 @@ static bool find_holes(const struct points *p, const double *x_crossing, size_t 
     return true;
 }
 
-/* at: ascending crossings; those two further on have the same direction. */
+/* Computes the period from the ascending crossings x_crossing; crossings that are two apart have
+ * the same direction. */
 static bool read_period(const struct points *p, const double *x_crossing, size_t crossings,
                         double least, struct arena *arena, struct curve_reading *reading)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a curve in a plane goes around its centre. */
+/* Counts how often a curve in a plane winds around its centre. */
 #include "modules/words/internal.h"
 
 #include <hooke/base/numeric.h>
@@ -18,7 +18,7 @@ static double angle(const struct frame *f, struct curve_point p)
 
 static double frame_distance(const struct frame *f, struct curve_point p)
 {
-    /* in units of x */
+    /* returns the distance in units of x */
     return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
 }
 

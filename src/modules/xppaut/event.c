@@ -5,7 +5,7 @@
 
 #include "modules/xppaut/ode.h"
 
-/* What stands in {braces}; the condition may do without. */
+/* Reads the text in {braces}; the condition may lack them. */
 static bool braced(struct text *rest, struct text *inside)
 {
     *rest = text_trim(*rest);

@@ -9,12 +9,13 @@
 enum {
     DEEPEST = 4500,    /* trees in trees, by way of functions */
     LONGEST = 1 << 16, /* [byte] */
-    TERMS = 4096       /* of a sum */
+    TERMS = 4096       /* terms of a sum */
 };
 
-enum { ANY, TERM, FACTOR, POWER, ATOM }; /* what may stand somewhere without parentheses */
+/* expressions that may appear at a position without parentheses */
+enum { ANY, TERM, FACTOR, POWER, ATOM };
 
-/* Where names are looked up: the arguments of a function, or the index of a sum. */
+/* Scope in which names are looked up: the arguments of a function, or the index of a sum. */
 struct scope {
     const struct scope *outer; /* a sum: what is around it; a function: where it is called */
     const struct ode_symbol *function;
@@ -33,7 +34,7 @@ typedef const struct ode_node *node;
 
 static bool formula_put(struct ode_writing *w, node expr, const struct scope *scope, int may);
 
-/* before, name, after */
+/* Sets an error whose text consists of prefix, name and suffix. */
 static bool ode_writing_fail(struct ode_writing *w, const char *prefix, struct text name,
                              const char *suffix)
 {
@@ -137,7 +138,7 @@ static bool ode_number_put(struct ode_writing *w, double number)
                : ode_text_put(w, text);
 }
 
-/* Of what is made of numbers and of indices only. */
+/* Evaluates an expression that consists of numbers and indices only. */
 static bool ode_node_value(node expr, const struct scope *scope, int depth, double *value)
 {
     const struct scope *where = sum_around(scope);

@@ -12,7 +12,7 @@ enum ode_node_kind {
     NODE_JOIN,  /* a op b */
     NODE_CALL,
     NODE_IF,
-    NODE_SUM /* from, to, of what */
+    NODE_SUM /* sum with first index, last index and summand */
 };
 
 /* '<' and '>' also stand for <= and >= with `equal`, '=' for == and '!' for != or not(). */

@@ -67,7 +67,7 @@ static const char *text_find(struct text text, char c)
     return text.len > 0 ? memchr(text.data, c, text.len) : NULL;
 }
 
-/* What stands in brackets: 5, j, j+1, j-1, j*2. */
+/* Reads an index in brackets: 5, j, j+1, j-1, j*2. */
 static bool subscript(struct text inside, const long *j, int number, long *value,
                       struct error *error)
 {
@@ -96,7 +96,8 @@ static bool is_kernel(const struct text line, size_t index) /* int[.5] */
     return index >= 3 && memcmp(line.data + index - 3, "int", 3) == 0;
 }
 
-/* The line at j; from, to: of "1..9" inside its brackets, NULL if it has none. */
+/* Writes the line for index j. range_begin and range_end are the ends of "1..9" inside its
+ * brackets, or NULL if it has none. */
 static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
                       const char *range_begin, const char *range_end)
 {
@@ -202,7 +203,8 @@ static bool take_line(struct text *rest, int *number, struct buffer *line)
     return any;
 }
 
-/* The word of a statement, of which the first blank is the end; "": a formula. */
+/* Returns true if the line is the statement `done`, whose word ends at the first blank, and not
+ * a formula. */
 static bool is_done(struct text line)
 {
     size_t end = 0;
@@ -216,7 +218,7 @@ static bool is_done(struct text line)
 struct group {
     struct ode_lines lines;
     struct text head;
-    int number; /* 0: none is open */
+    int number; /* 0 if none is open */
 };
 
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)

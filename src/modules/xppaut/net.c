@@ -193,7 +193,8 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
     return true;
 }
 
-/* Beyond its ends it is mirrored at the last one, goes on from the other end, or has nothing. */
+/* Returns the index in the net, where indices beyond the ends are mirrored or wrapped, or -1 for
+ * none. */
 static int neighbour(const struct ode_net *net, int i)
 {
     if (i >= 0 && i < net->count)

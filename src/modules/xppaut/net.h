@@ -9,7 +9,7 @@ struct ode_table {
     int points;
     double x_low, x_high;
     struct text formula;
-    const double *value; /* [points], once it is used; NULL: not yet */
+    const double *value; /* [points], or NULL before it is used */
     bool begun;          /* it is being found */
     bool reads;          /* parameters are in it */
 };
@@ -19,14 +19,14 @@ struct ode_table {
 struct ode_net {
     char edge; /* 'e' even, 'p' periodic, else nothing */
     int count, reach;
-    struct text weights, first; /* names: of a table, of the first quantity */
+    struct text weights, first; /* names of a table and of the first quantity */
 };
 
-/* From the text of the symbol. */
+/* Reads the table or net from the text of the symbol. */
 bool ode_table_read(struct ode *ode, struct ode_symbol *symbol);
 bool ode_net_read(struct ode *ode, struct ode_symbol *symbol);
 
-/* What they are at an argument, or at a place; NULL if an error is set. */
+/* Return the value at an argument or at an index, or NULL if an error is set. */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
                                     const struct ode_node *argument);
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place);

@@ -6,7 +6,7 @@
 
 struct cancel;
 
-#define ODE_LINES 20000            /* after arrays are written out */
+#define ODE_LINES 20000            /* largest number of lines after arrays are written out */
 #define ODE_TEXT ((size_t)1 << 23) /* [byte] of them */
 #define ODE_SYMBOLS 1024           /* names of all kinds: scenes have fewer */
 #define ODE_ARGUMENTS 20
@@ -16,7 +16,7 @@ struct cancel;
 
 struct ode_line {
     struct text text; /* lower case, without blanks at its ends */
-    int number;       /* in the file */
+    int number;       /* line number in the file */
 };
 
 /* False with "line N: …" as the error. */
@@ -43,15 +43,15 @@ enum ode_kind {
 
 struct ode_symbol {
     struct text name;
-    const char *as; /* in the scene */
+    const char *as; /* name in the scene */
     enum ode_kind kind;
-    int index; /* among those of its kind */
+    int index; /* index among symbols of its kind */
     int line;
     struct text text; /* right-hand side; of a parameter "" */
-    double value;     /* of a parameter; initial one of a variable */
+    double value;     /* value of a parameter; initial value of a variable */
     struct text argument[ODE_ARGUMENTS];
     int arguments;
-    const struct ode_node *body; /* of a function, once it is used */
+    const struct ode_node *body; /* body of a function, once it is used */
     struct ode_table *table;
     struct ode_net *net;
 };
@@ -61,7 +61,7 @@ struct ode {
     struct error *error;
     struct ode_symbol *symbol;
     int symbols, capacity, count[ODE_KINDS];
-    size_t bytes; /* of formulas, so far */
+    size_t bytes; /* bytes of formulas so far */
     const struct cancel *cancel;
 };
 
@@ -71,7 +71,8 @@ bool ode_stopped(const struct ode *ode);
 /* Those that a right-hand side may read: all, or what is there before it. */
 struct ode_reader {
     struct ode *ode;
-    const struct ode_symbol *subject; /* a derived or a hidden quantity; NULL: all are there */
+    /* derived or hidden quantity; NULL if all names are available */
+    const struct ode_symbol *subject;
     int line;
 };
 
@@ -87,10 +88,10 @@ struct ode_settings {
     double t0, total, dt, tol, every;
     bool has_t0, has_total, has_dt, has_tol, has_every, has_method;
     char method; /* XPPAUT's letter */
-    int line;    /* of it */
+    int line;    /* line of the method */
 };
 
-/* The next NAME=VALUE; *equals: there was a value. False: none is left. */
+/* Reads the next NAME=VALUE; *equals is set if it has a value. Returns false if none is left. */
 bool ode_pair(struct text *rest, struct text *name, struct text *value);
 bool ode_number(int line, struct text name, struct text value, double *number, struct error *error);
 /* One of `@` or of a set. *note: what is not done, or NULL. */

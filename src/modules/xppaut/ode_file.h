@@ -7,19 +7,19 @@
 struct cancel;
 
 /*
- * What an .ode file says, as lines of a typed scene: parameters, initial values, right-hand sides
- * with functions written out, derived parameters, hidden and auxiliary quantities as observed ones.
- * Names are in lower case, as XPPAUT does not tell them apart, and another one where hooke needs it
- * itself; expressions are grouped as XPPAUT groups them: comparisons bind as tightly as powers, and
- * powers from the left (B. Ermentrout, Simulating, Analyzing, and Animating Dynamical Systems, SIAM
- * 2002, chapter 3 and appendix; priorities measured with XPPAUT 6.11).
+ * Converts an .ode file to lines of a typed scene: parameters, initial values, right-hand sides
+ * with functions written out, derived parameters, and hidden and auxiliary quantities as observed
+ * ones. Names are in lower case, since XPPAUT ignores case, and are changed where hooke needs them
+ * itself. Expressions are grouped as in XPPAUT: comparisons bind as tightly as powers, and powers
+ * from the left (B. Ermentrout, Simulating, Analyzing, and Animating Dynamical Systems, SIAM 2002,
+ * chapter 3 and appendix; priorities measured with XPPAUT 6.11).
  *
- * Tables of a formula are straight between their points, and beyond; special NAME=conv(...), sums
- * over neighbours weighted by one, are written out.
+ * Tables of a formula are interpolated and extrapolated linearly. special NAME=conv(...), weighted
+ * sums over neighbours, are written out.
  *
- * Refused, with the line and the reason: noise, Markov variables, delays, other networks, tables in
- * files, integral and algebraic equations, maps, values from C libraries, random numbers, functions
- * that expressions do not have.
+ * Not supported, and reported with the line and the reason, are noise, Markov variables, delays,
+ * other networks, tables in files, integral and algebraic equations, maps, values from C libraries,
+ * random numbers, functions that expressions do not have.
  */
 struct ode_event {
     int line;
@@ -37,7 +37,7 @@ struct ode_scene {
     int lines;
     struct ode_event *event;
     int events;
-    /* times [s]; tol 0: none; every: steps from one row to the next */
+    /* times [s]; tol 0 if not given; every is the number of steps from one row to the next */
     double t0, total, dt, tol;
     int every;
     const char *method; /* hooke's */
@@ -57,6 +57,7 @@ struct ode_options {
     const struct cancel *cancel;
 };
 
-/* All in the arena. False: error, which begins with the line. */
+/* Reads the file; all results are in the arena. Returns false with an error that begins with the
+ * line. */
 bool ode_read(struct text file, const struct ode_options *options, struct arena *arena,
               struct ode_scene *scene, struct error *error);

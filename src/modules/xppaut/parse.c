@@ -134,7 +134,7 @@ static node choice(struct ode_parser *p)
     return made;
 }
 
-/* What stands in the parentheses of a call. */
+/* Parses the arguments in the parentheses of a call. */
 static struct ode_node *call_parse(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];

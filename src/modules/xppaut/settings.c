@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What `@` lines and sets of .ode files say: NAME=VALUE, of which the last holds. */
+/* Reads `@` lines and sets of .ode files: NAME=VALUE, of which the last one holds. */
 #include <hooke/base/number.h>
 #include <string.h>
 
@@ -101,7 +101,7 @@ bool ode_setting(struct ode_settings *settings, int line, struct text name, stru
         *has = true;
         return true;
     }
-    return true; /* how its windows look, and what its other tools do */
+    return true; /* settings of its windows and of its other tools */
 }
 
 /* ---- the method ---- */

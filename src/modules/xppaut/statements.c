@@ -191,9 +191,9 @@ static bool take_nothing(struct ode_statements *s, int line, struct text rest)
 }
 
 static const struct word {
-    const char *full; /* what stands in the file is the beginning of it, at least `min` letters */
+    const char *full; /* full word; a file may have its beginning, at least `min` letters */
     size_t min;
-    bool (*take)(struct ode_statements *s, int line, struct text rest); /* NULL: refused */
+    bool (*take)(struct ode_statements *s, int line, struct text rest); /* NULL if not supported */
     const char *why;
 } words[] = {
     {"parameters", 1, take_params, NULL},
@@ -243,7 +243,7 @@ static bool text_holds(struct text text, const char *word)
     return false;
 }
 
-/* Without its blanks. */
+/* Returns true if the text, without its blanks, equals `what`. */
 static bool is_inside(struct text inside, const char *what)
 {
     for (size_t i = 0; i < inside.len; i++)

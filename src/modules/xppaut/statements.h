@@ -22,14 +22,14 @@ struct ode_statements {
     int lines;
     struct ode_value *initial;
     struct ode_set *set;
-    struct ode_line *event; /* without their first word */
+    struct ode_line *event; /* events without their first word */
     struct ode_note *note;
     int initials, initial_capacity, sets, events, notes, note_capacity;
 };
 
 /* Makes room for one more in *array. */
 bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t size);
-/* Takes all lines; false: error, also where something is refused. */
+/* Handles all lines. Returns false with an error, also if something is not supported. */
 bool ode_statements(struct ode_statements *s, struct error *error);
 bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
     PRINTF_LIKE(4, 5);

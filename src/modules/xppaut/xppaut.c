@@ -36,7 +36,7 @@ static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
         memcpy(name + len, mark, sizeof mark);
 }
 
-/* "FILE: …": the place of the error is the name of the file. */
+/* Prefixes the error with "FILE: ", since its position is in that file. */
 static bool in_file(struct text file, struct error *error)
 {
     char text[sizeof error->text], name[SAFE_NAME_SIZE];
@@ -48,7 +48,7 @@ static bool in_file(struct text file, struct error *error)
     return false;
 }
 
-/* Of a line that does not fit: which one it is. */
+/* Adds to the error which line of the file caused it. */
 static void name_line(const struct ode_scene *scene, struct error *error)
 {
     char text[sizeof error->text];

@@ -71,8 +71,8 @@ static const char *curve_label(const struct study *s, const struct study_layer *
     return label;
 }
 
-/* Adds the rows of a layer that have this name (NULL: all) as a curve. A line keeps rows without
- * numbers, which are its gaps. */
+/* Adds the rows of a layer with this name (all rows if it is NULL) as a curve. A line keeps rows
+ * without numbers, which are its gaps. */
 static bool add_layer_curve(struct study *s, const struct study_layer *layer, const char *name)
 {
     struct drawing *d = s->d;

@@ -37,7 +37,7 @@ struct outer outer_add(struct outer a, struct outer b)
     return with_gap(gap.interval.lo + plain.interval.hi, gap.interval.hi + plain.interval.lo);
 }
 
-/* Of numbers with a gap and those of an interval above 0. */
+/* Multiplies numbers with a gap by those of an interval above 0. */
 static struct outer stretched(struct interval gap, struct interval factor)
 {
     return with_gap(gap.lo * (gap.lo <= 0 ? factor.lo : factor.hi),

@@ -24,7 +24,7 @@ const char *reynolds_regime(double reynolds)
 
 /* ---- values: NaN where there is nothing to speak of ---- */
 
-/* What was typed, bound, where it is one oscillator all the same. */
+/* Binds a typed scene. Returns true if it is a single oscillator. */
 static bool typed_motion(const struct scene *scene, struct system *system)
 {
     struct error ignored;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What terms add, once, for models and for kernels that compile it in again: one text, so both give
- * the same bits. A FORCE of one coordinate is an expression of t, the coordinate q, its velocity v
- * and the coefficients c0, c1, c2: terms_program() makes programs of its text, as lanes evaluate
- * them, and derives these. SLOPES have the operations of that derivative in their order, for the
- * same bits.
+ * Forces of the terms, written once, for models and for kernels that compile them in again, so that
+ * both give the same bits. A FORCE of one coordinate is an expression of t, the coordinate q, its
+ * velocity v and the coefficients c0, c1, c2. terms_program() makes programs of its text, as lanes
+ * evaluate them, and derives these. SLOPES have the operations of that derivative in their order,
+ * for the same bits.
  */
 #pragma once
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a model's file needs. A new model is a file model_NAME.c and its name below and in models.c.
+ * Declarations for the files of models. A new model needs a file model_NAME.c, and its name below
+ * and in models.c.
  *
  * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range,
- * brief) each: PARAM_PLACES makes the places P_name of it, PARAM_ROWS the table.
+ * brief) each. PARAM_PLACES derives the indices P_name from it, and PARAM_ROWS the table.
  */
 #pragma once
 

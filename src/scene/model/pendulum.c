@@ -109,7 +109,7 @@ static double period(const struct scene *scene)
 {
     double s = fixed_sin(scene->value[P_theta0] / 2),
            turn = scene->value[P_rate0] / (2 * omega0(scene));
-    /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
+    /* sin^2 of half the largest angle is s^2 + turn^2, by conservation of energy */
     double a = 1, b = sqrt(1 - s * s - turn * turn);
     while (b > 0 && a - b > 4 * DBL_EPSILON * a) {
         double mean = (a + b) / 2;

@@ -23,7 +23,8 @@
 #define DEPTH_MIN 6 /* halvings; longer stretches are no bursts */
 #define DEPTH_MOST 50
 #define BOUND_ROUNDING_RELATIVE 1e-12
-#define AT_ENDS 1e-6 /* of a way: where a step ended at a switch, what follows is not on it; */
+/* fraction of a path: closer to a switch at its end, the path does not show what follows */
+#define AT_ENDS 1e-6
 /* Shortest interval that is bounded, in units of the last place of t. */
 #define INTERVAL_MIN_ULPS 16
 #define ROW_BOUNDS_MAX 3000 /* Number of bounds that are computed between two rows. */
@@ -153,7 +154,7 @@ static struct stretch_look stretch_examine(struct way *way, int row, double a, d
 {
     const struct jet bounds = row_bounds(way, row, a, b);
     const double width = bounds.value.hi - bounds.value.lo, length = b - a;
-    /* from the straight line between the ends */
+    /* deviation from the straight line between the ends */
     const double bent = interval_magnitude_max(bounds.bend) * length * length / 8;
     const double first = row_value(way, row, a), last = row_value(way, row, b);
     double low = fmin(first, last), high = fmax(first, last), deviation = 0;

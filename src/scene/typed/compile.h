@@ -20,7 +20,7 @@ struct symbol {
     char name[LIMIT_SYMBOL + 1];
     enum symbol_kind kind;
     int index;   /* index among symbols of its kind */
-    int primed;  /* for a velocity, the symbol that it belongs to with a ' */
+    int primed;  /* symbol whose derivative a velocity is */
     bool hidden; /* not to be used in expressions */
     bool used;
     int slot; /* as the equations count */

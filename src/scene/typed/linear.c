@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What typed equations are, read off their graph: linear in the state as they are written; one
- * oscillator with these coefficients. A graph says more than derivatives: sign(v) has the
- * derivative 0 and is not linear.
+ * Recognizes typed equations by their graph: whether they are linear in the state as written, and
+ * whether they are one oscillator, with its coefficients. A graph tells more than derivatives:
+ * sign(v) has the derivative 0 and is not linear.
  */
 #include <hooke/base/elementary.h>
 

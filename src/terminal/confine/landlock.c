@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What --safe promises, kept by the kernel as well (Landlock, Linux 5.13 and later; Salaün 2021):
- * whatever a hostile file might make of this program, it writes nowhere else, runs nothing and
- * talks to nobody. Reading is as before. The numbers are the kernel's own, so that the program
- * needs no newer headers than the system has.
+ * Lets the kernel enforce --safe (Landlock, Linux 5.13 and later; Salaün 2021). Even if a hostile
+ * file takes over this program, it cannot write elsewhere, run programs or use the network. Reading
+ * is not restricted. The numbers are those of the kernel, so that the program needs no newer
+ * headers than the system has.
  */
 #define _GNU_SOURCE /* O_PATH */
 #include "terminal/terminal.h"

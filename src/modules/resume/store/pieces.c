@@ -29,7 +29,7 @@ static struct made *find_made(struct reader *reader, struct text script, bool is
 static void add_made(struct reader *reader, const struct buffer *script, struct made made)
 {
     struct made *more =
-        realloc(reader->made, (reader->mades + 1) * sizeof *more); /* few: one a scene */
+        realloc(reader->made, (reader->mades + 1) * sizeof *more); /* only a few, one per scene */
     if (!more)
         return; /* it is made again then */
     reader->made = more;
@@ -72,7 +72,8 @@ static bool reader_scene_make(struct reader *reader, struct text script, struct 
     return true;
 }
 
-/* What a scene's commands would take: flags are flags, and each value is one that it can have. */
+/* Returns true if a scene's commands would accept its values: flags are flags, and each value is
+ * in its range. */
 static bool is_sound(const struct scene *scene)
 {
     const struct field flags[] = {FIELD_OF(struct scene, chosen),
@@ -302,7 +303,8 @@ static bool any_name(const char *name)
     return true;
 }
 
-/* The bytes in a file of the same name, in a folder of its own. Caller frees; NULL: no room. */
+/* Writes the bytes to a file of the same name in a new folder. Returns its path, which the
+ * caller frees, or NULL on failure. */
 static char *put_file(const char *temporary, struct text path, struct text content,
                       struct folder *folder)
 {
@@ -349,7 +351,8 @@ static bool reader_recording_load(struct reader *reader, struct text path, struc
                   error_set(error, ERROR_IO, "it has another name now"));
 }
 
-/* From the session file, or from where it was: then it may be another. */
+/* Loads the recording from the session file, or from its original path, where it may have
+ * changed. */
 static bool load_kept(struct reader *reader, struct text text, struct text path,
                       struct error *error)
 {

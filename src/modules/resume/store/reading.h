@@ -12,7 +12,7 @@
 struct record_head {
     char magic[4];
     uint32_t kind;
-    uint64_t bytes, sum, own; /* own: of the three before it */
+    uint64_t bytes, sum, own; /* own is the checksum of the three members before it */
 };
 
 struct rows_head {
@@ -21,7 +21,7 @@ struct rows_head {
 
 struct read_run {
     uint64_t id;
-    struct text content; /* of its last R; empty: damaged */
+    struct text content; /* content of its last R, or empty if damaged */
     struct stored_rows *piece;
     size_t pieces, piece_capacity;
 };
@@ -38,10 +38,11 @@ struct made {
 /* Tables of members that a file keeps (state.c). */
 extern const struct field store_session[], store_view[], store_request[];
 extern const size_t store_session_count, store_view_count, store_request_count;
-extern const struct store_array store_arrays[]; /* of a session */
+extern const struct store_array store_arrays[]; /* arrays of a session */
 extern const size_t store_array_count;
 
-/* state.c: fields of a record. `owner`: what the array's offsets count from. */
+/* Functions in state.c write fields of a record. `owner` is the struct that the array's offsets
+ * refer to. */
 void store_put_array(const struct store_array *array, const void *owner, struct buffer *output);
 void store_put_scene(const struct scene *scene, const char *name, struct buffer *output);
 void store_put_events(const struct events *events, struct buffer *output);
@@ -50,7 +51,8 @@ void store_put_state(const struct session *session, struct buffer *output);
 /* A line of the notes. */
 void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* scan.c: all records that count, rows and runs by id. False: no memory, or no S. */
+/* Collects all valid records, and rows and runs by id (scan.c). Returns false if out of memory
+ * or if there is no S. */
 bool reader_scan(struct reader *reader, struct text content, struct error *error);
 /* Returns NULL if it is not there */
 struct read_run *reader_run(struct reader *reader, uint64_t id);
@@ -66,7 +68,7 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
 /* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has them.
  */
 void reader_move(const struct field_places *places, void *array, size_t item);
-/* Reads a scene; places: of its parameters in the file, or NULL. */
+/* Reads a scene; `places` receives the positions of its parameters in the file; it may be NULL. */
 bool reader_scene(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error);
 /* So that the next scene, or events, that read the same are these. */

@@ -126,7 +126,8 @@ static void read_tables(struct reader *reader)
 {
     struct text text = reader->state, name, value;
     table_store_free(
-        &reader->session->studies.found); /* of the commands that made scenes and recordings */
+        /* tables left by the commands that made scenes and recordings */
+        &reader->session->studies.found);
     reader->session->studies.found = (struct table_store){.table = NULL};
     while (field_next(&text, &name, &value))
         if (text_is(name, "table"))
@@ -292,7 +293,8 @@ static void read_all(struct reader *reader)
     uint64_t current = UINT64_MAX;
     read_setup(reader);
     memcpy(&setup, &session->setup, sizeof setup);
-    session->setup.settings.format = FORMAT_TEXT; /* of what cannot be restored */
+    /* messages name parts that cannot be restored */
+    session->setup.settings.format = FORMAT_TEXT;
     reader_recordings(reader);
     if (field_find(reader->state, "runs", &ids))
         reader_runs(reader, ids);

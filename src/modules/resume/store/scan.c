@@ -27,7 +27,7 @@ static bool read_head(struct text content, struct record_head *head)
     return head->own == bytes_sum((struct text){content.data, offsetof(struct record_head, own)});
 }
 
-/* From there to the next record; returns false if there is none. */
+/* Skips to the next record; returns false if there is none. */
 static bool find_record(struct text *content, struct record_head *head)
 {
     while (content->len >= sizeof *head) {
@@ -46,7 +46,7 @@ static bool known(uint32_t kind)
     return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
 }
 
-/* What is torn at the end was being written; elsewhere it is damage. */
+/* Takes a record. An incomplete one at the end was being written; elsewhere it is damaged. */
 static bool take_record(struct reader *reader, const struct record_head *head, struct text content)
 {
     if (head->sum != bytes_sum(content)) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a session file has in its records of state, and scenes and events, which runs have, too. The
- * set-up is there as the commands that recreate it, as `save` writes them; what has no command is
- * described by tables, whose bounds are what reading goes by: anybody can write a file, checksums
- * and all.
+ * Writes the records of state of a session file, and scenes and events, which runs have, too. The
+ * set-up is stored as the commands that recreate it, as `save` writes them. State without a command
+ * is described by tables with bounds, which reading checks, because a file with valid checksums may
+ * still come from anybody.
  */
 #include <hooke/data.h>
 #include <hooke/session/events.h>

@@ -15,8 +15,8 @@
 #define WRITTEN_AT_ONCE ((size_t)1 << 20) /* [byte] */
 
 struct stored_run {
-    uint64_t id, sum; /* of the last R */
-    size_t rows;      /* in the file */
+    uint64_t id, sum; /* id and checksum of the last R */
+    size_t rows;      /* number of rows in the file */
     bool left_out;
 };
 
@@ -29,7 +29,7 @@ struct output {
 
 /* ---- records ---- */
 
-/* To be left here, and gone on with from here another time. */
+/* Returns true if writing is to stop here and continue another time. */
 static bool stops(struct output *output)
 {
     output->stored->unfinished = cancelled(output->sink->cancel);
@@ -52,7 +52,7 @@ static struct text content_of(const struct output *output)
                          all.len - sizeof(struct record_head)};
 }
 
-/* In pieces, with a look between them. */
+/* Writes the record in pieces, and checks for cancellation between them. */
 static bool record_send(struct output *output)
 {
     struct stored *stored = output->stored;
@@ -254,7 +254,7 @@ static bool look_while_reading(void *context, struct text content, size_t offset
     return !stops(context) || error_set(error, ERROR_CANCELLED, "stopped");
 }
 
-/* Where the value of the sum and the content begin, in the record. */
+/* Offsets in the record at which the value of the sum and the content begin. */
 struct bytes_place {
     size_t sum, content;
 };
@@ -311,7 +311,7 @@ static bool put_recording(struct output *output, struct recording_slot *slot)
     return record_end(output, RECORD_BYTES);
 }
 
-/* What a module has that is written once, as the curve of a fit. */
+/* Writes a module's content that is written once, such as the curve of a fit. */
 static bool put_content(struct output *output, const struct session_part *part)
 {
     struct stored *stored = output->stored;

@@ -103,7 +103,7 @@ static bool choose_name(struct autosave *autosave, long number, struct error *er
     return autosave->path || error_set(error, ERROR_IO, "HOME is not set");
 }
 
-/* Under a hidden name, until all of it is there. */
+/* Opens a new file under a hidden name, which it keeps until it is complete. */
 static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
 {
     char random[STRAY_NAME_SIZE];
@@ -145,8 +145,8 @@ static void close_file(struct autosave *autosave)
     autosave->fd = -1;
 }
 
-/* What cannot be written whole is not there: the file ends where it did, or goes. A new one that is
- * stopped is not there either. */
+/* Appends to the file. If the data cannot be written completely, the file is truncated to its
+ * previous end, or removed if it is new; the same holds for a new one that is stopped. */
 static bool autosave_append(struct autosave *autosave, const struct cancel *cancel,
                             struct error *error)
 {
@@ -177,8 +177,8 @@ static bool is_bloated(const struct autosave *autosave)
            autosave->stored.bytes > 2 * autosave->whole + autosave->slack;
 }
 
-/* What is still read, in a file that will take this one's place; without room for it, or time, this
- * one stays. */
+/* Begins a new file with the records that are still needed, which will replace this one. If
+ * there is no room or time for it, this one remains. */
 static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     struct stored stored = {0};
@@ -333,7 +333,8 @@ int64_t autosave_due(const struct autosave *autosave)
     return autosave->fd >= 0 && autosave->unsynced ? autosave->sync_due : INT64_MAX;
 }
 
-/* What a file system cannot do is said once each. Returns false if it was said now. */
+/* Reports each operation that the file system does not support once. Returns false if it has
+ * reported one. */
 static bool has_all(struct autosave *autosave, struct error *error)
 {
     const int failure = atomic_exchange(&autosave->sync_failure, 0);

@@ -30,22 +30,24 @@ struct saved_list {
 
 /* Caller frees item. */
 struct saved_list saved_list(const char *folder);
-/* So that others see that this session lives; false: the file system cannot say so. */
+/* Locks the file to show that this session is alive. Returns false if the file system has no
+ * locks. */
 bool saved_lock(int fd);
 
-/* With what is still read of a session's file, to take its place once it is on the disk. */
+/* New file with the records that are still needed, which replaces the old one once it is on the
+ * disk. */
 struct fresh_file {
     char *path;
     int fd;         /* -1 if there is none */
-    int64_t offset; /* of the file, the first byte that it has not got */
+    int64_t offset; /* offset in the old file of the first byte that is not copied yet */
     uint64_t bytes; /* that it has */
 };
 
 struct autosave {
     struct session *session;
-    char *path;           /* NULL: not yet */
-    int fd;               /* -1: not yet */
-    struct stored stored; /* what the file has */
+    char *path;           /* NULL before the first write */
+    int fd;               /* -1 before the first write */
+    struct stored stored; /* content of the file */
     struct fresh_file fresh;
     uint64_t whole;   /* [byte] of the file when it was written anew */
     uint64_t slack;   /* [byte] so many more it may have */
@@ -56,8 +58,8 @@ struct autosave {
     uint64_t saved;   /* session->changes then */
     bool warned;      /* that it cannot be written: said once */
     bool unlocked, said_unlocked, said_unsynced; /* likewise what the file system cannot do */
-    pthread_t thread;                            /* where `syncing`: puts the file on the disk */
-    bool syncing, unsynced;                      /* unsynced: there is more to put there */
+    pthread_t thread;                            /* puts the file on the disk while `syncing` */
+    bool syncing, unsynced; /* unsynced is true if there is more to put there */
     atomic_bool synced;
     atomic_int sync_failure; /* errno */
     int64_t sync_due;        /* [clock_ns] not before */
@@ -66,15 +68,16 @@ struct autosave {
 /* Clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
 void autosave_begin(struct autosave *autosave, struct session *session);
 void autosave_end(struct autosave *autosave);
-/* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
+/* Returns the time [clock_ns] at which autosave_write is due, or INT64_MAX if nothing has
+ * changed. */
 int64_t autosave_due(const struct autosave *autosave);
-/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. A
- * Ctrl-C puts the rest off until it is called again. */
+/* Writes if that is due. `line` is true after an executed line, which makes it due unless
+ * writing takes long. A Ctrl-C postpones the rest until the next call. */
 bool autosave_keep(struct autosave *autosave, bool line, struct error *error);
-/* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
- * written at all is said once a session. */
+/* Writes now if anything has changed. Returns false, with the reason, if something is not in the
+ * file; that it cannot be written at all is reported once per session. */
 bool autosave_write(struct autosave *autosave, struct error *error);
-/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
- * newest. told: what was done. */
+/* Replaces the session by a saved one, or by the newest if name is NULL. The session is
+ * unchanged unless all of it could be restored. `messages` receives a report. */
 bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error);

@@ -23,8 +23,8 @@
 
 /* ---- locks ---- */
 
-/* Of the open file, not of the process: a copy of the descriptor keeps it, another opening does not
- * have it. Where a file system knows none, flock() may be known. */
+/* Locks the open file, not the process: a copy of the descriptor shares the lock, another
+ * opening does not. If the file system has no such locks, it may support flock(). */
 bool saved_lock(int fd)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
@@ -81,7 +81,7 @@ struct saved_list saved_list(const char *folder)
         *saved = (struct autosaved){.time = status.st_mtime,
                                     .living = is_locked(dirfd(directory), entry->d_name),
                                     .empty = status.st_size <= (off_t)strlen(STORE_HEADER)};
-        memcpy(saved->name, entry->d_name, strlen(entry->d_name) + 1); /* fits: looked at above */
+        memcpy(saved->name, entry->d_name, strlen(entry->d_name) + 1); /* fits, as checked above */
     }
     if (directory) {
         closedir(directory);

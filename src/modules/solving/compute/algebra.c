@@ -74,7 +74,8 @@ static bool decompose(int n, const double *matrix, gsl_vector_complex *value,
     bool ok = copy && work && value && all_finite(n * n, matrix);
     if (ok) {
         memcpy(copy->data, matrix, size * size * sizeof *matrix);
-        gsl_eigen_nonsymmv_params(1, work); /* balanced: rates differ by many powers of ten */
+        /* balances the matrix, since rates differ by many powers of ten */
+        gsl_eigen_nonsymmv_params(1, work);
         if (!vector)
             gsl_eigen_nonsymm_params(0, 1, work->nonsymm_workspace_p);
         ok = (vector ? gsl_eigen_nonsymmv(copy, value, vector, work)

@@ -142,7 +142,7 @@ static void sample_whole(struct sampler *sampler, double t_begin, double h, doub
     sampler->next = end;
 }
 
-/* After a step of h from `t_begin`, where the state was `y_begin`. */
+/* Samples the step of h that began at `t_begin` in the state `y_begin`. */
 static void sample(struct sampler *sampler, const double *y_begin, double t_begin, double h)
 {
     struct solver *s = sampler->solver;
@@ -205,7 +205,8 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
 
 #define ROW_DOUBLES 1024 /* Numbers of the states that a kernel leaves behind in one call. */
 
-/* each: steps between two grid times, all of which are steps' ends; 0 if nobody asks for them. */
+/* Runs a kernel. `each` is the number of steps between two grid times, all of which are ends of
+ * steps, or 0 without a grid. */
 static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
                             const struct cancel *cancel)
 {

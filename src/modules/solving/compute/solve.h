@@ -21,10 +21,10 @@ struct solver {
     double dt, tol, span; /* tol > 0: adaptive, dt is the first guess, 0 if there is none */
     bool compensated;     /* sums of fixed steps */
     bool turns;           /* fixed steps are taken in pieces that meet at turning points */
-    /* where nobody looks at the states on the way: the same steps, to the bit; NULL if there is
-     * none */
+    /* Kernel for intervals whose intermediate states are not needed: the same steps, to the bit;
+     * NULL if there is none. */
     march_function *kernel;
-    int64_t max; /* evaluations, Jacobians and solves together it may cost; 0: no limit */
+    int64_t max; /* largest sum of evaluations, Jacobians and solves, or 0 for no limit */
     /* fixed steps after which it stops, as if at the end; 0 if there is none. For timing */
     int64_t part;
     int64_t steps;    /* taken */
@@ -36,17 +36,18 @@ struct solver {
 bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
                  const struct run_settings *settings, double span);
 void solver_free(struct solver *solver);
-/* To the state at t0, nothing counted. */
+/* Resets to the state at t0 and clears the counts. */
 void solver_start(struct solver *solver);
 int64_t solver_cost(const struct solver *solver);
-/* What took so many steps, as time goes. */
+/* Returns the work of these steps, which is proportional to time. */
 static inline double solve_work(const struct cost *cost, int64_t steps)
 {
     return (double)(cost->evals + cost->jacobians + cost->solves + steps);
 }
 /*
- * From y to the end of the span. STOP_END, or why not: STOP_FULL is `max` used up. grid
- * [STUDY_TIMES * n], or NULL: the states on the common grid, NAN where the steps do not come by.
+ * Solves from y to the end of the span. Returns STOP_END or the reason for stopping; STOP_FULL
+ * means that `max` is used up. grid [STUDY_TIMES * n] receives the states on the common grid, NAN
+ * at times that no step reaches; it may be NULL.
  */
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel);
 enum stop solver_stop(enum step_status status);

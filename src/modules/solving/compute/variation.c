@@ -60,7 +60,7 @@ static bool find_between(const struct scene *scene, int index, struct system sid
             value + (s == 0 ? DIFFERENCE_STEP : -DIFFERENCE_STEP) * size;
         if (scene_bind_rates(&trial, &side[s]))
             continue;
-        trial.value[index] = point[s] = value; /* beyond a bound: a difference to one side */
+        trial.value[index] = point[s] = value; /* a one-sided difference at a bound */
         if (!scene_bind_rates(&trial, &side[s]))
             return false;
     }
@@ -108,7 +108,7 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
         slope[positions + i] = (sum[0][i] - sum[1][i]) / d->apart;
 }
 
-/* out += df/dy s */
+/* Adds df/dy s to the result. */
 static inline __attribute__((always_inline)) void add_product(int n, const double *jacobian,
                                                               const double *s, double *result)
 {
@@ -171,8 +171,8 @@ static void variation_add(const double *c, double t, const double *y, double *a)
         a[i] += rate[i];
 }
 
-/* For stiff scenes, whose methods want it: blocks df/dy on the diagonal, below y the derivatives of
- * S' by y, which are differences. */
+/* Computes the Jacobian for implicit methods of stiff scenes: blocks df/dy on the diagonal, and
+ * in the rows below y the derivatives of S' by y, as differences. */
 static void variation_jacobian(const double *c, double t, const double *y, double *jac)
 {
     const struct variation *v = variation_of(c);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S +
- * df/dp. */
+/* Variational equations S' = (df/dy) S + df/dp: the derivatives of a scene's motion by its
+ * parameters. */
 #pragma once
 
 #include "modules/solving/compute/solve.h"
 
-#define VARIATION_DIRECTIONS 24 /* at most */
+#define VARIATION_DIRECTIONS 24 /* largest number of directions */
 
 /* A term that a parameter changes: its coefficients at p + delta and p - delta. */
 struct term_change {
@@ -22,7 +22,8 @@ struct parameter_change { /* one parameter */
     bool starts;                       /* some of these are not 0 */
 };
 
-/* False: the scene has no motion on both sides of the value. */
+/* Finds the terms that a parameter changes. Returns false if the scene has no motion on both
+ * sides of the value. */
 bool direction_find(const struct scene *scene, int index, struct parameter_change *direction);
 
 struct variation {
@@ -31,8 +32,8 @@ struct variation {
     struct system whole;
     int directions;
     struct parameter_change direction[VARIATION_DIRECTIONS];
-    /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this
-     * sign; 0: not */
+    /* 1 or -1 if the base is frozen on the branch of dry friction on which the velocity has this
+     * sign, else 0 */
     double dry;
     bool trace; /* the last variable of the whole is the integral of the trace of df/dy */
 };
@@ -47,8 +48,10 @@ void variation_of_start(struct variation *variation, const struct system *base, 
 /* The same by the first `count` of its variables only. */
 void variation_of_tangents(struct variation *variation, const struct system *base,
                            const double *size, int count);
-/* And by one parameter of the scene, the start fixed. False: as variation_bind(). */
+/* Adds the derivative by one parameter of the scene, with a fixed initial state. Fails as
+ * variation_bind(). */
 bool variation_add_parameter(struct variation *variation, const struct scene *scene, int index);
-/* And, after these, the integral of the trace of df/dy from 0: the logarithm of the determinant of
- * what is derived by the start (Liouville). False: too many variables. */
+/* Adds, after these, the integral of the trace of df/dy from 0, which is the logarithm of the
+ * determinant of the derivatives by the initial state (Liouville). Returns false if there are
+ * too many variables. */
 bool variation_add_trace(struct variation *variation);

@@ -165,13 +165,13 @@ bool equations_reserve(struct equations *e, int more); /* room for more outputs 
 
 /* ---- antiderivatives (integrate.c) ----
  *
- * Adds what a potential is made of, where `count` outputs from `first` on are the forces along the
- * coordinates `name` for a mass of 1: for each coordinate a part, so that the potential is the sum
- * of the masses times their parts. The parts are minus the sums of all antiderivatives, each of
- * which is counted once, as often as it comes in other rows; behind them are the parts at the
- * origin and at (1, 0, ...) or, of one coordinate, at the 1 of its sign: [3][count]. Or they are
- * the integrals from the origin along one axis after another: [count]. False: there is an
- * antiderivative that was not found, and nothing is added; or an error is set.
+ * Adds the parts of a potential, where `count` outputs from `first` on are the forces along the
+ * coordinates `name` for a mass of 1. Each coordinate has a part, and the potential is the sum of
+ * the masses times their parts. The parts are minus the sums of all antiderivatives, each of which
+ * is counted once even if it occurs in several rows. They are followed by the parts at the origin
+ * and at (1, 0, ...) or, for one coordinate, at 1 with its sign, which makes [3][count] outputs.
+ * With `along_axes` they are the integrals from the origin along one axis after another, [count]
+ * outputs. Returns false and adds nothing if an antiderivative was not found, or with an error.
  */
 bool equations_integrate(struct equations *e, int first, int count, const int *name,
                          bool along_axes, struct error *error);

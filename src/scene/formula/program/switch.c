@@ -144,9 +144,10 @@ static bool wants_positive(const struct freezing *f, const struct node *node)
 }
 
 /*
- * A step looks beyond the switch that it ends at, where sqrt(y) of if(y > 0, sqrt(y), 0), or the
- * branch y of max(y, 0)^1.5, is no number: there it goes on as that of |y|. Under if() it might be
- * none on this side, too: `extended`, who takes the step asks the equations themselves.
+ * Continues a branch beyond its switch. A step that ends at a switch evaluates the branch beyond
+ * it, where sqrt(y) of if(y > 0, sqrt(y), 0), or the branch y of max(y, 0)^1.5, is not a number; it
+ * is continued as that of |y|. Under if() it may not be a number on this side either; then
+ * `extended` is set, and the step evaluates the equations themselves.
  */
 static void go_on_beyond(struct freezing *f, int node, const struct node *kind, int *map)
 {
