@@ -139,7 +139,7 @@ static int run_option(struct session *session, const struct options *options, st
             others++;
     }
     if (count == 0 || others > 0) {
-        reply_note(reply, "hooke: error: --%s needs %s, and nothing else", options->only->word,
+        reply_note(reply, "hooke: error: --%s takes only %s", options->only->word,
                    options->only->wants);
     } else {
         status = options->only->run(session, word, count, reply);
@@ -172,7 +172,8 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     char *state = prompt ? state_path("", true) : NULL;
     const char *const folders[] = {".", state};
     if (!confine_writing(folders, (int)COUNT_OF(folders), &error) && options->verbose)
-        reply_note(reply, "note: --safe is kept by the program alone: %s", error.text);
+        reply_note(reply, "note: --safe is enforced by hooke only, not by the system: %s",
+                   error.text);
     free(state);
 }
 
@@ -203,7 +204,7 @@ static int session_front_run(const struct options *options)
     if (options->split) {
         ready = kind == FRONT_END
                     ? split_begin(&split, options->split, options->safe, &error)
-                    : error_set(&error, ERROR_USAGE, "--split is for results without a prompt");
+                    : error_set(&error, ERROR_USAGE, "--split cannot be used with a prompt");
         streams.split = &split;
         reply.part = split_part;
     }

@@ -290,7 +290,8 @@ struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
         return NULL;
     forget_said(hooke);
     if (what && strpbrk(what, ";>\n\r#\\")) {
-        error_set(&error, ERROR_USAGE, "a table is what stands behind 'export FILE': t y energy");
+        error_set(&error, ERROR_USAGE,
+                  "a table is named by what follows 'export FILE', such as: t y energy");
         take_error(hooke, &error, NULL, 0);
         return NULL;
     }

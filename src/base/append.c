@@ -33,7 +33,7 @@ static int open_file(struct writer *writer, struct write_policy policy, mode_t m
                           O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, mode);
     if (fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode))
         return fd;
-    writer_refuse(writer, error, fd < 0 ? system_message(errno) : "it is no file");
+    writer_refuse(writer, error, fd < 0 ? system_message(errno) : "it is not a regular file");
     if (fd >= 0)
         close(fd);
     return -1;
@@ -114,5 +114,5 @@ bool append_lines(int fd, struct text lines, bool sync, struct error *error)
     const int number = file_append(fd, lines, sync, &status);
     const bool whole = number == 0 || cut_back(fd, status.st_size);
     return number == 0 || error_set(error, ERROR_IO, "%s%s", system_message(number),
-                                    whole ? "" : " (its last line is cut)");
+                                    whole ? "" : " (the last line is incomplete)");
 }

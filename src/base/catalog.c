@@ -60,8 +60,8 @@ bool catalog_absent(const struct catalog *catalog, struct text name, struct erro
     for (size_t i = 0; i < catalog->absences; i++) {
         if (!row_is(&catalog->absent[i], name))
             continue;
-        error_at(error, name, "there is no %s %s here: %s", catalog->kind, catalog->absent[i].name,
-                 catalog->absent[i].brief);
+        error_at(error, name, "the %s %s is not available: %s", catalog->kind,
+                 catalog->absent[i].name, catalog->absent[i].brief);
         return true;
     }
     return false;

@@ -94,7 +94,7 @@ static bool take_all(const struct child *child, struct process *process, struct 
     char piece[REPLY_CHUNK_BYTES];
     for (;;) {
         if (child->stopped && child->stopped(child->context))
-            return error_set(error, ERROR_CANCELLED, "%s: it was stopped", child->what);
+            return error_set(error, ERROR_CANCELLED, "%s: stopped", child->what);
         struct pollfd ready = {.fd = process->descriptor, .events = POLLIN};
         const int count = poll(&ready, 1, LOOK_MS);
         const ssize_t got = count > 0 ? read(process->descriptor, piece, sizeof piece) : -1;
@@ -116,13 +116,13 @@ static bool take_all(const struct child *child, struct process *process, struct 
 static bool child_error_set(const struct child *child, int status, struct error *error)
 {
     if (!WIFSIGNALED(status))
-        return not_done(child, error, "the process that does it ended before its time");
+        return not_done(child, error, "its process ended early");
     if (WTERMSIG(status) == SIGXCPU)
-        return not_done(child, error, "it took more processor time than is allowed");
+        return not_done(child, error, "it took more processor time than allowed");
     if (WTERMSIG(status) == SIGKILL)
-        return not_done(child, error, "the process that does it was killed; is memory short?");
-    return error_set(error, ERROR_IO, "%s: the process that does it crashed (signal %d)",
-                     child->what, WTERMSIG(status));
+        return not_done(child, error, "its process was killed, perhaps because memory ran out");
+    return error_set(error, ERROR_IO, "%s: its process crashed (signal %d)", child->what,
+                     WTERMSIG(status));
 }
 
 /* Takes the answer off the end of the output that follows the first `old_len` bytes. */

@@ -59,7 +59,7 @@ static bool cannot_read(struct error *error, const char *path, int number)
                          safe_name(text_of(path), name));
     error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
               number != EISDIR                    ? system_message(number)
-              : strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
+              : strcmp(path, STANDARD_INPUT) == 0 ? "standard input is closed, or is a directory"
                                                   : "it is a directory");
     if (number == ENOENT)
         suggest_files(path, error);
@@ -86,7 +86,7 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
         if (got < 0 || nanosleep(&moment, NULL) != 0)
             return cannot_read(error, path, errno);
     }
-    return error_set(error, ERROR_IO, "cannot read %s: it is a pipe that nobody writes to",
+    return error_set(error, ERROR_IO, "cannot read %s: it is a pipe and no program writes to it",
                      safe_name(text_of(path), name));
 }
 
@@ -126,7 +126,7 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
     if (*fd < 0 || fstat(*fd, st) != 0)
         return cannot_read(error, path, errno);
     if (watch && watch->patience > 0 && isatty(*fd))
-        return refuse_endless(path, "it is a terminal or a serial line, which has none", watch,
+        return refuse_endless(path, "it is a terminal or a serial line, which has no end", watch,
                               error);
     if (S_ISDIR(st->st_mode))
         return cannot_read(error, path, EISDIR);
@@ -142,7 +142,7 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
 static bool too_long(const char *path, size_t limit, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
-    return error_set(error, ERROR_IO, "%s goes on after %zu bytes; at most %zu are read",
+    return error_set(error, ERROR_IO, "%s is longer than %zu bytes; at most %zu can be read",
                      safe_name(text_of(path), name), limit, limit);
 }
 
@@ -158,7 +158,7 @@ static bool await_more(int fd, const struct file_reading *r, size_t so_far, stru
     const int count = left > 0 ? poll(&ready, 1, (int)(left / 1000000) + 1) : 0;
     if (count < 0)
         return cannot_read(error, r->path, errno);
-    return count > 0 || refuse_endless(r->path, "it goes on", r->watch, error);
+    return count > 0 || refuse_endless(r->path, "data keep arriving", r->watch, error);
 }
 
 /* Reads a file that states its size only up to that size: somebody may be writing it faster than it
@@ -181,7 +181,7 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
             continue;
         }
         if (got < 0 && errno == EAGAIN)
-            return refuse_endless(r->path, "it goes on", r->watch, error);
+            return refuse_endless(r->path, "data keep arriving", r->watch, error);
         if (got < 0)
             return cannot_read(error, r->path, errno);
         if (got == 0)

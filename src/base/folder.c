@@ -95,7 +95,7 @@ static bool target_allows(const struct folder *folder, bool *exists, struct erro
     if (!*exists)
         return errno == ENOENT || writer_refuse(writer, error, system_message(errno));
     if (!S_ISDIR(st.st_mode))
-        return writer_refuse(writer, error, "there is something of that name that is not a folder");
+        return writer_refuse(writer, error, "something that is not a folder already has that name");
     if (!writer->force)
         return writer_refuse_existing(writer, error);
     const int fd =
@@ -110,7 +110,7 @@ static bool target_allows(const struct folder *folder, bool *exists, struct erro
         return true;
     error_set(error, ERROR_IO, "cannot replace %s: it also holds %s, which would be lost",
               safe_name(text_of(writer->path), path), safe_name(text_of(foreign), shown));
-    return error_hint(error, "choose another name, or move that elsewhere");
+    return error_hint(error, "choose another name, or move that file first");
 }
 
 static bool make_hidden(struct folder *folder, mode_t mode)
@@ -149,7 +149,7 @@ static bool open_all(struct folder *folder, struct write_policy policy, struct e
     if (!writer_open_folder(writer, policy.confine, error))
         return false;
     if (is_self(writer->base))
-        return writer_refuse(writer, error, "a folder needs a name of its own");
+        return writer_refuse(writer, error, "'.' and '..' cannot be used; name a new folder");
     return target_allows(folder, &exists, error) &&
            (make_hidden(folder, policy.secret ? 0700 : 0777) ||
             writer_refuse(writer, error, system_message(errno)));

@@ -12,7 +12,7 @@
 #define NAME_ATTEMPTS 100            /* attempts to find a temporary name that nobody has taken */
 
 /* false, always */
-#define WRITER_REFUSED "nothing is written while a hand-in is checked"
+#define WRITER_REFUSED "nothing may be written while a hand-in is checked"
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why);
 bool writer_refuse_existing(const struct writer *writer, struct error *error);
 /* Opens the folder of writer->path and points at the last component. With confine, the folder has

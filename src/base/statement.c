@@ -65,7 +65,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
             const size_t used = text_quoted(rest);
             if (used == 0) {
                 error_at(error, (struct text){rest.data, 1},
-                         "the string that begins here has no end");
+                         "the string that begins here is not closed");
                 error_hint(error, "close it with %c", rest.data[0]);
                 return false;
             }

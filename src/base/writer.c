@@ -81,7 +81,7 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
         return writer_refuse(writer, error, system_message(number));
     if (confine && !folder_is_below_here(writer->folder))
         return writer_refuse(writer, error,
-                             "it is outside the current directory, where --safe keeps all files");
+                             "it is outside the current directory, and --safe allows no other");
     strays_sweep(writer->folder);
     return true;
 }

@@ -21,7 +21,7 @@ const struct catalog word_catalog = CATALOG("word", words);
 
 /* ---- names that are known, elsewhere ---- */
 
-#define SETTING_HINT "'%1 = VALUE', before it, sets it"
+#define SETTING_HINT "'%1 = VALUE' as a command of its own sets it"
 
 /* Text that shows how to use a name of the catalog; %1 stands for the name. */
 static const struct use {
@@ -35,7 +35,7 @@ static const struct use {
     {&setting_catalog, SETTING_HINT},
     {&list_catalog, "'list %1' shows them"},
     {&layout_catalog, "'layout %1' shows it"},
-    {&observable_catalog, "'print %1' shows it, of a run"},
+    {&observable_catalog, "'print %1' shows it for a run"},
     {&result_catalog, "'plot COLUMN against COLUMN of %1' draws its result"},
     {&guide_catalog, "'help %1' shows how"},
     {&command_catalog,
@@ -180,7 +180,7 @@ static void put_meanings(const struct session *session, const struct command *co
         return;
     const enum argument_form form = form_of(statement, where);
     if (form == FORM_OPTION && text_is(where, "force") && overwrites_nothing(command))
-        buffer_put(text, TEXT("to= takes a new file: what is there is not overwritten"));
+        buffer_put(text, TEXT("to= needs a new file name; existing files are not overwritten"));
     struct buffer takers = {0}, usage = {0};
     if (form == FORM_KEY && !kind) { /* one of the other commands, or of the session */
         const struct row *row =
@@ -211,7 +211,7 @@ static bool put_misplaced(const struct session *session, const char *kind, struc
     if (is_kind(kind, "name") && rest.len > 1 && rest.data[0] == '.' &&
         is_name_start(rest.data[1])) {
         const struct text name = peek_name((struct text){next + 1, rest.len - 1});
-        buffer_format(text, "names stand alone: '%.*s'", (int)name.len, name.data);
+        buffer_format(text, "names are used without a prefix: '%.*s'", (int)name.len, name.data);
     } else if (is_kind(kind, "name") && where.len < 6 && where.data > statement.data &&
                where.data[-1] == ' ' && mentions_whole(fillers, where) && text_trim(rest).len > 0) {
         const struct text preceding =
@@ -282,10 +282,10 @@ static void explain(const struct session *session, struct text statement, struct
         text_is(where, "plot"))
         buffer_put(&text, text_of(picture->brief));
     else if (!kind && own && text_is(where, ">"))
-        buffer_format(&text, "%s makes no table; 'export FILE table' writes the last one",
+        buffer_format(&text, "%s does not produce a table; 'export FILE table' writes the last one",
                       own->row.name);
     else if (is_kind(kind, "method") && text_is(where, "all"))
-        buffer_put(&text, TEXT("methods are named one by one: 'list methods' lists them"));
+        buffer_put(&text, TEXT("name each method; 'list methods' shows them"));
     else if (!known && !law)
         put_meanings(session, command, statement, where, kind, guessed, &text);
     if (is_kind(kind, "command") && text.len == 0)
@@ -303,7 +303,7 @@ static void explain(const struct session *session, struct text statement, struct
         if (text.len > 0)
             error_hint(error, "%s", buffer_view(&text));
     } else if (kind && error->hint_kind <= HINT_LIST && where.len > 2 && is_mentioned(where)) {
-        error_hint(error, "'apropos %.*s' finds where it is spoken of", (int)where.len, where.data);
+        error_hint(error, "'apropos %.*s' searches for it", (int)where.len, where.data);
     }
     buffer_free(&text);
 }

@@ -196,7 +196,7 @@ static bool log_statement(struct session *session, const struct arguments *argum
 
 static bool refuse_in_saved(struct error *error)
 {
-    return error_set(error, ERROR_COMMAND, "this command does not belong into a saved session");
+    return error_set(error, ERROR_COMMAND, "this command is not allowed in a saved session");
 }
 
 /* Executes one statement; `log_line` is the log's index of the line that contains it. */
@@ -220,14 +220,14 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     arguments->word = (struct text){statement.data, (size_t)(parser.rest.data - statement.data)};
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
-        error_set(error, ERROR_COMMAND, "%s has to wait: run %d is still in progress",
+        error_set(error, ERROR_COMMAND, "%s is not possible now: run %d is still in progress",
                   arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
     if (session->growing && !(arguments->command->flags & (COMMAND_ANYTIME | COMMAND_BESIDE))) {
-        error_set(error, ERROR_COMMAND, "%s has to wait: a recording is being collected",
+        error_set(error, ERROR_COMMAND, "%s is not possible now: a recording is being collected",
                   arguments->command->row.name);
-        return error_hint(error, "'stop' or Ctrl-C ends it, and keeps it");
+        return error_hint(error, "'stop' or Ctrl-C ends and keeps it");
     }
     if (session->execution.reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
@@ -316,10 +316,10 @@ static bool exec_line(struct session *session, struct text line, const struct so
     bool ok = true;
     size_t entry = 0;
     if (line.len > LIMIT_LINE)
-        ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
+        ok = error_set(&error, ERROR_COMMAND, "the line is longer than %u bytes", LIMIT_LINE);
     else if (memchr(line.data, 0, line.len))
         ok = error_at(&error, (struct text){memchr(line.data, 0, line.len), 1},
-                      "a NUL byte in a command");
+                      "the command contains a NUL byte");
     else if (!session->execution.reacting)
         ok = history_line(session, line, where && where->parent, &entry, &error);
     while (ok && rest.len > 0 && !session->execution.quit && !session->execution.halted) {

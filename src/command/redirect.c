@@ -148,7 +148,7 @@ bool redirect_finish(struct session *session, struct redirect *redirect,
     struct arena arena = {0};
     struct export export = {.arena = &arena};
     bool ok = table_row ? export_result(session, table_row, &export, error)
-                        : error_at(error, redirect->file, "this found nothing that is a table");
+                        : error_at(error, redirect->file, "this command produced no table");
     export.table.cancel = session->front.cancel;
     if (ok)
         ok = table_send(&export.table, redirect->format, &redirect->writer, error);

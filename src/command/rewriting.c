@@ -119,8 +119,8 @@ static bool put_equation(struct text statement, struct buffer *text)
     if (name.len > 0 && (primes == 1 || primes == 2) &&
         memchr(statement.data, '=', statement.len)) {
         const int shown = (int)(name.len + primes);
-        buffer_format(text, "%.*s stands alone on the left: %.*s = EXPR", shown, name.data, shown,
-                      name.data);
+        buffer_format(text, "write only %.*s on the left side: %.*s = EXPR", shown, name.data,
+                      shown, name.data);
         return true;
     }
     const char *slash = memchr(word.data, '/', word.len);
@@ -226,9 +226,9 @@ void put_named(const struct session *session, bool law, struct text name, struct
             buffer_measured(&value,
                             (struct measured){setup->let[i].value, setup->let[i].uncertainty},
                             setup->let[i].quantity, setup->settings.digits);
-    buffer_format(text, "'%s %.*s = %s' makes it known %s", law ? "param" : "let", (int)name.len,
+    buffer_format(text, "'%s %.*s = %s' defines it %s", law ? "param" : "let", (int)name.len,
                   name.data, value.len ? buffer_view(&value) : "VALUE",
-                  law ? "to equations" : "here");
+                  law ? "for equations" : "here");
     buffer_free(&value);
 }
 

@@ -131,10 +131,11 @@ static bool check_nesting(const char *path, const struct source *parent, struct 
         buffer_format(&chain, "%s%s:%d", chain.len ? ", sourced at " : "", s->name, s->line);
     }
     if (cycle)
-        error_set(error, ERROR_USAGE, "%s would source itself: it is being read already (%s)", path,
+        error_set(error, ERROR_USAGE, "%s would source itself; it is already being read (%s)", path,
                   buffer_view(&chain));
     else if (depth >= LIMIT_SOURCE_DEPTH)
-        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)",
+        error_set(error, ERROR_USAGE,
+                  "depth of files that source other files: more than %d deep (%s)",
                   LIMIT_SOURCE_DEPTH, buffer_view(&chain));
     buffer_free(&chain);
     return !cycle && depth < LIMIT_SOURCE_DEPTH;
@@ -146,8 +147,9 @@ static bool check_content(const char *path, struct text content, struct error *e
     int line = 1;
     for (const char *c = content.data; nul && c < nul; c++)
         line += *c == '\n';
-    return !nul || error_set(error, ERROR_USAGE,
-                             "%s: a NUL byte in line %d: this is not a command file", path, line);
+    return !nul ||
+           error_set(error, ERROR_USAGE,
+                     "%s: line %d contains a NUL byte, so this is not a command file", path, line);
 }
 
 bool script_file(struct session *session, const char *path, const struct source *parent,
@@ -184,10 +186,10 @@ bool check_typed(const struct session *session, const struct setting *setting,
     for (; where; where = where->parent)
         typed &= where->name == NULL;
     if (setting->typed && session->options.safe)
-        return error_set(error, ERROR_COMMAND, "--safe runs no program: %s stays off",
+        return error_set(error, ERROR_COMMAND, "--safe allows no other programs: %s stays off",
                          setting->row.name);
     return !setting->typed || typed ||
            error_set(error, ERROR_COMMAND,
-                     "%s is set by typing it at a prompt, not by files or -c: they run no program",
+                     "%s can be set only at a prompt; files and -c must not run programs",
                      setting->row.name);
 }

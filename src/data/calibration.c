@@ -34,7 +34,7 @@ static bool same_unit(const struct unit *const unit[2], double value[2], char na
 {
     const struct unit *reference_unit = unit[0] ? unit[0] : unit[1];
     if (unit[0] && unit[1] && unit[0]->quantity != unit[1]->quantity)
-        return error_set(error, ERROR_COMMAND, "%s and %s are of different kinds",
+        return error_set(error, ERROR_COMMAND, "%s and %s measure different quantities",
                          unit[0]->row.name, unit[1]->row.name);
     if (unit[1] && unit[1] != reference_unit)
         value[1] *= unit[1]->factor / reference_unit->factor;
@@ -58,7 +58,8 @@ bool calibration_make(const double value[4], const struct unit *const unit[4],
         !same_unit(truth, made.truth, made.unit[1], error))
         return false;
     if (made.read[0] == made.read[1] || made.truth[0] == made.truth[1])
-        return error_set(error, ERROR_COMMAND, "two points are wanted: these are one") ||
+        return error_set(error, ERROR_COMMAND,
+                         "two different points are needed, but both are the same") ||
                error_hint(error, "calibrate y 19.6 cm 20 cm 39.1 cm 40 cm");
     *calibration = made;
     return true;

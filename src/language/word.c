@@ -53,7 +53,7 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         const size_t used = text_quoted(*rest);
         if (used == 0)
             return error_at(error, (struct text){rest->data, 1},
-                            "the string that begins here has no end");
+                            "the string that begins here is not closed");
         const struct text inside = {rest->data + 1, used - 2};
         item->is_string = true;
         item->text = inside;

@@ -25,14 +25,14 @@ struct table_reading {
 
 static bool damaged(struct table_reading *r, const char *what)
 {
-    return error_set(r->error, ERROR_IO, "this is no table as export writes it: %s", what);
+    return error_set(r->error, ERROR_IO, "not a table written by export: %s", what);
 }
 
 /* Rows are read in pieces. */
 static bool row_continues(struct table_reading *r, size_t row)
 {
     return row % LOOK_EACH_ROWS != LOOK_EACH_ROWS - 1 || !cancelled(r->cancel) ||
-           error_set(r->error, ERROR_CANCELLED, "reading was stopped");
+           error_set(r->error, ERROR_CANCELLED, "stopped while reading");
 }
 
 /* More room at every power of two, from `least` on; NULL if out of memory. */
@@ -94,7 +94,7 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
     cell->text =
         own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
     buffer_free(&text);
-    return ok ? cell->text != NULL : damaged(r, "a quote is not closed");
+    return ok ? cell->text != NULL : damaged(r, "a quotation mark is not closed");
 }
 
 static bool read_keys(struct table_reading *r, struct table *table)
@@ -107,7 +107,8 @@ static bool read_keys(struct table_reading *r, struct table *table)
             sign = memcmp(line.data + i, " = ", 3) == 0 ? line.data + i : NULL;
         key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
         if (!sign || !key)
-            return key ? damaged(r, "a # line without ' = '") : error_memory(r->error);
+            return key ? damaged(r, "a line that begins with # has no ' = '")
+                       : error_memory(r->error);
         const size_t name = (size_t)(sign - line.data);
         key[table->keys] =
             (struct table_key){arena_text(r->arena, (struct text){line.data + 2, name - 2}),
@@ -272,7 +273,7 @@ static const char *read_string(struct table_reading *r)
     ok = ok && table_text_take(r, "\"");
     const char *made = ok ? buffer_text_copy(r, &text) : NULL;
     if (!ok)
-        damaged(r, "a text is not closed");
+        damaged(r, "a text has no closing quotation mark");
     buffer_free(&text);
     return made;
 }
@@ -287,11 +288,12 @@ static bool read_json_keys(struct table_reading *r, struct table *table)
         key[table->keys].key = read_string(r);
         if (!key[table->keys].key || !table_text_take(r, ":") ||
             !(key[table->keys].value = read_string(r)))
-            return damaged(r, "a key without its text");
+            return damaged(r, "a key has no text");
         table->keys++;
     }
     table->key = key;
-    return table->keys == 0 || table_text_take(r, "}") || damaged(r, "the keys do not end");
+    return table->keys == 0 || table_text_take(r, "}") ||
+           damaged(r, "the list of keys is not closed");
 }
 
 static bool read_values(struct table_reading *r, struct table_column *column, size_t *rows)
@@ -308,17 +310,19 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         if (r->rest.len > 0 && r->rest.data[0] == '"') {
             text = grown(r->arena, text, *rows, sizeof *text, 16);
             if (!text || value)
-                return text ? damaged(r, "numbers among texts") : error_memory(r->error);
+                return text ? damaged(r, "a column mixes numbers and texts")
+                            : error_memory(r->error);
             if (!(text[*rows] = read_string(r)))
                 return false;
         } else {
             value = grown(r->arena, value, *rows, sizeof *value, 16);
             if (!value || text)
-                return value ? damaged(r, "texts among numbers") : error_memory(r->error);
+                return value ? damaged(r, "a column mixes texts and numbers")
+                             : error_memory(r->error);
             value[*rows] = NAN;
             if (!table_text_take(r, "null") &&
                 !is_number_status(real_scan(r->rest, '.', &value[*rows], &used)))
-                return damaged(r, "a value is no number");
+                return damaged(r, "a value is not a number");
             r->rest = (struct text){r->rest.data + used, r->rest.len - used};
         }
         ++*rows;
@@ -327,7 +331,7 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         value = arena_array(r->arena, 1, sizeof *value);
     column->value = value;
     column->text = text;
-    return *rows == 0 || table_text_take(r, "]") || damaged(r, "values do not end");
+    return *rows == 0 || table_text_take(r, "]") || damaged(r, "the list of values is not closed");
 }
 
 static bool read_json(struct table_reading *r, struct table *table)
@@ -335,7 +339,7 @@ static bool read_json(struct table_reading *r, struct table *table)
     struct table_column *column = NULL;
     table_text_take(r, FIRST_JSON);
     if (!read_json_keys(r, table) || !table_text_take(r, ",\"columns\":["))
-        return damaged(r, "no columns follow the keys");
+        return damaged(r, "the columns are missing");
     do {
         size_t rows;
         column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
@@ -346,18 +350,18 @@ static bool read_json(struct table_reading *r, struct table *table)
         if (!table_text_take(r, "{\"name\":") || !(one->name = read_string(r)) ||
             !table_text_take(r, ",\"unit\":") || !(one->unit = read_string(r)) ||
             !table_text_take(r, ",\"values\":["))
-            return damaged(r, "a column without name, unit or values");
+            return damaged(r, "a column has no name, unit or values");
         if (!read_values(r, one, &rows))
             return false;
         if (!table_text_take(r, "}"))
-            return damaged(r, "a column does not end");
+            return damaged(r, "a column is not closed");
         if (table->columns > 1 && rows != table->rows)
             return damaged(r, "columns differ in length");
         table->rows = rows;
     } while (table_text_take(r, ","));
     table->column = column;
     return table_text_take(r, "]}") || table_text_take(r, "]") ||
-           damaged(r, "the columns do not end");
+           damaged(r, "the list of columns is not closed");
 }
 
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,

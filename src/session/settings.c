@@ -133,7 +133,7 @@ static bool parse_tol(struct settings *settings, struct text value, struct error
         return true;
     }
     if (real_parse(value, &tol) != REAL_OK || !(tol > 0 && tol < 1)) {
-        error_at(error, value, "tol is a number between 0 and 1, or off");
+        error_at(error, value, "tol must be a number between 0 and 1, or off");
         return error_hint(error, "for example tol = 1e-8");
     }
     settings->tol = tol;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can take long: recordings of 2e6 rows (--rows), runs of 1e6 steps, and what is done with them."""
+"""What can take long: recordings of 2e6 rows (--rows), runs of 1e6 steps, and action with them."""
 import gzip
 import math
 import os

@@ -24,7 +24,7 @@ says "which a pipe repeats" "4000 rows" out.txt
 "$hooke" -n -c 'load /dev/fd/5' 5< <(cat swing.txt) >out.txt 2>&1
 says "a pipe is read once, from its beginning" "4000 rows" out.txt
 echo 'load -' | "$hooke" -n >out.txt 2>&1
-says "commands and data do not share standard input" "standard input is where the commands come from" out.txt
+says "commands and data do not share standard input" "standard input already provides the commands" out.txt
 sleep 0.3 | "$hooke" -n -c 'load -' >out.txt 2>&1
 says "an empty input is said to be empty" "is empty" out.txt
 echo "1..$n"

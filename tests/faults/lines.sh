@@ -90,17 +90,17 @@ endless 1 'is empty' 'load /dev/null'
 endless 1 'not a text file' 'load /dev/zero'
 endless 1 'not a text file' 'load /dev/urandom'
 endless 1 'it is a directory' 'load .'
-endless 1 'pipe that nobody writes to' 'load nobody'
+endless 1 'it is a pipe and no program writes to it' 'load nobody'
 endless 1 'no table of numbers' 'load /proc/self/status'
 while :; do echo 1 2; sleep 0.05; done >slow 2>/dev/null &
-endless 2 'it goes on' 'load slow'
+endless 2 'data keep arriving' 'load slow'
 if [ "$(id -u)" -eq 0 ] && [ -r /proc/kmsg ] && timeout 5 dd if=/proc/kmsg of=/dev/null bs=64k count=1 iflag=nonblock 2>&1 | grep -q 'unavailable'; then
-    endless 2 'it goes on\|no table of numbers' 'load /proc/kmsg'
+    endless 2 'data keep arriving\|no table of numbers' 'load /proc/kmsg'
 else
     skip "load /proc/kmsg" "it is not there, or not silent"
 fi
 "$hooke" -n -c 'load -' <&- >input.out 2>&1
-grep -q 'it is closed' input.out
+grep -q 'standard input is closed' input.out
 ok "a closed standard input is said to be" $? "$(cat input.out)"
 swing 100 | "$hooke" -n -c 'load - tunit=ms; measure period' >input.out 2>&1
 grep -q '100 rows' input.out && grep -q '^T = ' input.out

@@ -32,7 +32,7 @@ static void offer_lines(struct completion *c, enum typed_kind kind)
         if (line->kind != kind || line->name.len > LIMIT_NAME)
             continue;
         memcpy(name, line->name.data, line->name.len);
-        complete_offer(c, name, "as typed before");
+        complete_offer(c, name, "as typed last time");
     }
 }
 
@@ -60,12 +60,12 @@ static void complete_event(struct completion *c, struct text rest)
     const int words = count_words(rest);
     if (words == 0) {
         complete_events(c);
-        complete_offer(c, "off", "drop all");
+        complete_offer(c, "off", "remove all");
         return;
     }
     if (words == 1) {
         complete_offer(c, "when", "");
-        complete_offer(c, "off", "drop it");
+        complete_offer(c, "off", "remove it");
         return;
     }
     text_skip_blanks(&rest);
@@ -85,8 +85,8 @@ static void complete_event(struct completion *c, struct text rest)
     const bool turned =
         text_is(last, "rising") || text_is(last, "falling") || text_is(last, "touching");
     if (text_is(last, "do")) {
-        complete_offer(c, "stop", "the run stops there");
-        complete_offer(c, "record", "a row of 'list events'");
+        complete_offer(c, "stop", "stop the run there");
+        complete_offer(c, "record", "add a row to 'list events'");
         return;
     }
     if (!turned)
@@ -94,9 +94,9 @@ static void complete_event(struct completion *c, struct text rest)
     if (last.len == 0 || value_is_open(value) || strchr("<>", last_letter(value)))
         return;
     if (!turned) {
-        complete_offer(c, "rising", "from below");
-        complete_offer(c, "falling", "from above");
-        complete_offer(c, "touching", "also where it only touches 0");
+        complete_offer(c, "rising", "when it passes 0 upwards");
+        complete_offer(c, "falling", "when it passes 0 downwards");
+        complete_offer(c, "touching", "also when it only touches 0");
     }
     complete_offer(c, "do", "");
 }
@@ -113,11 +113,11 @@ void complete_formula(struct completion *c, const struct command *command, struc
         complete_event(c, rest);
     } else if (behind_equals(rest, &value) || bare) {
         if (bare && text_trim(rest).len == 0 && has_line(c, force ? TYPED_FORCE : TYPED_POTENTIAL))
-            complete_offer(c, "off", "take it away");
+            complete_offer(c, "off", "remove it");
         complete_value(c, value, var || param ? QUANTITY_OTHER : QUANTITY_COUNT, offer_names);
     } else if (count_words(rest) == 0) {
         offer_lines(c, param ? TYPED_PARAM : observe ? TYPED_OBSERVE : TYPED_VAR);
     } else if ((var || param || observe) && count_words(rest) == 1) {
-        complete_offer(c, "off", "take it away");
+        complete_offer(c, "off", "remove it");
     }
 }

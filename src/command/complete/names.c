@@ -9,7 +9,9 @@ void complete_atol(struct completion *c, bool named)
     const struct model *model = c->session->setup.scene.model;
     for (int i = 0; i < model->n && !named; i++)
         complete_offer(c, model->variable[i].name, "variable of the scene");
-    complete_offer(c, "off", named ? "as large as tol says" : "all of them as large as tol says");
+    complete_offer(c, "off",
+                   named ? "errors relative to its size (tol)"
+                         : "all variables: errors relative to their size (tol)");
 }
 
 void complete_set(struct completion *c, struct text name, struct text preceding)

@@ -25,19 +25,19 @@ enum cursor_action {
 };
 
 static const struct row actions[] = {
-    [GO_LEFT] = {"left", "", "earlier, by a sample or the time given", "", NULL},
-    [GO_RIGHT] = {"right", "", "later, by a sample or the time given", "", NULL},
-    [GO_NEXT] = {"next", "", "to the next crossing, or peak", "", NULL},
-    [GO_PREVIOUS] = {"previous", "", "to the crossing, or peak, before", "", NULL},
-    [GO_MORE] = {"more", "", "one period more between A and B", "", NULL},
-    [GO_LESS] = {"less", "", "one period less", "", NULL},
+    [GO_LEFT] = {"left", "", "move earlier, by one sample or by the time given", "", NULL},
+    [GO_RIGHT] = {"right", "", "move later, by one sample or by the time given", "", NULL},
+    [GO_NEXT] = {"next", "", "move to the next crossing or peak", "", NULL},
+    [GO_PREVIOUS] = {"previous", "", "move to the previous crossing or peak", "", NULL},
+    [GO_MORE] = {"more", "", "move B one period farther from A", "", NULL},
+    [GO_LESS] = {"less", "", "move B one period closer to A", "", NULL},
     [GO_OTHER] = {"other", "", "move the other cursor from now on", "", NULL},
-    [GO_SERIES] = {"series", "", "to the run, or to the recording", "", NULL},
-    [GO_LOCK] = {"lock", "", "move both together, or apart again", "", NULL},
+    [GO_SERIES] = {"series", "", "change between run and recording", "", NULL},
+    [GO_LOCK] = {"lock", "", "lock the cursors together, or unlock them", "", NULL},
     [GO_KEEP] = {"keep", "", "keep the period as a measurement", "", NULL},
     [GO_OFF] = {"off", "", "hide the cursors", "", NULL},
-    [GO_UP] = {"up", "", "on a portrait: up", "", NULL},
-    [GO_DOWN] = {"down", "", "on a portrait: down", "", NULL},
+    [GO_UP] = {"up", "", "up, in a portrait", "", NULL},
+    [GO_DOWN] = {"down", "", "down, in a portrait", "", NULL},
 };
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
@@ -72,10 +72,10 @@ static bool cursor_keep_period(struct session *session, struct reply *reply, str
     struct cursor_reading r;
     const struct cursors *c = &session->view.cursors;
     if (!session_cursor_reading(session, &r) || !isfinite(r.period.value)) {
-        error_set(
-            error, ERROR_COMMAND,
-            "the cursors show no period: less than one lies between them, or %s does not oscillate",
-            c->subject);
+        error_set(error, ERROR_COMMAND,
+                  "no period between the cursors: they are less than one period apart, or %s does "
+                  "not oscillate",
+                  c->subject);
         return error_hint(error, "for example cursor periods 4");
     }
     if (!session_add_measurement(session, "period", c->subject, r.period, QUANTITY_TIME, r.periods,
@@ -105,9 +105,9 @@ static bool cursor_action_perform(struct session *session, const struct argument
     case GO_MORE:
         return cursor_span(c, ground, n + 1, error);
     case GO_LESS:
-        return n >= 2 ? cursor_span(c, ground, n - 1, error)
-                      : error_set(error, ERROR_COMMAND,
-                                  "at least one period has to lie between A and B");
+        return n >= 2
+                   ? cursor_span(c, ground, n - 1, error)
+                   : error_set(error, ERROR_COMMAND, "A and B must be at least one period apart");
     case GO_OTHER:
         c->active = !c->active;
         return true;
@@ -128,7 +128,7 @@ static bool cursor_action_perform(struct session *session, const struct argument
         return true;
     case GO_UP:
     case GO_DOWN:
-        error_set(error, ERROR_COMMAND, "up and down are for the point on a portrait");
+        error_set(error, ERROR_COMMAND, "'up' and 'down' move the point in a portrait only");
         return error_hint(error, "focus portrait full, then cursor");
     }
     return false;
@@ -161,11 +161,10 @@ static bool act_on_plane(const struct session *session, const struct arguments *
         c->shown = c->plane = false;
         return true;
     default:
-        error_set(error, ERROR_COMMAND, "'%s' is for the cursors on a plot over time",
+        error_set(error, ERROR_COMMAND, "'%s' works only with cursors on a plot over time",
                   actions[what].name);
-        return error_hint(error,
-                          "on a portrait: left, right, up, down, next, previous, off; 'start "
-                          "cursor' begins a trajectory there");
+        return error_hint(error, "in a portrait use left, right, up, down, next, previous, off; "
+                                 "'start cursor' begins a trajectory there");
     }
 }
 
@@ -224,8 +223,8 @@ static bool put_argument(struct cursors *c, const struct ground *ground, int whi
     const struct series *s = &ground->series;
     const double t = argument->count ? argument->item->value.value : 0;
     if (argument->count && (t < s->t[0] || t > s->t[s->n - 1]))
-        return error_at(error, argument->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)",
-                        t, ground->name, s->t[0], s->t[s->n - 1]);
+        return error_at(error, argument->item->text, "t = %.6g s is outside %s (%.6g..%.6g s)", t,
+                        ground->name, s->t[0], s->t[s->n - 1]);
     if (argument->count)
         cursor_put(c, ground, which, t, HUGE_VAL);
     return true;

@@ -36,16 +36,16 @@ static bool choose_runs(struct session *session, const struct arguments *args,
                              ? -1
                              : figure_recording(session, request->kind);
     if (request->runs == 0 && request->recording >= 0 && !plot_of_recordings(request->kind))
-        return error_at(error, data->where, "of a recording there is no plot of %s",
+        return error_at(error, data->where, "recordings cannot be plotted as %s",
                         plot_row(request->kind)->row.name);
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
         error_at(error, argument_value(args, "WHAT")->where,
-                 "this needs a run, or a recording of positions");
+                 "only a run or a recording of positions has that plot");
         return error_hint(error, "type: run");
     }
-    error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
+    error_set(error, ERROR_COMMAND, "nothing to plot: there is no run and no recording");
     return error_hint(error, "type: run, or: load FILE");
 }
 
@@ -101,7 +101,7 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
                                 *data = argument_value(args, "data");
     if (table_argument->count && (!against_argument->count || event_argument->count ||
                                   data->count || has_argument(args, "run"))) {
-        error_at(error, table_argument->where, "of a table one column is drawn against another");
+        error_at(error, table_argument->where, "in a table, plot one column against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s",
                           table_argument->item->row->name);
     }
@@ -137,7 +137,7 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
     request->next = has_argument(args, "next");
     if (request->next && !(against_argument->count && event_argument->count)) {
         error_at(error, argument_value(args, "next")->where,
-                 "--next is for a column against another at an event");
+                 "--next needs one column against another at an event");
         return error_hint(error, "for example: plot y against y at top --next");
     }
     if (against_argument->count) {
@@ -145,7 +145,7 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         request->trail = HUGE_VAL;
     }
     return !data->count ||
-           error_at(error, data->where, "a recording has no columns of that name beside it");
+           error_at(error, data->where, "recordings have no columns to plot against each other");
 }
 
 /* Reads the ranges; that of x is also a window if the plot is against time. */
@@ -160,7 +160,7 @@ static bool choose_ranges(const struct arguments *args, struct figure_request *r
         if (axis[i]->count == 0)
             continue;
         if (plot_row(request->kind)->whole)
-            return error_at(error, axis[i]->where, "the axes of '%s' hold all of its points",
+            return error_at(error, axis[i]->where, "the axes of '%s' always show all points",
                             plot_row(request->kind)->row.name);
         const struct item *item = axis[i]->item;
         range[i] = (struct figure_range){{item->range[0], item->range[1]},
@@ -179,12 +179,13 @@ static bool add_side(const struct session *session, struct figure_request *reque
 {
     const int variable = model_state(session->setup.scene.model, name);
     if (variable < 0)
-        return error_at(error, where, "'%.*s' is no variable of the scene", (int)name.len,
+        return error_at(error, where, "'%.*s' is not a variable of the scene", (int)name.len,
                         name.data);
     if (request->sides == 2)
-        return error_at(error, where, "a portrait has two sides");
+        return error_at(error, where, "a portrait has two axes");
     if (!(range[0] < range[1]))
-        return error_at(error, where, "%.*s: a range goes from a smaller to a larger value",
+        return error_at(error, where,
+                        "%.*s: the first value of a range must be smaller than the second",
                         (int)name.len, name.data);
     struct figure_side *side = &request->side[request->sides++];
     side->variable = variable;
@@ -233,7 +234,7 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
         return true;
     error_at(error, named->where, "%s has no argument '%.*s'", plot_row(request->kind)->row.name,
              (int)named->item->text.len, named->item->text.data);
-    return error_hint(error, "axes are x=FROM:TO and y=FROM:TO");
+    return error_hint(error, "ranges of axes are x=FROM:TO and y=FROM:TO");
 }
 
 bool make_figure(struct session *session, const struct arguments *args,

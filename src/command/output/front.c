@@ -9,7 +9,7 @@ static bool change_front(const struct session *session, enum front_change change
     if (session->front.change)
         return session->front.change(session->front.context, change, error);
     return change == FRONT_REDRAW ||
-           error_set(error, ERROR_COMMAND, "there is no terminal to show panes or a prompt on");
+           error_set(error, ERROR_COMMAND, "panes and prompt need a terminal");
 }
 
 HANDLER(panes)

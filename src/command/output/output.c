@@ -40,10 +40,10 @@ static bool fill_table(struct session *session, const struct arguments *args, st
     const struct series_tools *tools;
     for (size_t i = 0; i < COUNT_OF(others) && has_argument(args, "band"); i++)
         if (has_argument(args, others[i]))
-            return error_at(error, band->where, "--band is for the columns of a run");
+            return error_at(error, band->where, "--band works only with columns of a run");
     if (table_argument->count && !has_argument(args, "table"))
         return error_at(error, table_argument->where,
-                        "'of' stands after 'table': export FILE table of %s",
+                        "'of' must follow 'table': export FILE table of %s",
                         table_argument->item->row->name);
     if (has_argument(args, "measurements"))
         return export_result(session, catalog_find(&result_catalog, TEXT("measurements")), export,
@@ -90,7 +90,7 @@ static bool reply_rows(struct reply *reply, const struct table *table, struct er
     reply->store = NULL; /* it is in the session already */
     const bool ok = reply_table_rows(reply, "row", table, 0, table->rows, true);
     reply->store = store;
-    return ok || error_set(error, ERROR_CANCELLED, "stopped: not all rows were written");
+    return ok || error_set(error, ERROR_CANCELLED, "stopped before all rows were written");
 }
 
 /* A slow terminal takes long: what was not yet shown can be left out. */
@@ -132,8 +132,8 @@ static bool export_scene(struct session *session, const struct arguments *args, 
                  text_ending(file).data);
         if (!module_is_in(what, file, error))
             return false;
-        error_at(error, file, "a scene is not written as '%s'", what + strlen("export "));
-        return error_hint(error, "what it can be: %s.hk by 'save'", endings);
+        error_at(error, file, "a scene cannot be written as '%s'", what + strlen("export "));
+        return error_hint(error, "possible are %s.hk with 'save'", endings);
     }
     const bool ok = (path || error_memory(error)) &&
                     writer->write(session, (size_t)catalog_index(writer->kinds, kind), args->arena,
@@ -245,7 +245,7 @@ HANDLER(print)
     if (item->is_string) {
         safe_text(&text, item->text, true);
     } else if (named.error_floor > 0) {
-        buffer_format(&text, "no digit is certain: it may be off by %s and more",
+        buffer_format(&text, "no digit is certain: the error may be %s or more",
                       SHOWN_VALUE(named.error_floor, item->quantity, 2));
     } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);

@@ -49,7 +49,7 @@ static bool choose_file(struct text path, enum plot_kind kind, struct figure_fil
     if (has_end && !module_is_in(what, path, error))
         return false;
     if (!row) {
-        error_at(error, path, "a figure is %s%stext in %s.txt", writer ? writer->where : "",
+        error_at(error, path, "figures can be %s%stext in %s.txt", writer ? writer->where : "",
                  writer ? ", or " : "", writer ? "" : "a file that ends in ");
         return error_hint(error, "plot %s > figure%s", plot_row(kind)->row.name,
                           writer ? ".svg" : ".txt");
@@ -101,7 +101,7 @@ static void report_band(const struct figure *figure, enum plot_kind kind, struct
     const struct unit *unit = unit_find(text_of(figure->y.unit));
     const enum quantity quantity = unit ? unit->quantity : QUANTITY_NUMBER;
     struct buffer *text = reply_buffer(reply);
-    buffer_format(text, "95 %% of the fit: at most +- %s, at t = %s",
+    buffer_format(text, "95 %% band of the fit: at most +- %s, at t = %s",
                   SHOWN_QUANTITY(max, quantity, 3), SHOWN_QUANTITY(max_position, QUANTITY_TIME, 4));
     reply_begin(reply, "band");
     reply_real(reply, "level", 0.95);
@@ -183,7 +183,7 @@ static bool refuse_in_text(const struct arguments *args, struct error *error)
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const struct argument_value *given = added_argument(args, names[i]);
         if (given) {
-            error_at(error, given->where, "%s is for a picture", names[i]);
+            error_at(error, given->where, "%s works only for pictures", names[i]);
             return error_hint(error, "for example: plot position size=12x8 --grid > figure.svg");
         }
     }
@@ -200,7 +200,8 @@ static bool shows_pixels(const struct session *session, const struct arguments *
     if (!added_argument(args, "pixels") || reply->format != FORMAT_TEXT)
         return false;
     if (!front->pixels)
-        error_set(&error, ERROR_COMMAND, "pixels are not shown among panes; 'plain' leaves them");
+        error_set(&error, ERROR_COMMAND,
+                  "pixels cannot be shown in panes; 'plain' leaves the panes");
     else if (front->pixels(front, NULL, 0, 0, &error))
         return true;
     reply_note(reply, "%s%s%s", error.text, *error.hint ? "; " : "", error.hint);

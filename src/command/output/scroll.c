@@ -54,7 +54,7 @@ HANDLER(scroll)
     }
     if (word->count || has_argument(args, "next"))
         return *view->wanted ? find_line(session, text_of(view->wanted), error)
-                             : error_set(error, ERROR_COMMAND, "nothing was looked for yet");
+                             : error_set(error, ERROR_COMMAND, "no search text yet");
     if (has_argument(args, "close")) {
         view->reading = false;
         view->scroll = 0;

@@ -74,13 +74,13 @@ HANDLER(focus)
     if (pane->count && !session->execution.restoring && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
         const bool some = session_run(session) || session_recording(session);
-        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->name,
+        error_at(error, pane->item->text, "the pane %s has nothing to show: %s", row->name,
                  row->brief);
         for (size_t i = 0; i < plot_catalog.count && some; i++)
             if (plot_offered(session, (enum plot_kind)i))
                 buffer_format(&offered, "%s%s", offered.len ? ", " : "",
                               catalog_row(&plot_catalog, i)->name);
-        error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s",
+        error_hint(error, offered.len ? "available now: %s" : "type: run, or: load FILE%s",
                    buffer_view(&offered));
         buffer_free(&offered);
         return false;
@@ -177,7 +177,7 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
         return error_hint(error, "type: focus position, or: range x FROM:TO");
     }
     if (!whole_span(session, whole)) {
-        error_set(error, ERROR_COMMAND, "there is nothing to look at: no run and no recording");
+        error_set(error, ERROR_COMMAND, "nothing to show: there is no run and no recording");
         return error_hint(error, "type: run, or: load FILE");
     }
     if (plot_quantity(session, view_focus(&session->view), true) != QUANTITY_TIME) {
@@ -267,7 +267,8 @@ HANDLER(overlay)
         if (!wanted || r == session->runs.current)
             continue;
         if (count == LIMIT_OVERLAY)
-            return error_at(error, runs->where, "at most %d runs can be laid over the present one",
+            return error_at(error, runs->where,
+                            "at most %d other runs can be drawn over the current one",
                             LIMIT_OVERLAY);
         number[count++] = session->runs.slot[r]->run->number;
     }
@@ -307,7 +308,7 @@ HANDLER(screenshot)
     const struct front *front = &session->front;
     const bool possible = file->count ? front->screenshot != NULL : front->screen != NULL;
     if (!possible) {
-        error_set(error, ERROR_COMMAND, "this front end draws no screen");
+        error_set(error, ERROR_COMMAND, "this program has no screen");
         return error_hint(
             error, "'plot position' draws a figure, 'plot position > figure.txt' writes one");
     }

@@ -40,10 +40,10 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
     const struct run *run = slot->run;
     if (++pass->passed > PASSES_MAX) {
         error_set(error, ERROR_NUMERICAL,
-                  "events have stopped run %d %d times, at last at t = %.9g s: more than one "
-                  "command follows",
+                  "events have stopped run %d %d times, most recently at t = %.9g s, the limit for "
+                  "one command",
                   run->number, PASSES_MAX, run->t);
-        return !error_hint(error, "'continue' goes on");
+        return !error_hint(error, "'continue' continues the run");
     }
     for (; pass->seen < run_event_records(run); pass->seen++) {
         const struct event_record *record = run_event_record(run, pass->seen);
@@ -60,11 +60,11 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
         if (pass->event[i].close < 3 || slot->events->line[i].action != EVENT_COMMANDS)
             continue;
         error_set(error, ERROR_NUMERICAL,
-                  "the event %s comes again and again, at last after %.2g s: its moments pile "
-                  "up at t = %.9g s",
+                  "the event %s repeats faster and faster (last after %.2g s) and accumulates at t "
+                  "= %.9g s",
                   slot->events->line[i].name, interval, run->t);
         return !error_hint(error,
-                           "run %d is kept up to there; an event with 'do stop' can end it before",
+                           "run %d is kept up to there; an event with 'do stop' can end it earlier",
                            run->number);
     }
     return false;
@@ -108,6 +108,6 @@ bool event_executes(const struct command *command)
 bool refuse_in_event(const struct command *command, struct text where, struct error *error)
 {
     error_at(error, where, "an event cannot execute %s", command->row.name);
-    return error_hint(error,
-                      "it sets, prints and notes; 'continue' as the last word lets the run go on");
+    return error_hint(
+        error, "events can set, print and note; 'continue' as the last word continues the run");
 }

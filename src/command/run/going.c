@@ -25,7 +25,7 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
     char question[200];
     if (!takes_long(seconds) || force)
         return true;
-    snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
+    snprintf(question, sizeof question, "this will take about %.0f s (%.3g steps)", seconds, steps);
     if (session->execution.typed && (session->front.watched || session->front.confirm)) {
         /* A person who watches the run can pause it. */
         session->execution.confirmed =
@@ -34,11 +34,10 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
     }
     error_set(error, ERROR_COMMAND, "%s", question);
     return session->setup.settings.duration_chosen || session->setup.scene.preset->duration == 0
-               ? error_hint(error, "--force runs it all the same")
+               ? error_hint(error, "--force runs it anyway")
                : error_hint(error,
                             "%.4g s is the scene's own duration: give a shorter one ('duration = "
-                            "10 s'), or choose "
-                            "a method that adapts; --force runs it all the same",
+                            "10 s'), or choose an adaptive method; --force runs it anyway",
                             session->setup.settings.duration);
 }
 
@@ -194,13 +193,13 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
 {
     const size_t count = run_event_records(slot->run);
     if (stopped)
-        reply_line(reply, "event %s: stopped at t = %.9g s; 'continue' goes on%s", stopped->name,
+        reply_line(reply, "event %s: stopped at t = %.9g s; 'continue' continues%s", stopped->name,
                    slot->run->t,
                    stopped->action == EVENT_COMMANDS
-                       ? ", as the last word of its commands by itself"
+                       ? ", automatically if it is the last word of the event's commands"
                        : "");
     if (count > (stopped ? 1 : 0))
-        reply_line(reply, "%zu event%s noticed so far: 'list events' shows them", count,
+        reply_line(reply, "%zu event%s so far: 'list events' shows them", count,
                    plural_s((int64_t)count));
 }
 
@@ -220,7 +219,7 @@ static bool arrive(struct session *session, const struct advance *advance,
     }
     advance_report(session, advance);
     if (run->stop == STOP_CANCELLED)
-        reply_line(reply, "%s at t = %.6g s; 'continue' goes on",
+        reply_line(reply, "%s at t = %.6g s; 'continue' continues",
                    session->front.watched ? "paused" : "stopped", run->t);
     seek_opinion(session, run, reply);
     reply_run(session, run, reply);
@@ -239,13 +238,13 @@ static bool arrive(struct session *session, const struct advance *advance,
     }
     if (run->stop == STOP_GIVEN_UP) {
         error_set(error, ERROR_COMMAND,
-                  "given up at t = %.6g s after %lld steps: at this pace the rest takes about "
-                  "%.2g s; run %d is kept up to there",
+                  "given up at t = %.6g s after %lld steps: the rest would take about %.2g s at "
+                  "this pace; run %d is kept up to there",
                   run->t, (long long)run->steps, advance->left, run->number);
-        return error_hint(error, "--force runs it all the same%s",
+        return error_hint(error, "--force runs it anyway%s",
                           run->method->flags & METHOD_IMPLICIT
                               ? ""
-                              : "; try an implicit method that adapts, as radau5");
+                              : "; try an adaptive implicit method such as radau5");
     }
     if (run->stop == STOP_END && advance->target.condition)
         return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s",
@@ -268,7 +267,7 @@ static void reply_running(const struct session *session, struct reply *reply)
 {
     reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
     if (isfinite(session->live.speed))
-        reply_line(reply, "it follows the clock; 'speed max': as fast as possible");
+        reply_line(reply, "it follows the clock; 'speed max' runs as fast as possible");
 }
 
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,

@@ -26,7 +26,7 @@ HANDLER(speed)
     if (isinf(live->speed))
         reply_line(reply, "speed max: as fast as possible");
     else
-        reply_line(reply, "speed %s: simulated seconds a second", SHOWN_SHORT(live->speed, 6));
+        reply_line(reply, "speed %s: simulated seconds per second", SHOWN_SHORT(live->speed, 6));
     return true;
 }
 

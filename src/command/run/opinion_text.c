@@ -30,14 +30,15 @@ void plan_opinion(const struct session *session, const struct system *system,
     if (kind == OPINIONS_OFF)
         buffer_put(text, TEXT("not estimated (set opinion off)\n"));
     else if (plan->exact_known)
-        buffer_put(text, TEXT("from the closed form at some rows, in a share of the run's work\n"));
+        buffer_put(text, TEXT("from the closed form, at some of the rows\n"));
     else if (kind == OPINIONS_FULL)
-        buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
+        buffer_put(text,
+                   TEXT("from a second solution to the end, about as much work as the run\n"));
     else
         buffer_format(
             text,
-            "from a second solution, in %.0f %% of the run's work; where no digit may\n"
-            "          be right %.0f evaluations or half of it ('set opinion off': none)\n",
+            "from a second solution with %.0f %% of the run's work; if no digit may be\n          "
+            "right, up to %.0f evaluations or half of it ('set opinion off': none)\n",
             100 * OPINION_BRIEF_SHARE, OPINION_BUDGET_DOUBT / system->n);
 }
 
@@ -57,9 +58,9 @@ static void put_witness(const struct run *run, struct buffer *text)
     const bool at_event = !isnan(run_opinion_event(run));
     put_solution(opinion, text);
     if (opinion->t != run->t && (opinion->method || at_event))
-        buffer_format(text, " up to t = %s, not known beyond%s",
+        buffer_format(text, " up to t = %s, unknown beyond%s",
                       SHOWN_VALUE(opinion->t, QUANTITY_TIME, 4),
-                      at_event ? ": errors may decide whether the next event happens"
+                      at_event ? ": whether the next event happens may depend on errors"
                                : " ('set opinion full' goes to the end)");
 }
 
@@ -82,13 +83,12 @@ static bool say_lost(const struct session *session, const struct run *run, struc
     if (isnan(sunk)) {
         buffer_put(&text, TEXT("there "));
         put_solution(opinion, &text);
-        buffer_format(&text, " is further from run %d than half the size of the motion",
+        buffer_format(&text, " differs from run %d by more than half the size of the motion",
                       run->number);
     } else {
-        buffer_format(&text,
-                      "values came to rest within the tolerance, and from t = %s on their errors "
-                      "are multiplied",
-                      SHOWN_VALUE(sunk, QUANTITY_TIME, 4));
+        buffer_format(
+            &text, "values came to rest within the tolerance, and their errors grow from t = %s on",
+            SHOWN_VALUE(sunk, QUANTITY_TIME, 4));
     }
     const bool ok = session->setup.settings.opinion == OPINIONS_WARN;
     error_set(error, ERROR_NUMERICAL, "no digit is certain from t = %s on: %s",
@@ -100,8 +100,8 @@ static bool say_lost(const struct session *session, const struct run *run, struc
         error_hint(error,
                    is_exact_available(run)
                        ? "'method exact' is the closed form; run %d is kept"
-                       : "a smaller tol moves that time; where the motion is chaotic 'set opinion "
-                         "warn' takes it as it is; run %d is kept",
+                       : "a smaller tol moves that time later; for chaotic motion 'set opinion "
+                         "warn' makes this a warning; run %d is kept",
                    run->number);
     return ok;
 }
@@ -113,8 +113,8 @@ static void say_large(const struct run *run, double times, struct reply *reply)
     double error_floor[LIMIT_VARIABLES];
     if (run_below_tolerance(run, error_floor) < run->system.n)
         reply_warning(reply,
-                      "the error is about %s times the tolerance: errors of steps have grown on "
-                      "the way; it shrinks as tol does",
+                      "the error is about %s times the tolerance: errors of single steps have "
+                      "grown along the run; a smaller tol reduces it",
                       SHOWN_SHORT(times, 1));
 }
 
@@ -129,8 +129,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     if (!isnan(run_opinion_sunk(run)))
         return say_lost(session, run, reply, error);
     if (asked && isnan(opinion->t))
-        reply_line(reply,
-                   "error not known: a second solution came nowhere with the work it may use");
+        reply_line(reply, "error not known: the second solution used up its allowed work at once");
     if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;
@@ -138,7 +137,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     buffer_format(text, "error %s%s, %s tol", opinion->method ? "about " : "",
                   SHOWN_SHORT(opinion->error, digits), SHOWN_SHORT(times, digits));
     if (opinion->max > spikes * opinion->error)
-        buffer_format(text, " (up to %s on the way)", SHOWN_SHORT(opinion->max, 1));
+        buffer_format(text, " (up to %s along the run)", SHOWN_SHORT(opinion->max, 1));
     buffer_put(text, TEXT(", by "));
     put_witness(run, text);
     bool ok = true;
@@ -170,11 +169,11 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
     if (count > NAMED)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
-        reply_line(reply, "no digit is certain of %s: below %s tolerance or error%s",
+        reply_line(reply, "no digit of %s is certain: below %s tolerance or error%s",
                    buffer_view(&names), count > 1 ? "their" : "its",
                    first < 0 ? "; a smaller tol may help" : "");
         if (first >= 0)
-            reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
+            reply_line(reply, "'atol %s = VALUE' sets a smaller tolerance",
                        system_variable(&run->system, first).name);
     }
     buffer_free(&names);

@@ -82,10 +82,11 @@ HANDLER(run)
     }
     if (span == 0 || t == t0)
         return error_at(error, duration->count ? duration->where : end_argument->where,
-                        "there is nothing to run: the time asked for is the start t0");
+                        "nothing to run: the end time equals the start time t0");
     if (number->count &&
         (number->item->value.value < session->runs.next_number || number->item->value.value > 1e9))
-        return error_at(error, number->item->text, "the next run has the number %d or a larger one",
+        return error_at(error, number->item->text,
+                        "the number of the next run must be %d or larger",
                         session->runs.next_number);
     struct run *run = new_run(session, span, steps_of(args), has_argument(args, "force"), error);
     if (!run)
@@ -119,13 +120,13 @@ static bool can_go_on(const struct run *run, struct error *error)
     if (run->stop == STOP_STALLED || !(stop_is_failure(run->stop) || run->stop == STOP_FULL))
         return true;
     error_set(error, ERROR_COMMAND,
-              "run %d cannot go on: it stopped because of status '%s' at t = %.6g s", run->number,
-              stop_name(run->stop), run->t);
+              "run %d cannot be continued: it stopped at t = %.6g s with status '%s'", run->number,
+              run->t, stop_name(run->stop));
     return error_hint(
         error,
         run->stop == STOP_SINGULAR
-            ? "there is no solution beyond: 'back N' goes back, 'run' starts a new one"
-            : "change dt or the method and start a new one with 'run', or go back with 'back N'");
+            ? "no solution exists beyond that time; 'back N' goes back, 'run' starts a new run"
+            : "change dt or the method and start a new run, or go back with 'back N'");
 }
 
 static void warn_other_scene(const struct session *session, const struct run *run,
@@ -139,9 +140,8 @@ static void warn_other_scene(const struct session *session, const struct run *ru
         memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
         run->method != session->setup.method)
         reply_warning(reply,
-                      "run %d goes on with the parameters and the method it has; 'change' gives it "
-                      "others, 'run' "
-                      "starts one with the present ones",
+                      "run %d continues with its own parameters and method; 'change' changes them, "
+                      "'run' starts a run with the present ones",
                       run->number);
 }
 
@@ -189,8 +189,8 @@ HANDLER(continue)
     const bool open =
         condition->count || fabs(span) >= T_UNREACHABLE || (!limited && is_paused(session, run));
     if (end_argument->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
-        return error_at(error, end_argument->where, "run %d has been there: it is at t = %.6g s",
-                        run->number, run->t);
+        return error_at(error, end_argument->where,
+                        "run %d is already past that time, at t = %.6g s", run->number, run->t);
     if (!plan_make(&run->system, run->method, &run->settings,
                    open ? copysign(HUGE_VAL, span) : span, &plan, error))
         return false;
@@ -237,7 +237,7 @@ static bool go_back(struct session *session, struct run *run, int64_t rows, stru
     const int64_t steps = run->steps;
     const double t = run->t;
     if (!run_back(run, rows) && rows < INT64_MAX)
-        reply_warning(reply, "run %d has fewer recorded states than that: it is at its start now",
+        reply_warning(reply, "run %d has fewer recorded states; it is now at its start",
                       run->number);
     const bool ok = journal_back(slot, steps, t, rows, error);
     if (paused && rows < INT64_MAX)

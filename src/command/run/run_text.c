@@ -38,8 +38,8 @@ static void say_apart(const struct session *session, const struct run *run, stru
         recording && recorded_derivative(recording, run) == 2 ? gravity_in(recording) : NAN;
     if (recording && isfinite(gravity))
         reply_line(reply,
-                   "%s holds gravity: its mean is %.4g m/s^2, and the rms counts it ('data zero "
-                   "%.6g m/s^2')",
+                   "%s contains gravity (mean %.4g m/s^2), which the rms includes; 'data zero %.6g "
+                   "m/s^2' removes it",
                    recording->name, gravity, recording->zero + gravity);
     if (!recording || run->system.order != 2 || run->system.n != 2 ||
         (recorded_derivative(recording, run) >= 0 && !bare) ||
@@ -49,18 +49,16 @@ static void say_apart(const struct session *session, const struct run *run, stru
     const struct column *value = &recording->column[recording->value];
     const char *needs = first.quantity == QUANTITY_ANGLE ? "deg" : "cm";
     if (!bare) {
-        reply_line(
-            reply, "%s is not laid over the run, nor compared with it: it holds %s %s, %s is %s %s",
-            recording->name, quantity_article(value->quantity), quantity_name(value->quantity),
-            first.name, quantity_article(first.quantity), quantity_name(first.quantity));
+        reply_line(reply, "%s is not compared with the run: it is %s %s, but %s is %s %s",
+                   recording->name, quantity_article(value->quantity),
+                   quantity_name(value->quantity), first.name, quantity_article(first.quantity),
+                   quantity_name(first.quantity));
         return;
     }
     struct buffer *text = reply_buffer(reply);
     buffer_format(text, "%s: %s ", recording->name, value->name);
     put_bare(recording, text);
-    buffer_format(text,
-                  ": its numbers are laid over the run as %s ('load FILE unit=%s' says "
-                  "otherwise)",
+    buffer_format(text, ": compared with the run as if in %s ('load FILE unit=%s' changes that)",
                   quantity_unit(first.quantity), needs);
 }
 
@@ -76,7 +74,7 @@ static void say_scale(const struct session *session, const struct run *run,
         buffer_put(text, TEXT("scaled: "));
         put_scale(data, run, text);
     } else {
-        buffer_format(text, "not laid over the run: %s and %s do not move together",
+        buffer_format(text, "not compared with the run: %s and %s are not proportional",
                       quantity_name(data->quantity), system_variable(&run->system, 0).name);
     }
 }
@@ -91,7 +89,7 @@ static void say_offset(const struct session *session, const struct data_distance
     const enum quantity own = recording->column[recording->value].quantity;
     reply_line(reply,
                "%s is on average %s %s the run, which is most of the rms: 'fit' and 'adopt' find "
-               "its zero, or 'data zero %s' sets it",
+               "its zero; 'data zero %s' sets it",
                recording->name, SHOWN_QUANTITY(fabs(data->offset), data->quantity, 3),
                data->offset > 0 ? "above" : "below",
                SHOWN_QUANTITY(recording->zero + data->offset, own, 4));
@@ -117,12 +115,12 @@ static void put_energy(const struct run *run, struct buffer *text)
     }
     const char *error = SHOWN_SHORT(ledger.error_max, 2);
     if (balanced && ledger.error_max >= 1)
-        buffer_format(text, ", energy balance off by %s times E0", error);
+        buffer_format(text, ", energy balance wrong by %s times E0", error);
     else if (balanced)
         buffer_format(text, ", energy balance within %s of E0", error);
     else
         buffer_format(text, ", dE/E0 max %s%s", error,
-                      isnan(ledger.work) ? " in a sample of rows" : "");
+                      isnan(ledger.work) ? " in sampled rows" : "");
     const double peak = ledger.error_max > notable ? run_energy_peak(run, &ledger) : NAN;
     if (!isnan(peak))
         buffer_format(text, " (E up to %s E0)", SHOWN_SHORT(peak, 2));
@@ -146,7 +144,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
                       plural_s(run->cost.turns),
                       run->system.switches > run->system.dry ? "switches" : "turning points");
     if (isfinite(record.rest))
-        buffer_format(text, ", held by dry friction from %s",
+        buffer_format(text, ", held by dry friction from %s on",
                       SHOWN_QUANTITY(record.rest, QUANTITY_TIME, 4));
     if (isfinite(data->rms)) {
         buffer_format(text, ", rms(%s-data) = %s", run_derivative(run, data->derivative).name,

@@ -18,8 +18,8 @@ void reply_unchosen(struct session *session, struct reply *reply)
         return;
     session->execution.said_method = true;
     reply_warning(reply,
-                  "no method was chosen: %s, dt = %s; 'method dop853' is accurate, 'method radau5' "
-                  "where the equations are stiff",
+                  "no method was chosen, so %s with dt = %s is used; choose 'method dop853' for "
+                  "accuracy or 'method radau5' for stiff equations",
                   setup->method->row.name, SHOWN_VALUE(setup->settings.dt, QUANTITY_TIME, 4));
 }
 
@@ -53,8 +53,8 @@ void reply_shorter(const struct session *session, struct reply *reply)
     if (!run || run->system.model != session->setup.scene.model || !(span > (1 + 1e-9) * duration))
         return;
     reply_line(reply,
-               "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' "
-               "studies that)",
+               "this covers %.6g s, the setting 'duration', but run %d is %.6g s long ('duration = "
+               "%.6g s' covers all of it)",
                duration, run->number, span, span);
 }
 
@@ -118,8 +118,7 @@ void reply_tiny(const struct run *run, struct reply *reply)
     const double size = largest_of(run->y, run->system.n);
     if (size > 0 && size < tiny)
         reply_warning(
-            reply,
-            "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
+            reply, "numbers below %g have squares of 0: energies are 0 and nothing can be measured",
             tiny);
 }
 
@@ -142,7 +141,7 @@ static void reply_growth(struct run *run, struct reply *reply)
         buffer_format(&text, "by a factor of %s", SHOWN_SHORT(ledger.final / ledger.initial, 2));
     else
         buffer_format(&text, "from 0 to %s", SHOWN_QUANTITY(ledger.final, QUANTITY_ENERGY, 3));
-    buffer_format(&text, ": %s lets the amplitude grow by %s a step", run->method->row.name,
+    buffer_format(&text, ": %s multiplies the amplitude by %s per step", run->method->row.name,
                   SHOWN_SHORT(run->plan.growth, 6));
     if (isfinite(run->plan.limit) && run->plan.limit > 0)
         buffer_format(&text, "; it is stable below dt = %s",
@@ -159,8 +158,8 @@ static void reply_unresolved(const struct run *run, struct reply *reply)
     if (stop_is_failure(run->stop) || !run_force_unresolved(run, &dt))
         return;
     reply_warning(reply,
-                  "the force changes in time faster than steps of dt = %s can show: this run is "
-                  "not one of that force; try %s%s%san adaptive method",
+                  "the force changes faster in time than steps of dt = %s can follow, so this run "
+                  "is not reliable; try %s%s%san adaptive method",
                   SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 3), isfinite(dt) ? "dt <= " : "",
                   isfinite(dt) ? SHOWN_QUANTITY(dt, QUANTITY_TIME, 2) : "",
                   isfinite(dt) ? ", or " : "");
@@ -172,8 +171,8 @@ static void reply_poles(struct run *run, struct reply *reply)
     if (run->warned_unsound || run->cost.poles == 0 || stop_is_failure(run->stop))
         return;
     reply_warning(reply,
-                  "%lld step%s across a time at which a slope is infinite: what fixed steps give "
-                  "from there on may be far off; use an adaptive method (radau5, tol = 1e-6)",
+                  "%lld step%s across a time at which a slope is infinite; fixed steps may be far "
+                  "off from there on; use an adaptive method (radau5, tol = 1e-6)",
                   (long long)run->cost.poles, run->cost.poles == 1 ? " goes" : "s go");
     run->warned_unsound = true;
 }
@@ -186,15 +185,15 @@ void reply_unsound(struct run *run, struct reply *reply)
         return;
     const char *remedy = "";
     if (run->plan.adaptive)
-        remedy = "; dt sets it: try a shorter one";
+        remedy = "; set a smaller dt";
     else if (run->method->flags & METHOD_ADAPTIVE)
-        remedy = "; with tol = 1e-6 it chooses its own steps";
-    reply_warning(reply,
-                  "%s too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is "
-                  "%.3g%s",
-                  run->plan.adaptive ? "the first step is" : "dt is", run->method->row.name,
-                  unsound->t, system_variable(&run->system, unsound->variable).name, unsound->value,
-                  unsound->solution, remedy);
+        remedy = "; with tol = 1e-6 the method chooses its steps itself";
+    reply_warning(
+        reply,
+        "%s too long for %s: at t = %.4g s a step gives %s = %.3g, but the solution is %.3g%s",
+        run->plan.adaptive ? "the first step is" : "dt is", run->method->row.name, unsound->t,
+        system_variable(&run->system, unsound->variable).name, unsound->value, unsound->solution,
+        remedy);
     run->warned_unsound = true;
 }
 
@@ -206,9 +205,8 @@ static void reply_missed_burst(struct run *run, struct reply *reply)
     if (run->warned_burst || length == 0)
         return;
     reply_warning(reply,
-                  "no step has seen what happens near t = %.4g s in less than %.1g s: this run is "
-                  "one without it; fixed "
-                  "steps ('tol = off') of dt = %.1g s see it",
+                  "the steps missed a short pulse near t = %.4g s that lasts less than %.1g s, so "
+                  "this run is without it; fixed steps ('tol = off') of dt = %.1g s include it",
                   burst->t_begin + (burst->t_end - burst->t_begin) / 2, length, length / 100);
     run->warned_burst = true;
 }
@@ -223,17 +221,14 @@ static void reply_phase_unknown(const struct run *run, struct reply *reply)
     if (!(run->method->flags & METHOD_EXACT) || !o->whole || !(unknown > unknown_max))
         return;
     if (unknown >= 2 * M_PI)
-        reply_warning(
-            reply,
-            "after %.3g rad the phase has no right digit: one rounding of k or m moves it by more "
-            "than a turn; only the amplitude means something",
-            phase);
-    else
         reply_warning(reply,
-                      "after %.3g rad the phase is uncertain by %.2g rad: that is what one "
-                      "rounding of k or m "
-                      "does",
-                      phase, unknown);
+                      "after %.3g rad no digit of the phase is correct: rounding k or m changes it "
+                      "by more than a turn; only the amplitude is meaningful",
+                      phase);
+    else
+        reply_warning(
+            reply, "after %.3g rad the phase is uncertain by %.2g rad, because k and m are rounded",
+            phase, unknown);
 }
 
 static void reply_vanished(const struct run *run, struct reply *reply)
@@ -242,9 +237,10 @@ static void reply_vanished(const struct run *run, struct reply *reply)
     const bool rests = run->controller.switches.slides > 0; /* forces hold it at 0 */
     if (largest_of(run->system.start, n) >= DBL_MIN && largest_of(run->y, n) < DBL_MIN &&
         run->steps > 0 && !rests)
-        reply_warning(reply,
-                      "the motion has vanished: every value is below the smallest number, %.3g",
-                      DBL_MIN);
+        reply_warning(
+            reply,
+            "the motion has vanished: every value is below the smallest positive number, %.3g",
+            DBL_MIN);
 }
 
 /* Says once that the motion is held by switches, or that these pile up. */
@@ -267,21 +263,18 @@ static void reply_sliding(struct run *run, struct reply *reply)
     const char *names = count > 0 ? buffer_view(&text) : "t";
     if (piles && !run->warned_piling)
         reply_warning(reply,
-                      "switches (if, abs, sign, ...) pile up at t = %.6g s, the first in %s: from "
-                      "there on the "
-                      "motion is held where they meet",
+                      "switches (if, abs, sign, ...) accumulate at t = %.6g s, first in %s; from "
+                      "then on the motion is held where they meet",
                       state->slid, names);
     else if (state->slides == 0)
         reply_warning(reply,
-                      "from t = %.6g s on no side of a switch (if, abs, sign, ...) leads on: steps "
-                      "go across, "
-                      "and their errors are not known",
+                      "from t = %.6g s on neither side of a switch (if, abs, sign, ...) has a "
+                      "solution: steps go across it and their errors are unknown",
                       state->slid);
     else
         reply_warning(reply,
                       "at a switch (if, abs, sign, ...) in %s both sides lead back to it, first at "
-                      "t = %.6g s: "
-                      "the motion sticks to it or slides along, until one side turns away",
+                      "t = %.6g s: the motion sticks or slides along it until one side leads away",
                       names, state->slid);
     run->warned_sliding = true;
     run->warned_piling = piles;

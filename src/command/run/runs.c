@@ -53,7 +53,7 @@ static bool use_label(HANDLER_PARAMETERS)
         if (module_list[i]->labels.use)
             return module_list[i]->labels.use(session, args, reply, error);
     return module_is_in("use LABEL", TEXT(""), error) &&
-           error_set(error, ERROR_COMMAND, "use takes a run");
+           error_set(error, ERROR_COMMAND, "'use' needs a run");
 }
 
 HANDLER(use)
@@ -73,15 +73,16 @@ HANDLER(rename)
     const struct text name = argument_value(args, "NAME")->item->text;
     struct run *run = session->runs.slot[argument_value(args, "N")->item->index]->run;
     if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
-        return error_at(error, name,
-                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
-                        LIMIT_NAME);
+        return error_at(
+            error, name,
+            "a name begins with a letter, followed by at most %d letters, digits, _ and -",
+            LIMIT_NAME);
     const int other = session_find_run(session, name);
     if (other >= 0 && session->runs.slot[other]->run != run)
-        return error_at(error, name, "run %d has that name",
+        return error_at(error, name, "run %d already has that name",
                         session->runs.slot[other]->run->number);
     if (text_is(name, "all"))
-        return error_at(error, name, "'all' stands for every run and cannot be the name of one");
+        return error_at(error, name, "'all' means every run and cannot be the name of one");
     memset(run->name, 0, sizeof run->name);
     memcpy(run->name, name.data, name.len);
     session_changed(session);
@@ -115,7 +116,7 @@ HANDLER(note)
 {
     const struct text text = argument_value(args, "TEXT")->item->text;
     if (session->runs.current < 0) {
-        error_set(error, ERROR_COMMAND, "there is no run to write a note for");
+        error_set(error, ERROR_COMMAND, "there is no run for the note");
         return error_hint(error, "type: run");
     }
     struct run_slot *slot = session->runs.slot[session->runs.current];

@@ -27,7 +27,8 @@ static bool free_name(struct text name, struct error *error)
 {
     if (!catalog_find(&setting_catalog, name))
         return true;
-    error_at(error, name, "'%.*s' is taken: it is the name of a setting", (int)name.len, name.data);
+    error_at(error, name, "'%.*s' cannot be used: it is the name of a setting", (int)name.len,
+             name.data);
     return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.data);
 }
 
@@ -47,7 +48,7 @@ static bool makes_room(const struct session *session, struct text name, struct t
     if (scene->preset == fresh.preset && i == scene_params(&fresh)->count &&
         session->runs.count == 0 && session->recordings == 0)
         return true;
-    error_at(error, name, "%s has '%.*s' already", scene->preset->row.name, (int)name.len,
+    error_at(error, name, "%s already has '%.*s'", scene->preset->row.name, (int)name.len,
              name.data);
     return error_hint(error, "'%.*s = %.*s' sets it; 'scene new' begins an empty scene",
                       (int)name.len, name.data, (int)value.len, value.data);
@@ -66,10 +67,10 @@ static bool use_model(struct session *session, const struct model *model, bool b
     }
     settings_of_scene(&setup->settings, setup->scene.preset);
     if (begins && model->n == 0)
-        reply_line(reply, "a scene of your own begins: var NAME = VALUE makes what moves");
+        reply_line(reply, "a new scene begins; var NAME = VALUE makes a variable");
     if (begins && setup->events) {
         setup->events = NULL;
-        reply_line(reply, "the events of the scene before are gone");
+        reply_line(reply, "the events of the previous scene were removed");
     }
     session_changed(session);
     return true;
@@ -141,7 +142,7 @@ static bool remove_line(struct session *session, const struct arguments *args, e
         error_at(error, name, "%.*s is used by an event", (int)name.len, name.data);
         return error_hint(error, "%s", why.hint);
     }
-    reply_line(reply, "%.*s is gone", what ? (int)strlen(what) : (int)name.len,
+    reply_line(reply, "%.*s is removed", what ? (int)strlen(what) : (int)name.len,
                what ? what : name.data);
     return true;
 }
@@ -214,7 +215,7 @@ static bool set_velocity(struct session *session, const struct arguments *args,
                 rest = {.text = {.data = line->name.data + line->name.len}};
     rest.text.len = (size_t)(end - rest.text.data);
     if (line->order != 1)
-        return error_at(error, line->name, "an event cannot change the law of %.*s",
+        return error_at(error, line->name, "an event cannot change the equation of %.*s",
                         (int)line->name.len, line->name.data);
     struct arguments changed = *args;
     changed.command = change;
@@ -235,7 +236,7 @@ HANDLER(equation)
     if (line.name.len == 0 || line.order < 1 || line.order > 2) {
         error_at(error, peek_word(argument_value(args, "NAME' = EXPR")->item->text, "="),
                  "an equation begins with NAME' or NAME''");
-        return error_hint(error, "x' = y is of first order, y'' = -k*y of second");
+        return error_hint(error, "for example x' = y (first order) or y'' = -k*y (second order)");
     }
     if (!skip_equals(&rest, "NAME' = EXPR", error))
         return false;
@@ -265,8 +266,8 @@ HANDLER(force)
     if (primes > 0 && text_starts(text_behind(remainder, primes), TEXT("="))) {
         error_at(error, (struct text){rest.data, (size_t)(remainder.data - rest.data) + primes},
                  "a force is an expression, not an equation");
-        return error_hint(
-            error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");
+        return error_hint(error,
+                          "'force x = EXPR' adds to x''; to define x'' type only x'' = EXPR");
     }
     const struct text name = read_left(&rest);
     const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};

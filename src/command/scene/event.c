@@ -28,7 +28,7 @@ static void drop_all(struct session *session, struct reply *reply)
     const int count = session->setup.events ? session->setup.events->count : 0;
     session->setup.events = NULL;
     if (count > 0)
-        reply_line(reply, "%d event%s gone", count, count == 1 ? " is" : "s are");
+        reply_line(reply, "%d event%s removed", count, plural_s(count));
     else
         reply_line(reply, "no events");
 }
@@ -62,7 +62,7 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
                         struct error *error)
 {
     if (!text_is(peek_word(parser->rest, ""), "do"))
-        return event_usage(peek_word(parser->rest, ""), "after the expression comes 'do'", error);
+        return event_usage(peek_word(parser->rest, ""), "'do' must follow the expression", error);
     parser->rest = text_behind(parser->rest, 2);
     if (!parse_word(parser, "", commands, error))
         return false;
@@ -74,7 +74,8 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
         return event_usage(commands->text, "'do' takes stop, record or a string of commands",
                            error);
     if (commands->text.len > LIMIT_EVENT_TEXT)
-        return error_at(error, commands->text, "more than %d bytes of commands", LIMIT_EVENT_TEXT);
+        return error_at(error, commands->text, "the commands are longer than %d bytes",
+                        LIMIT_EVENT_TEXT);
     return refuse_rest(parser, NULL, error) &&
            (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
@@ -90,16 +91,16 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
     struct event event = {.stop = false};
     size_t used;
     if (name.len > LIMIT_NAME)
-        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
+        return error_at(error, name, "the name has more than %d letters", LIMIT_NAME);
     memcpy(line.name, name.data, name.len);
     if (!text_is(peek_word(rule, ""), "when"))
-        return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
+        return event_usage(peek_word(rule, ""), "'when' must follow the name", error);
     const struct text when = text_behind(rule, 4);
     if (!event_compile(when, &scope, arena, &event, &used, error))
         return names_explain(session, error);
     if (used > LIMIT_EVENT_TEXT)
-        return error_at(error, (struct text){when.data, used}, "more than %d bytes",
-                        LIMIT_EVENT_TEXT);
+        return error_at(error, (struct text){when.data, used},
+                        "the expression is longer than %d bytes", LIMIT_EVENT_TEXT);
     struct parser parser = {session, &scope, arena, text_behind(when, used)};
     const char last = used > 0 ? when.data[used - 1] : ' ';
     if (last >= '0' && last <= '9' && used < when.len && is_name_start(when.data[used]))
@@ -130,7 +131,8 @@ HANDLER(event)
     } else if (text_is(rest, "off")) {
         if (!events_without(session, name->item->text, &session->setup.events, error))
             return false;
-        reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.data);
+        reply_line(reply, "event %.*s is removed", (int)name->item->text.len,
+                   name->item->text.data);
     } else {
         if (!event_add(session, args->arena, name->item->text, rest, error))
             return false;

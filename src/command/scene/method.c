@@ -36,7 +36,8 @@ static bool check_drag(const struct method *method, const struct item *item, str
     for (enum drag i = DRAG_EXACT; i < DRAG_COUNT; i++)
         if (method->drags & (1u << i))
             error_hint(error, "drag=%s", catalog_row(&drag_catalog, (size_t)i - 1)->name);
-    return error->hint[0] ? false : error_hint(error, "drag is part of its force evaluation");
+    return error->hint[0] ? false
+                          : error_hint(error, "this method evaluates drag as part of the force");
 }
 
 HANDLER(method)
@@ -53,10 +54,10 @@ HANDLER(method)
         error_at(error, tol->where,
                  "%s has no error estimate: it cannot adapt its step to a tolerance",
                  method->row.name);
-        return error_hint(error, "give dt=, or choose a method that 'list methods' calls adaptive");
+        return error_hint(error, "give dt=, or choose a method from 'list methods adaptive'");
     }
     if (tol->count && tol->item->value.value >= 1)
-        return error_at(error, tol->item->text, "tol is a number between 0 and 1");
+        return error_at(error, tol->item->text, "tol must be a number between 0 and 1");
     if (name->count || dt->count || tol->count || drag->count) {
         setup->fixed = dt->count && !tol->count    ? true
                        : tol->count || name->count ? false

@@ -40,7 +40,7 @@ static void reply_scene(const struct session *session, struct reply *reply)
     buffer_format(&text, "%s: %s\n", scene->preset->row.name, scene->preset->row.brief);
     scene_lines(scene, "  ", &text);
     if (scene->model->n == 0)
-        buffer_put(&text, TEXT("  nothing moves yet: var NAME = VALUE makes a variable\n"));
+        buffer_put(&text, TEXT("  no variable yet: 'var NAME = VALUE' makes one\n"));
     buffer_char(&text, ' ');
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         const char *name = param_at(scene, i)->row.name;
@@ -57,10 +57,10 @@ static void reply_scene(const struct session *session, struct reply *reply)
         text.len--;
     if (scene->preset->duration > 0) {
         const struct settings *settings = &session->setup.settings;
-        buffer_format(&text, "\n  it takes %s",
+        buffer_format(&text, "\n  duration %s",
                       SHOWN_QUANTITY(scene->preset->duration, QUANTITY_TIME, 6));
         if (settings->duration != scene->preset->duration)
-            buffer_format(&text, ", the setting duration is %s",
+            buffer_format(&text, "; the setting duration is %s",
                           SHOWN_QUANTITY(settings->duration, QUANTITY_TIME, 6));
     }
     if (session->setup.events) {
@@ -103,9 +103,9 @@ static bool new_scene(struct session *session, const struct argument_value *name
 {
     const struct text as = name->count ? name->item->text : TEXT("");
     if (peek_name(as).len < as.len)
-        return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
+        return error_at(error, as, "a name begins with a letter and has letters, digits, _ and -");
     if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
-        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.data);
+        return error_at(error, as, "'%.*s' is already used", (int)as.len, as.data);
     const struct model *model = typed_new(session->definitions.models, as, error);
     if (!model)
         return false;
@@ -127,8 +127,9 @@ HANDLER(scene)
         const struct model *previous = session->setup.scene.model;
         const struct preset *preset = preset_from(name->item->row);
         if (preset && as->count)
-            return error_at(error, as->where,
-                            "a scene has one name; 'scene new NAME' begins one of your own");
+            return error_at(
+                error, as->where,
+                "only one name is possible; 'scene new NAME' begins a scene of your own");
         session->execution.said_assumed = false;
         if (preset)
             scene_init(&session->setup.scene, preset);
@@ -246,7 +247,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     if (!derived->inverse) {
         error_at(error, item->text, "%s follows from the parameters and cannot be set",
                  derived->row.name);
-        return error_hint(error, "help %s says from which", derived->row.name);
+        return error_hint(error, "'help %s' says from which", derived->row.name);
     }
     const double x = item->value.value, u = item->value.uncertainty;
     const double value = derived->inverse(scene, x), h = 1e-6 * fabs(x);
@@ -281,12 +282,14 @@ static void reply_setting(const struct session *session, const struct setting *s
     const struct method *method = session->setup.method;
     const struct run_settings now = session_run_settings(session);
     if (setting->use == USE_STEP && now.tol > 0)
-        buffer_format(text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)",
-                      method->row.name);
+        buffer_format(
+            text, " (first step only: %s then chooses its steps; 'tol = off' gives fixed steps)",
+            method->row.name);
     if (setting->use == USE_TOLERANCE) {
         put_tol_floor(text, now.tol);
         if (!(method->flags & METHOD_ADAPTIVE))
-            buffer_format(text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+            buffer_format(text, " (only adaptive methods use it; %s has fixed steps)",
+                          method->row.name);
     }
 }
 
@@ -299,7 +302,7 @@ static bool set_let(struct session *session, struct text name, const struct item
         if (text_is(name, setup->let[i].name))
             let = &setup->let[i];
     if (name.len > LIMIT_NAME)
-        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
+        return error_at(error, name, "the name has more than %d letters", LIMIT_NAME);
     if (!let && setup->lets == LIMIT_LET)
         return error_at(error, name, "%d variables exist already", LIMIT_LET);
     if (!let)
@@ -367,7 +370,7 @@ HANDLER(set)
 }
 
 static const struct row unset_rows[] = {
-    {"method", "", "the choice of a method, its fixed step and its drag", "", NULL},
+    {"method", "", "method, its fixed step and its drag", "", NULL},
 };
 const struct catalog unset_catalog = CATALOG("choice", unset_rows);
 
@@ -404,7 +407,7 @@ HANDLER(unset)
             index++;
         if (index == session->setup.lets)
             return unknown_parameter(session, name, TEXT(""), error);
-        buffer_format(&text, "%s is gone", session->setup.let[index].name);
+        buffer_format(&text, "%s is removed", session->setup.let[index].name);
         session->setup.let[index] = session->setup.let[--session->setup.lets];
     }
     session_changed(session);
@@ -418,8 +421,8 @@ HANDLER(let)
     const struct text name = argument_value(args, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
-        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.data,
-                 strchr("aeiou", kind[0]) ? "an" : "a", kind);
+        error_at(error, name, "'%.*s' cannot be used: it is the name of %s %s", (int)name.len,
+                 name.data, strchr("aeiou", kind[0]) ? "an" : "a", kind);
         return error_hint(error, "choose another name for the variable, as %.*s_1", (int)name.len,
                           name.data);
     }

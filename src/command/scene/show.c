@@ -79,7 +79,7 @@ static void show_setting(const struct session *session, const struct setting *se
     const bool natural = setting->natural && !setting_is_chosen(setting, &session->setup.settings);
     const struct shown shown = {setting->row.name, buffer_view(&value), NAN, NAN, NULL};
     shown_value_put(reply, &shown, shown.text, setting->row.brief,
-                    natural ? "; the scene's own, until it is set" : "");
+                    natural ? "; from the scene, because it was not set" : "");
     buffer_free(&value);
 }
 
@@ -252,7 +252,7 @@ HANDLER(show)
     if (model_variable(scene->model, name) >= 0 || model_observation(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run of this scene yet",
                  (int)name.len, name.data);
-        return error_hint(error, "type: run  ('show scene' lists where it starts)");
+        return error_hint(error, "type: run  ('show scene' lists the start)");
     }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.data);
     error->unknown = "name";

@@ -12,7 +12,9 @@ static void list_atol(const struct session *session, struct reply *reply)
     if (text.len > 0)
         text.len--;
     else
-        buffer_put(&text, TEXT("none: errors are relative to the size of each variable (tol)"));
+        buffer_put(
+            &text,
+            TEXT("no absolute tolerances: errors are relative to the size of each variable (tol)"));
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -22,7 +24,7 @@ static bool no_variable(const struct model *model, struct text name, struct erro
     struct buffer names = {0};
     for (int i = 0; i < model->n; i++)
         buffer_format(&names, "%s%s", i > 0 ? ", " : "", model->variable[i].name);
-    error_at(error, name, "'%.*s' is no variable of this scene",
+    error_at(error, name, "'%.*s' is not a variable of this scene",
              (int)(name.len < 64 ? name.len : 64), name.data);
     if (model->n == 0)
         error_hint(error, "'var NAME = VALUE' makes one");
@@ -43,14 +45,14 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
         if (!read_value(parser, variable->name, variable->quantity, &item, error))
             return false;
         if (!(item.value.value > 0))
-            return error_at(error, item.text, "atol is a number above 0, or off");
+            return error_at(error, item.text, "atol must be a number above 0, or off");
     }
     scene_set_atol(scene, i, item.value.value);
     session_changed(session);
     struct buffer *text = reply_buffer(reply);
     atol_describe(scene, i, text);
     if (!(session->setup.method->flags & METHOD_ADAPTIVE))
-        buffer_format(text, " (for methods that adapt; %s has fixed steps)",
+        buffer_format(text, " (only adaptive methods use it; %s has fixed steps)",
                       session->setup.method->row.name);
     return true;
 }

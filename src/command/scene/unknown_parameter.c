@@ -22,20 +22,21 @@ static bool other_kind(const struct session *session, struct text name, struct t
         error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.data);
         error_hint(error, "type it without '=': '%.*s %.*s'", shown, name.data, said, value.data);
     } else if (model_variable(scene->model, name) >= 0) {
-        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.data);
+        error_at(error, name, "'%.*s' is a variable, not a parameter", shown, name.data);
         if (start)
-            error_hint(error, "'%s = %.*s' is its start", start, said, value.data);
-        error_hint(error, "'change %.*s VALUE' makes the current run jump", shown, name.data);
+            error_hint(error, "'%s = %.*s' sets its initial value", start, said, value.data);
+        error_hint(error, "'change %.*s VALUE' changes it in the current run", shown, name.data);
     } else if (start) {
         error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown,
                  name.data);
-        error_hint(error, "what moves here is %s: '%s = %.*s' is its start",
+        error_hint(error, "what moves here is %s: '%s = %.*s' sets its initial value",
                    scene->model->variable[0].name, start, said, value.data);
         hint_other_model(session, name, error);
     } else if (catalog_find(&observable_catalog, name)) {
-        error_at(error, name, "'%.*s' follows from a run: it is no parameter", shown, name.data);
-        error_hint(error, "'let %.*s_1 = %.*s' makes a variable of another name", shown, name.data,
-                   said, value.data);
+        error_at(error, name, "'%.*s' is computed by a run and is not a parameter", shown,
+                 name.data);
+        error_hint(error, "'let %.*s_1 = %.*s' makes a variable with another name", shown,
+                   name.data, said, value.data);
     }
     return error->code != ERROR_NONE;
 }

@@ -150,12 +150,12 @@ static void help_method(const struct row *row, struct buffer *text)
     } words[] = {{METHOD_IMPLICIT, "implicit"},
                  {METHOD_SYMPLECTIC, "symplectic"},
                  {METHOD_SYMMETRIC, "symmetric (reversible)"},
-                 {METHOD_ENERGY, "keeps the energy of a linear oscillator"},
+                 {METHOD_ENERGY, "conserves the energy of a linear oscillator"},
                  {METHOD_A_STABLE, "A-stable"},
                  {METHOD_L_STABLE, "L-stable"},
                  {METHOD_ADAPTIVE, "adaptive"},
                  {METHOD_EXACT, "exact"},
-                 {METHOD_EXTERNAL, "an external solver: not hooke's own"}};
+                 {METHOD_EXTERNAL, "an external solver, not part of hooke"}};
     const struct method *method = method_from(row);
     struct coefficient_row row_of;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
@@ -167,7 +167,7 @@ static void help_method(const struct row *row, struct buffer *text)
                       method->order);
     else
         buffer_put(text, TEXT("exact"));
-    buffer_format(text, ", %d force evaluation%s a step", method->evals,
+    buffer_format(text, ", %d force evaluation%s per step", method->evals,
                   method->evals == 1 ? "" : "s");
     for (size_t i = 0; i < COUNT_OF(words); i++)
         if (method->flags & words[i].flag)
@@ -232,7 +232,7 @@ static void help_guide(const struct row *row, struct buffer *text)
 {
     const struct guide_topic *topic = (const struct guide_topic *)(const void *)row;
     if (text->len > 0)
-        buffer_put(text, TEXT("one after another:\n"));
+        buffer_put(text, TEXT("the lines of this topic:\n"));
     else
         buffer_format(text, "%s: %s\n%s\n", row->name, row->brief, topic->text);
     put_indented(text, topic->recipe);
@@ -415,7 +415,7 @@ HANDLER(help)
              suggestion.wanted.data);
     if (!module_is_in(name, suggestion.wanted, error))
         return false;
-    error_at(error, suggestion.wanted, "there is no help on '%.*s'",
+    error_at(error, suggestion.wanted, "there is no help for '%.*s'",
              (int)(suggestion.wanted.len < 64 ? suggestion.wanted.len : 64),
              suggestion.wanted.data);
     error->unknown = "";
@@ -471,7 +471,7 @@ HANDLER(apropos)
         found += search(help_catalog(i), word, reply);
     for (const struct model *const *model = scene_models; *model; model++)
         found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
-    return found > 0 || error_at(error, word, "nothing is known about '%.*s'",
+    return found > 0 || error_at(error, word, "nothing was found for '%.*s'",
                                  (int)(word.len < 64 ? word.len : 64), word.data);
 }
 #endif

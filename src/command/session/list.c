@@ -112,7 +112,7 @@ HANDLER(list)
     const enum listed kind = (enum listed)item->index;
     const struct argument_value *words = argument_value(args, "WORDS");
     if (words->count && kind != LIST_METHODS)
-        return error_at(error, words->where, "only methods can be chosen from: list methods stiff");
+        return error_at(error, words->where, "only methods can be filtered: list methods stiff");
     if (kind == LIST_METHODS)
         return list_methods(words->count ? words->item->text : TEXT(""), session->front.cancel,
                             record_method, reply, error);

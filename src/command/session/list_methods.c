@@ -20,13 +20,13 @@ static const struct method_filter {
 } filters[] = {
     FILTER("stiff", "for stiff scenes", METHOD_L_STABLE | METHOD_A_STABLE, METHOD_EXTERNAL),
     FILTER("symplectic", "for long runs without drag", METHOD_SYMPLECTIC, 0),
-    FILTER("symmetric", "there and back again", METHOD_SYMMETRIC, 0),
+    FILTER("symmetric", "reversible in time", METHOD_SYMMETRIC, 0),
     FILTER("adaptive", "chooses its steps by tol", METHOD_ADAPTIVE, METHOD_EXTERNAL),
     FILTER("implicit", "solves equations at each step", METHOD_IMPLICIT, METHOD_EXTERNAL),
-    FILTER("explicit", "evaluates forces only", ~0u,
+    FILTER("explicit", "only evaluates forces", ~0u,
            METHOD_IMPLICIT | METHOD_EXACT | METHOD_EXTERNAL),
-    FILTER("multistep", "remembers steps", METHOD_MULTISTEP, METHOD_EXTERNAL),
-    FILTER("exact", "the closed form", METHOD_EXACT, 0),
+    FILTER("multistep", "uses earlier steps", METHOD_MULTISTEP, METHOD_EXTERNAL),
+    FILTER("exact", "the exact solution", METHOD_EXACT, 0),
 };
 const struct catalog method_kind_catalog = CATALOG("kind of method", filters);
 
@@ -79,20 +79,20 @@ static bool is_wanted(const struct wanted_methods *wanted, const struct method *
 static const char *use_of(const struct method *method)
 {
     const unsigned flags = method->flags;
-    return flags & METHOD_EXTERNAL ? "an outside judge"
+    return flags & METHOD_EXTERNAL ? "an independent check"
            : flags & METHOD_EXACT  ? "scenes with a closed form"
            : flags & METHOD_L_STABLE
                ? flags & METHOD_ADAPTIVE ? "stiff scenes, by tol" : "stiff scenes"
            : flags & METHOD_A_STABLE ? "any step; undamped, stiff"
            : flags & METHOD_NO_VELOCITY
                ? flags & METHOD_ADAPTIVE ? "no drag, many digits" : "no drag, smooth forces"
-           : flags & METHOD_SYMPLECTIC ? "long runs: energy bounded"
+           : flags & METHOD_SYMPLECTIC ? "long runs, bounded energy"
            : flags & METHOD_ADAPTIVE
                ? method->order >= 8 ? "many digits, by tol" : "accuracy by tol"
-           : flags & METHOD_IMPLICIT  ? "stiff scenes, steps alike"
-           : flags & METHOD_MULTISTEP ? "dear forces, steps alike"
-           : method->order == 1       ? "the lab: how errors grow"
-                                      : "short runs, steps alike";
+           : flags & METHOD_IMPLICIT  ? "stiff scenes, fixed steps"
+           : flags & METHOD_MULTISTEP ? "expensive forces, fixed steps"
+           : method->order == 1       ? "for teaching: errors grow"
+                                      : "short runs, fixed steps";
 }
 
 static void put_stable(double limit, struct buffer *line)
@@ -124,7 +124,7 @@ bool list_methods(struct text words, const struct cancel *cancel,
             return error_set(error, ERROR_CANCELLED, "stopped");
         const double stable = method_stable_limit(method, DRAG_DEFAULT, 0);
         if (count++ == 0)
-            reply_line(reply, "%-22s order forces stable to adapts for", "method");
+            reply_line(reply, "%-22s order forces stable to adapts use", "method");
         struct buffer line = {0};
         buffer_format(&line, "%-22s ", row->name);
         if (method->order > 0)
@@ -140,8 +140,10 @@ bool list_methods(struct text words, const struct cancel *cancel,
         record(row, stable, reply);
     }
     if (count > 0)
-        reply_line(reply, "stable to omega0 dt, undamped; 'help NAME' has formula "
-                          "and source");
+        reply_line(
+            reply,
+            "stable to: largest omega0 dt without damping; 'help NAME' has formula and source");
     return count > 0 ||
-           error_at(error, words, "no method is all of that: 'list methods' has them all");
+           error_at(error, words,
+                    "no method has all of these properties; 'list methods' shows all methods");
 }

@@ -28,12 +28,12 @@ HANDLER(record)
         return error_memory(error);
     if (text_is(name, "off")) {
         if (session->transcript.fd < 0)
-            return error_set(error, ERROR_COMMAND, "nothing is being recorded");
-        reply_line(reply, "commands are no longer recorded in %s", session->transcript.path);
+            return error_set(error, ERROR_COMMAND, "no commands are being recorded");
+        reply_line(reply, "commands are no longer written to %s", session->transcript.path);
         return record_close(session, error);
     }
     if (text_is(name, "auto") || text_is(name, "all") || text_is(name, "every")) {
-        error_at(error, name, "'%s' is what 'set record' takes, no file", path);
+        error_at(error, name, "'%s' is a value of 'set record', not a file name", path);
         return error_hint(error,
                           "'set record %s' sets how much of a run is kept; 'record ./%s' "
                           "writes commands to a file of that name",
@@ -68,7 +68,7 @@ HANDLER(history)
     const bool search = word.len > 0 && word.data[0] == '/';
     double max = 50;
     if (word.len > 0 && !search && (real_parse(word, &max) != REAL_OK || max < 1)) {
-        error_at(error, word, "history takes a number of lines, or /TEXT");
+        error_at(error, word, "'history' takes a number of lines, or /TEXT");
         return error_hint(error, "for example history 20, or history /run");
     }
     const struct history *log = &session->history;

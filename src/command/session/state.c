@@ -21,7 +21,7 @@ static bool undo_or_redo(struct session *session, const struct arguments *args, 
         done++;
     }
     if (done > 0 && done < steps)
-        reply_warning(reply, "there was only so much to %s: %d", back ? "undo" : "redo", done);
+        reply_warning(reply, "only %d could be %s", done, back ? "undone" : "redone");
     return done > 0;
 }
 
@@ -70,7 +70,7 @@ static bool is_setup_file(struct text path, struct error *error)
                table = catalog_find(&table_format_catalog, end);
     if (!picture && !table)
         return true;
-    error_at(error, path, "save writes the commands of the set-up, not a %s",
+    error_at(error, path, "'save' writes the commands of the set-up, not a %s",
              picture ? "picture" : "table");
     return error_hint(
         error, picture ? "'plot position > %.*s' writes a picture" : "'export %.*s' writes the run",

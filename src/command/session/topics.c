@@ -33,13 +33,13 @@ void help_commands(struct buffer *text)
 void help_all(struct buffer *text)
 {
     buffer_put(text,
-               TEXT("A laboratory for oscillators and methods of integration. To begin with:\n"));
+               TEXT("A laboratory for oscillators and integration methods. To begin with:\n"));
     for (size_t i = 0; i < guide_catalog.count; i++) {
         const struct row *row = catalog_row(&guide_catalog, i);
         buffer_format(text, "  help %-10s %s\n", row->name, row->brief);
     }
-    buffer_put(text, TEXT("help WORD explains a command, parameter, method; apropos WORD searches. "
-                          "All:\n"));
+    buffer_put(text,
+               TEXT("help WORD explains a word, apropos WORD searches for it. All commands:\n"));
     for (size_t i = 0; i < command_catalog.count; i++)
         buffer_format(text, "%s%s", i ? " " : "", catalog_row(&command_catalog, i)->name);
 }

@@ -55,7 +55,7 @@ enum { ABSENT = 0 };
 static const struct row absent[] = {
 #define YARDSTICK(id, ...) \
     {name_##id, "", \
-     "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", \
+     "this program was built without SUNDIALS 6; install libsundials-dev and build again", \
      "", NULL},
 #include "method/rows/cvode.def"
 };
@@ -100,13 +100,10 @@ const struct method *method_find(const char *name)
 }
 
 static const struct row drags[] = {
-    {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order",
-     "", NULL},
-    {"implicit", "", "the drag at the new velocity enters the step, solved in closed form", "",
-     NULL},
+    {"exact", "", "drag alone is solved exactly: no limit on the step, no loss of order", "", NULL},
+    {"implicit", "", "the step uses the drag at its new velocity, solved in closed form", "", NULL},
     {"explicit", "",
-     "the drag at the old velocity enters the step: first order, and drag shrinks the stable step",
-     "", NULL},
+     "the step uses the drag at its old velocity: first order, smaller stable steps", "", NULL},
 };
 
 const struct catalog drag_catalog = CATALOG("drag variant", drags);
@@ -116,7 +113,7 @@ bool method_fits(const struct method *method, const struct system *system, enum 
 {
     if (method->flags & METHOD_EXTERNAL) {
         error_set(error, ERROR_COMMAND,
-                  "%s chooses its own steps: it cannot take steps of a given size",
+                  "%s chooses its steps itself and cannot take steps of a given size",
                   method->row.name);
         return error_hint(error, "give tol instead of dt");
     }
@@ -152,9 +149,10 @@ static bool applies(const struct method *method, const struct system *system, en
 {
     const char *name = method->row.name;
     if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
-        error_set(error, ERROR_COMMAND,
-                  "%s is for equations of motion y'' = a(t, y, y'), this scene is of first order",
-                  name);
+        error_set(
+            error, ERROR_COMMAND,
+            "%s needs equations of motion y'' = a(t, y, y'), but this scene is of first order",
+            name);
         return error_hint(error, "use rk4 or dopri5");
     }
     if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
@@ -164,13 +162,12 @@ static bool applies(const struct method *method, const struct system *system, en
                                  "with a small tol instead");
     }
     if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
-        error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity",
-                  name);
+        error_set(error, ERROR_COMMAND,
+                  "%s needs y'' = a(t, y), but a force here depends on the velocity", name);
         return error_hint(error, "with damping or drag use verlet, rk4 or dopri5");
     }
     if (method->flags & METHOD_POTENTIAL && !system_has_potential(system)) {
-        error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag",
-                  name);
+        error_set(error, ERROR_COMMAND, "%s needs forces with a potential (drag is allowed)", name);
         return error_hint(error, "use implicit-midpoint or gauss4");
     }
     enum drag wanted = *drag == DRAG_DEFAULT ? method->drag : *drag;
@@ -178,10 +175,10 @@ static bool applies(const struct method *method, const struct system *system, en
         const char *variant = drags[wanted - 1].name;
         if (!method->drags)
             return error_set(error, ERROR_COMMAND,
-                             "%s has no drag variants: drag is part of the force that it evaluates",
-                             name);
-        error_set(error, ERROR_COMMAND, "%s does not offer drag=%s, which is not of its order %d",
-                  name, variant, method->order);
+                             "%s has no drag variants: it treats drag like any other force", name);
+        error_set(error, ERROR_COMMAND,
+                  "%s has no drag=%s, because that would not have its order %d", name, variant,
+                  method->order);
         return error_hint(error, "use %s drag=%s, or verlet drag=%s", name,
                           drags[method->drag - 1].name, variant);
     }

@@ -46,11 +46,12 @@ bool split_fits(const struct method *method, const struct system *system, enum d
     double exponent = fabs(gamma * back * h);
     if (!system->velocity || drag != DRAG_EXACT || exponent <= 1)
         return true;
-    error_set(error, ERROR_COMMAND,
-              "%s kicks back over %.3g h, and damping run backwards for that long multiplies the "
-              "velocity by e^%.3g",
-              method->row.name, back, exponent);
-    return error_hint(error, "use dt <= %.3g s, where it is e, or verlet", 1 / fabs(gamma * back));
+    error_set(
+        error, ERROR_COMMAND,
+        "%s takes a backward substep of %.3g h, in which damping multiplies the velocity by e^%.3g",
+        method->row.name, back, exponent);
+    return error_hint(error, "use dt <= %.3g s, where that factor is at most e, or use verlet",
+                      1 / fabs(gamma * back));
 }
 
 /* Dry friction whose switch is not looked for is the last of the forces. */
@@ -68,27 +69,26 @@ static bool applies_with_drag(const struct method *method, const struct system *
         return true;
     if (system->steps_across_kinks && has_dry(system)) {
         error_set(error, ERROR_COMMAND,
-                  "%s would step across the jump of dry friction (turning is off), "
-                  "and knows no such drag",
-                  name);
-        return error_hint(error, "'set turning on' ends steps there");
+                  "%s cannot step across the jump of dry friction, and turning is off", name);
+        return error_hint(error, "'set turning on' ends the steps at the jump");
     }
     if (!system->oscillator.drag_whole) {
         error_set(error, ERROR_COMMAND,
-                  "%s knows linear and quadratic drag, not this velocity-dependent force", name);
+                  "%s works with linear and quadratic drag, not with this velocity-dependent force",
+                  name);
         return method->drags & 1u << DRAG_EXPLICIT
                    ? error_hint(error, "use %s drag=explicit (first order) or rk4", name)
                    : error_hint(error, "use rk4");
     }
     if (quadratic != 0 && method->order > 2) {
-        error_set(error, ERROR_COMMAND,
-                  "%s steps back and forth: quadratic drag run backwards has a pole, and is too "
-                  "rough for order %d",
-                  name, method->order);
+        error_set(
+            error, ERROR_COMMAND,
+            "%s has backward substeps, in which quadratic drag can diverge and reduces order %d",
+            name, method->order);
         return error_hint(error, "with quadratic drag use verlet or rk4");
     }
     if (quadratic != 0 && drag == DRAG_EXACT && !(method->flags & METHOD_SYMMETRIC)) {
-        error_set(error, ERROR_COMMAND, "%s drag=exact is for linear drag", name);
+        error_set(error, ERROR_COMMAND, "%s drag=exact works with linear drag only", name);
         return error_hint(error, "with quadratic drag use %s drag=implicit or verlet", name);
     }
     return true;

@@ -214,7 +214,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
     struct collecting *now = session_collecting(session);
     const struct text key = TEXT("at=");
     if (truth[0] == truth[1])
-        return error_set(error, ERROR_COMMAND, "two points are wanted: these are one");
+        return error_set(error, ERROR_COMMAND,
+                         "two different points are needed, but both are the same");
     if (text_starts(rest, key))
         return take_windows(session,
                             text_trim((struct text){rest.data + key.len, rest.len - key.len}),

@@ -310,9 +310,10 @@ static bool name_it(struct collection *c, const struct arguments *args, struct e
     if (!c->path)
         return error_set(error, ERROR_IO, "no name for the file: to=FILE gives it one");
     if (as.len > 0 && (as.len > LIMIT_NAME || peek_name(as).len != as.len))
-        return error_at(error, as,
-                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
-                        LIMIT_NAME);
+        return error_at(
+            error, as,
+            "a name begins with a letter, followed by at most %d letters, digits, _ and -",
+            LIMIT_NAME);
     const struct text file = text_last_component(text_of(c->path));
     const size_t end = file.len > 4 ? file.len - 4 : file.len;
     char name[LIMIT_NAME + 1];

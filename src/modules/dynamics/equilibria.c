@@ -29,7 +29,8 @@ static bool read_side(struct session *session, const struct arguments *args, str
     for (int k = 0; k < 2; k++)
         box[i][k] = isnan(item.range[k]) ? box[i][k] : item.range[k];
     return box[i][0] < box[i][1] ||
-           error_at(error, argument, "%s: a range goes from a smaller to a larger value",
+           error_at(error, argument,
+                    "%s: the first value of a range must be smaller than the second",
                     variable.name);
 }
 

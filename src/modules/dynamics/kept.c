@@ -417,7 +417,7 @@ bool use_kept(HANDLER_PARAMETERS)
         : equilibrium->count
             ? !find_equilibrium(session, d, equilibrium->item, &found, error)
             : !error_set(error, ERROR_COMMAND,
-                         "use takes a run, a label of 'list points', an orbit or an equilibrium"))
+                         "'use' needs a run, a label of 'list points', an orbit or an equilibrium"))
         return false;
     const struct scene previous = session->setup.scene;
     if (!scene_start_at(&found.scene, found.solution.state, error))

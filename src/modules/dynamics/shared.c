@@ -30,7 +30,7 @@ int read_variable(struct parser *parser, struct text argument, const struct syst
         error_at(error, argument, "%s has no option '%.*s'", command, shown - 2, argument.data + 2);
     } else if (i < 0) {
         const struct text named = name.len > 0 ? name : (struct text){argument.data, (size_t)shown};
-        error_at(error, named, "'%.*s' is no variable of the scene", (int)named.len, named.data);
+        error_at(error, named, "'%.*s' is not a variable of the scene", (int)named.len, named.data);
         error_hint(error, "%s takes variables, as in %s=%s", command,
                    system->model->variable[0].name, example);
     } else if (!take_equals(parser, argument, name)) {

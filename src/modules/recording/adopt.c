@@ -93,17 +93,18 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
 {
     const struct fit *fit = &fits_of(a->session)->fit;
     struct buffer text = {0};
-    buffer_format(&text, "the run is %.2g times as far from the data as the fit: ", rms / fit->rms);
+    buffer_format(&text, "the rms of the run is %.2g times that of the fit: ", rms / fit->rms);
     if (a->left > 0)
         for (int i = 0; i < a->left; i++)
-            buffer_format(&text, "%s%s", i ? ", " : "the scene does not take ", a->left_out[i]);
+            buffer_format(&text, "%s%s", i ? ", " : "the scene cannot represent ", a->left_out[i]);
     else if (param_value(&a->scene, "C") > 0 && fit->drag.candidates == 0)
-        buffer_put(&text,
-                   TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
+        buffer_put(
+            &text,
+            TEXT("the scene has quadratic drag, which this fit does not include (use 'fit drag')"));
     else if (param_value(&a->scene, "F0") > 0 || fabs(param_value(&a->scene, "k3")) > 0)
-        buffer_put(&text, TEXT("the scene has forces that the fit does not know"));
+        buffer_put(&text, TEXT("the scene has forces that the fit does not include"));
     else
-        buffer_put(&text, TEXT("the fitted curve is no motion of this scene"));
+        buffer_put(&text, TEXT("the fitted curve is not a motion of this scene"));
     reply_warning(reply, "%s", text.data ? text.data : "");
     buffer_free(&text);
 }
@@ -122,7 +123,7 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
                       SHOWN_QUANTITY(fit->rms, quantity, 3));
         const struct method *method = a->session->setup.method;
         if (!a->session->setup.method_chosen && method->order < 4)
-            buffer_format(text, " (to rounding; %s's is farther off: 'method rk4')",
+            buffer_format(text, " (exact integration; %s is less accurate, so use 'method rk4')",
                           method->row.name);
     }
     inputs_put(&a->inputs, text);
@@ -147,10 +148,10 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     if (recording && recorded_bare(recording)) {
         struct buffer lacks = {0};
         put_bare(recording, &lacks);
-        reply_warning(reply,
-                      "%s %s: its numbers were taken as metres or radians ('load FILE unit=cm' "
-                      "says otherwise)",
-                      recording->name, buffer_view(&lacks));
+        reply_warning(
+            reply,
+            "%s %s: its numbers were taken as metres or radians ('load FILE unit=cm' changes that)",
+            recording->name, buffer_view(&lacks));
         buffer_free(&lacks);
     }
     if (rms > allowed)
@@ -195,11 +196,13 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
     const struct scene *fitted = &fits->fit_scene;
     if (fits->fit_modes > 0) {
         error_set(error, ERROR_COMMAND,
-                  "several modes at once are no motion of one spring and mass");
-        return error_hint(error, "type the equations of what is coupled, then: fit scene free=..");
+                  "a fit of several modes cannot be adopted by a scene with one spring and mass");
+        return error_hint(error,
+                          "type the equations of the coupled system, then: fit scene free=..");
     }
     if (!fitted->model) {
-        error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
+        error_set(error, ERROR_COMMAND,
+                  "a fitted formula has no values that the scene could adopt");
         return error_hint(error, "type: fit, or: fit scene");
     }
     if (fitted->model != scene.model)
@@ -207,7 +210,7 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
                          fitted->preset->row.name, scene.preset->row.name);
     if (has_argument(args, "amplitude"))
         return error_set(error, ERROR_COMMAND,
-                         "'adopt amplitude' belongs to the fit of a damped oscillation");
+                         "'adopt amplitude' works only after a fit of a damped oscillation");
     struct buffer text = {0};
     struct adoption a = {
         .session = session, .scene = scene, .data = fitted_recording(session), .as_on_data = true};
@@ -343,12 +346,13 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
     if (option)
         return;
     buffer_format(text,
-                  ": the amplitude of the fit is %s %s, no %s; that of the scene, %s, is kept "
-                  "('adopt scale=..' says what 1 %s is)",
-                  quantity_article(quantity), quantity_name(quantity), quantity_name(position),
+                  ": the fitted amplitude is %s %s, not %s %s; the scene keeps its amplitude, %s "
+                  "('adopt scale=..' sets what 1 %s is)",
+                  quantity_article(quantity), quantity_name(quantity), quantity_article(position),
+                  quantity_name(position),
                   SHOWN_QUANTITY(fit->amplitude.value * scale, position, 4), unit);
     if (fit->drag.candidates > 0 && (fit->drag.best & (LAW_QUADRATIC | LAW_DRY)))
-        buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
+        buffer_put(text, TEXT("\nquadratic drag and dry friction are computed with that scale"));
 }
 
 /* Warns of fitted values that the scene does not take, and of motions that the fit does not
@@ -357,26 +361,27 @@ static void warn_left(const struct adoption *a, const struct fit *fit, bool star
                       enum quantity quantity, struct reply *reply)
 {
     if (a->unscaled && a->left > 0)
-        reply_warning(reply, "the scene does not take %s%s%s", a->left_out[0],
+        reply_warning(reply, "the scene cannot represent %s%s%s", a->left_out[0],
                       a->left > 1 ? ", " : "", a->left > 1 ? a->left_out[1] : "");
     if (!starts)
         reply_warning(reply,
-                      scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 "
-                               "%s is ('adopt scale=..')"
-                             : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity "
-                               "or acceleration",
+                      scaled ? "y0, v0 and t0 are unchanged: the scene is at rest and the size of "
+                               "1 %s is unknown ('adopt scale=..' sets it)"
+                             : "y0, v0 and t0 are unchanged: the fitted quantity (%s) is not a "
+                               "position, velocity or acceleration",
                       scaled ? quantity_unit(quantity) : quantity_name(quantity));
     if (a->pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
-        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
-                             "law, then adopt again");
+        reply_warning(
+            reply,
+            "the fit ignores that wide swings of a pendulum are slower; type: fit law; adopt");
     if (!a->pendulum && !param_chosen(&a->scene, "m"))
-        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
-                             "200 g, then adopt again");
+        reply_warning(reply, "k was computed with the default mass because m is not set; type for "
+                             "example: m = 200 g; adopt");
     if ((fit->drag.candidates == 0 && param_value(&a->scene, "C") > 0) ||
         param_value(&a->scene, "F0") > 0)
         reply_warning(
             reply,
-            "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+            "the scene also has quadratic drag or a driving force, which the fit does not include");
 }
 
 bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
@@ -403,7 +408,8 @@ bool adopt_fit(struct session *session, const struct arguments *args, struct rep
     if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
         return false;
     if (option->count > 0 && !scaled)
-        return error_at(error, option->where, "scale is for voltages and forces; %s %s was fitted",
+        return error_at(error, option->where,
+                        "scale= applies to voltages and forces only, but %s %s was fitted",
                         quantity_article(fitted.quantity), quantity_name(fitted.quantity));
     if (scaled && !find_scale(&a, fit, option, &scale, error))
         return false;
@@ -442,7 +448,8 @@ bool adopt_fit(struct session *session, const struct arguments *args, struct rep
     if (scale != 0)
         put_scaled(&a, &fits->fit, scale, fitted.quantity, option->count > 0, &text);
     if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)
-        buffer_format(&text, "\nthe data do not distinguish the laws: the best one, %s, is taken",
+        buffer_format(&text,
+                      "\nthe data do not distinguish between the laws; the best one, %s, is taken",
                       drag_law_name(fit->drag.best));
     reply_adoption(&a, &text, reply);
     buffer_free(&text);

@@ -39,7 +39,7 @@ static bool set_zero(struct session *session, struct recording *recording,
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
         return error_at(error, item->text,
-                        "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
+                        "zero needs %s %s, the quantity of the recording, got '%.*s' (%s)",
                         quantity_article(quantity), quantity_name(quantity), (int)item->text.len,
                         item->text.data, quantity_name(item->quantity));
     recording->zero = item->value.value;
@@ -67,7 +67,7 @@ static bool recording_join(const struct session *session, struct recording *reco
                         its = velocity->column[velocity->value].quantity;
     if (velocity == recording || its != QUANTITY_VELOCITY || own != QUANTITY_LENGTH) {
         error_at(error, args->item->text,
-                 "join takes a recording of velocities to the current one of positions");
+                 "'data join' adds a recording of velocities to the current one of positions");
         return error_hint(
             error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
     }
@@ -125,7 +125,7 @@ HANDLER(data)
                                 *drop = argument_value(args, "drop");
     if (has_argument(args, "apply") && !has_argument(args, "clean"))
         return error_at(error, argument_value(args, "apply")->where,
-                        "'apply' stands after 'clean': data clean apply");
+                        "'apply' must follow 'clean': data clean apply");
     if (drop->count) {
         session_drop_recording(session, drop->item->index);
         list_recordings(session, reply);

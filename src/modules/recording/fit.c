@@ -68,9 +68,10 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
     for (size_t i = 0; i < COUNT_OF(others) && model->kind != FIT_SCENE; i++)
         if (has_argument(call->args, others[i])) {
             error->where = argument_value(call->args, others[i])->where;
-            error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs",
+            error_set(error, ERROR_COMMAND,
+                      "'fit %s' needs no start values and chooses its free parameters itself",
                       name);
-            return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
+            return error_hint(error, "use that with 'fit scene' and 'fit EXPR'");
         }
     if (model->kind != FIT_MODES && has_argument(call->args, "COUNT")) {
         error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' takes no number",
@@ -121,16 +122,17 @@ static bool fit_while_collecting(struct session *session, const struct arguments
         if (args->value[i].count > 0 && &args->value[i] != model &&
             &args->value[i] != argument_value(args, "live"))
             return error_at(error, args->value[i].where,
-                            "--live fits all that there is: it takes no more");
+                            "--live fits everything collected and takes no other arguments");
     if (model->count && model->item->row != catalog_row(&fit_catalog, 0))
-        return error_at(error, model->where, "--live fits a damped sine: fit damped --live");
+        return error_at(error, model->where,
+                        "--live works only with a damped sine: fit damped --live");
     struct fits *fits = fits_make(session, error);
     if (!fits)
         return false;
     fits->live = true;
     reply_line(reply, session->growing
-                          ? "fitted every second until it ends: see the state line"
-                          : "what is collected next is fitted every second until it ends");
+                          ? "fitted every second while data are collected; see the state line"
+                          : "the next recording is fitted every second while it is collected");
     return true;
 }
 

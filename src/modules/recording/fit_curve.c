@@ -177,7 +177,7 @@ static const char *describe_fixed(const struct scene *scene, const int *fixed, i
         buffer_format(&text, "%s%s = %s", i ? ", " : "", row->row.name,
                       SHOWN_MEASURED(value, row->quantity, 6));
     }
-    buffer_put(&text, count ? TEXT(", as you have set (free=NAME,.. fits them)") : TEXT(""));
+    buffer_put(&text, count ? TEXT(", as set (free=NAME,.. fits them)") : TEXT(""));
     const char *copy = text.len ? arena_text(arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
     return copy;

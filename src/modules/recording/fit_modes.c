@@ -49,7 +49,8 @@ static void put_coupling(const struct fit_summary *summary, struct buffer *text)
     const struct modes_fit *modes = summary->modes;
     modes_measured_put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
     modes_measured_put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
-    modes_measured_put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling,
+    modes_measured_put(text,
+                       "\n  if these are two equal coupled oscillators: kc/k = ", modes->coupling,
                        QUANTITY_NUMBER);
     if (isfinite(summary->k.value))
         modes_measured_put(text, "   kc = ", summary->k, QUANTITY_STIFFNESS);
@@ -122,7 +123,7 @@ static int modes_of(const struct arguments *args, struct error *error)
     const double modes = count->count ? count->item->value.value : MODES_USUAL;
     if (modes >= 1 && modes <= MODES_MAX)
         return (int)modes;
-    error_at(error, count->where, "fit modes takes 1 to %d of them", MODES_MAX);
+    error_at(error, count->where, "'fit modes' takes 1 to %d modes", MODES_MAX);
     return 0;
 }
 

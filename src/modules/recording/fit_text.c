@@ -43,21 +43,20 @@ void fit_add_residuals(struct fit_summary *summary)
     const struct curve_fit *curve = summary->curve;
     if (curve->autocorrelation > AUTOCORRELATION_NOTABLE)
         fit_add_warning(summary,
-                        "neighbouring residuals are alike (correlation %.2f): the curve leaves "
-                        "something out, or the "
-                        "recording sways; the uncertainties are widened for it",
+                        "neighbouring residuals are correlated (%.2f): the curve lacks something, "
+                        "or the recording sways; the uncertainties are widened accordingly",
                         curve->autocorrelation);
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fabs(curve->correlation[i][j]) > CORRELATION_COMPLETE)
-                fit_add_warning(
-                    summary,
-                    "%s and %s change the curve alike: the data cannot tell them apart, hold one",
-                    summary->name[j], summary->name[i]);
+                fit_add_warning(summary,
+                                "the data cannot tell %s and %s apart, because both change the "
+                                "curve in the same way; keep one of them fixed",
+                                summary->name[j], summary->name[i]);
     for (int j = 0; j < curve->parameters; j++)
         if (curve->bound[j])
             fit_add_warning(summary,
-                            "%s lies on the edge of what is allowed: it has no uncertainty",
+                            "%s is at the limit of its allowed range and has no uncertainty",
                             summary->name[j]);
 }
 
@@ -84,7 +83,7 @@ void put_pace(const struct series *series, struct buffer *text)
 {
     static const double pace_negligible = 1e-5; /* relative */
     if (series->pace > pace_negligible)
-        buffer_format(text, "\n  (with the sampling rate, which the times give to %.2g %%)",
+        buffer_format(text, "\n  (including the uncertainty of the sampling rate, %.2g %%)",
                       100 * series->pace);
 }
 
@@ -147,7 +146,7 @@ static void put_forces(const struct fit_summary *summary, struct buffer *text)
         buffer_put(text, TEXT(" (SI)"));
     }
     if (drag->force != RESTORING_LINEAR)
-        buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
+        buffer_put(text, TEXT("\n  T and omega apply to small amplitudes"));
 }
 
 static void law_cells(const struct drag_candidate *c, struct text_table *table)
@@ -212,8 +211,8 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
                            summary->subject->recording);
         } else {
             const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
-            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term")
-                                    : TEXT("no decay"));
+            buffer_put(text,
+                       decays ? TEXT("no linear damping; see the law below") : TEXT("no decay"));
         }
     }
     put_value(text, "\n  A", fit->amplitude, quantity, summary->subject->recording);
@@ -258,7 +257,7 @@ static void put_parameters(const struct fit_summary *summary, struct arena *aren
         cell_text(&table, SHOWN_MEASURED(curve->value[j], summary->quantity[j],
                                          summary->subject->recording ? EXACT_DIGITS : 8));
         if (curve->bound[j] || !curve->determined[j])
-            cell_text(&table, curve->bound[j] ? "on its bound" : "not determined");
+            cell_text(&table, curve->bound[j] ? "at its limit" : "not determined");
         else
             cell_format(&table, "%s .. %s", SHOWN_QUANTITY(range[0], summary->quantity[j], digits),
                         SHOWN_QUANTITY(range[1], summary->quantity[j], digits));
@@ -291,7 +290,7 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
                 separator = ", ";
             }
     if (summary->fixed)
-        buffer_format(text, "\n  held: %s", summary->fixed);
+        buffer_format(text, "\n  fixed: %s", summary->fixed);
     inputs_put(&summary->inputs, text);
 }
 

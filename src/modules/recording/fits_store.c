@@ -231,12 +231,12 @@ void fits_read(struct reader *reader)
         return;
     store_tools()->array(reader, &stored_fits, fits);
     if (!fields_get_known(text, members, COUNT_OF(members), fits))
-        store_tools()->note(reader, "some values of fits are left out: they are damaged");
+        store_tools()->note(reader, "some values of fits are left out because they are damaged");
     struct error why = {0};
     int stored = 0;
     fits->has_fit &= read_last_fit(reader, &fits->fit);
     if (!sound_fit(&fits->fit)) {
-        store_tools()->note(reader, "the last fit is left out: damaged");
+        store_tools()->note(reader, "the last fit is left out because it is damaged");
         fits->has_fit = false;
         memset(&fits->fit, 0, sizeof fits->fit);
     }
@@ -269,7 +269,7 @@ void fits_read(struct reader *reader)
         store_tools()->note(reader, "the scene of the last fit is left out: %s", why.text);
     memcpy(&session->setup, &setup, sizeof setup);
     if (!sound_adopted(&fits->adopted)) {
-        store_tools()->note(reader, "what was adopted is left out: damaged");
+        store_tools()->note(reader, "the adopted fit is left out because it is damaged");
         fits->adopted = (struct adopted_fit){.subject = ""};
     }
 }

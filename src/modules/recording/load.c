@@ -119,8 +119,7 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 {
     const struct column *value = &recording->column[recording->value];
     struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
-    reply_line(reply, "format %s%s%s: %s", recording->format,
-               recording->container ? ", out of " : "",
+    reply_line(reply, "format %s%s%s: %s", recording->format, recording->container ? ", from " : "",
                recording->container ? recording->container : "",
                catalog_find(&format_catalog, text_of(recording->format))->brief);
     cell_text(&table, "line");
@@ -134,7 +133,7 @@ static void reply_preview(const struct recording *recording, struct arena *arena
         cell_text(&table, SHOWN_SHORT(recording->y[i], 9));
     }
     text_table_put(&table, reply_buffer(reply));
-    reply_line(reply, "nothing was loaded: the same line without --preview does it");
+    reply_line(reply, "nothing was loaded; the same command without --preview loads it");
 }
 
 /* ---- tables ---- */
@@ -234,7 +233,7 @@ static bool read_sum(struct text text, uint64_t *sum, struct error *error)
     for (size_t i = 0; i < text.len; i++) {
         const char *digit = memchr("0123456789abcdef", text.data[i], 16);
         if (!digit || text.len != 16)
-            return error_at(error, text, "sum= takes the 16 digits that save wrote");
+            return error_at(error, text, "sum= needs the 16 digits written by 'save'");
         *sum = *sum << 4 | (uint64_t)(digit - "0123456789abcdef");
     }
     return true;
@@ -252,11 +251,12 @@ static struct recording *load_moved(const struct arguments *args, const char *pa
     struct error ignored;
     struct recording *recording = found ? recording_load(found, options, &ignored) : NULL;
     if (recording && recording->sum == sum) {
-        reply_note(reply, "%s is not there: the same recording was found as %s", path, found);
+        reply_note(reply, "%s was not found; the same recording was found as %s", path, found);
         return recording;
     }
     recording_destroy(recording);
-    error_hint(error, "it was saved from there: put it back, beside the file of commands, or here");
+    error_hint(error,
+               "put the file back there, next to the command file, or in the current folder");
     return NULL;
 }
 
@@ -272,14 +272,15 @@ bool check_input(const struct session *session, struct text where, struct error 
 {
     if (session->front.input)
         return true;
-    error_at(error, where, "standard input is where the commands come from");
-    return error_hint(error, "-c or a file of commands leaves it to the data; a file named - is "
-                             "./-");
+    error_at(error, where, "standard input already provides the commands");
+    return error_hint(
+        error,
+        "use -c or a command file, so that standard input is free for data; a file named - is ./-");
 }
 
 static bool needs_file(const struct arguments *args, struct error *error)
 {
-    error_at(error, args->word, "load needs a FILE, or scene and a FILE");
+    error_at(error, args->word, "load needs a FILE, or 'scene' and a FILE");
     return error_hint(error, "'load disk.txt' reads a recording, 'load scene lorenz.ode' a scene");
 }
 
@@ -303,7 +304,8 @@ static bool load_scene(struct session *session, const struct arguments *args, st
     if (!module_is_in(what, file, error))
         return false;
     if (!other)
-        return error_at(error, file, "this program has no module that reads scenes from files");
+        return error_at(error, file,
+                        "this program was built without a module that reads scenes from files");
     return error_at(error, file, "scenes are read from %s, which end in .%s", other->kind,
                     other->ending);
 }
@@ -338,9 +340,10 @@ HANDLER(load)
         .cancel = session->front.cancel};
     if (options.name.len > 0 &&
         (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
-        return error_at(error, options.name,
-                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
-                        LIMIT_NAME);
+        return error_at(
+            error, options.name,
+            "a name begins with a letter, followed by at most %d letters, digits, _ and -",
+            LIMIT_NAME);
     const bool input = text_is(file->item->text, "-");
     if (input && !check_input(session, file->item->text, error))
         return false;

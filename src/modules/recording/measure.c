@@ -98,11 +98,10 @@ static void warn_contradiction(struct measuring *m, struct measured period, stru
     const double apart = alike.value - period.value,
                  sigma = hypot(alike.uncertainty, period.uncertainty);
     if (fabs(apart) > doubtful * sigma)
-        reply_warning(
-            m->reply,
-            "the autocorrelation contradicts T: it is %.2g s %s, %.2g standard deviations; "
-            "the motion is no single steady oscillation, or the window holds more than it",
-            fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
+        reply_warning(m->reply,
+                      "the period by autocorrelation is %.2g s %s (%.2g standard deviations): the "
+                      "motion is not one steady oscillation, or the window contains something else",
+                      fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
 }
 
 static bool read_period(struct measuring *m, struct period *p)
@@ -263,18 +262,19 @@ static bool measure_drift(struct measuring *m)
     struct ledger ledger;
     if (!m->subject.run)
         return error_set(m->error, ERROR_COMMAND,
-                         "drift is the error of the energy balance of a run, not of a recording");
+                         "'measure drift' (the error of the energy balance) works only for runs, "
+                         "not for recordings");
     run_ledger(m->subject.run, &ledger);
     const struct measured drift = {ledger.error, 0};
     if (!isfinite(ledger.error) && isfinite(ledger.final) && ledger.initial != 0) {
         error_set(m->error, ERROR_NUMERICAL,
-                  "the energy balance of %s is not known: too many of its steps are too coarse for "
-                  "their work, such as those across jumps of a force",
+                  "the energy balance of %s is unknown: too many of its steps are too coarse to "
+                  "compute the work, for example across jumps of a force",
                   m->subject.name);
-        return error_hint(m->error, "smaller steps, an adaptive method or a shorter run may tell");
+        return error_hint(m->error, "try smaller steps, an adaptive method or a shorter run");
     }
     if (!isfinite(ledger.error))
-        return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
+        return error_set(m->error, ERROR_COMMAND, "%s has no energy", m->subject.name);
     if (!measure_keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
@@ -312,7 +312,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
     struct reading a;
     if (s->quantity != QUANTITY_LENGTH)
         return error_set(m->error, ERROR_COMMAND,
-                         "the Reynolds number needs positions, %s holds another quantity",
+                         "the Reynolds number needs positions, but %s is not a position",
                          m->subject.name);
     if (!read_period(m, &p) || !series_amplitudes(s, m->args->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
@@ -384,7 +384,7 @@ static bool measure_k(struct measuring *m)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
     else if (!own && !scene->chosen[index])
         reply_warning(m->reply,
-                      "the mass is the default of the scene: set it, for example m = 200 g");
+                      "m is not set, so the default mass is used; set it, for example m = 200 g");
     begin_measure_record(m, k, QUANTITY_STIFFNESS, p.periods);
     put_inputs(m, &inputs, &text);
     reply_end(m->reply);
@@ -397,7 +397,7 @@ static bool measure_spectrum(struct measuring *m)
     struct figure_peaks peaks = {0};
     const int count = series_peaks(&m->subject.series, m->args->arena, found, PEAKS_EACH);
     if (count == 0)
-        return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s",
+        return error_set(m->error, ERROR_COMMAND, "the spectrum of %s has no significant line",
                          m->subject.name);
     if (!measure_keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
         return false;
@@ -424,7 +424,7 @@ HANDLER(measure)
     if (column->count && (energy || which > MEASURE_DECAY) && which != MEASURE_SPECTRUM)
         return error_at(
             error, column->where,
-            "period, frequency, amplitude, decay and spectrum are measured of a column");
+            "only period, frequency, amplitude, decay and spectrum can be measured of a column");
     struct measuring m = {session, args, reply, {.run = NULL}, quantity->row->name, NAN, error};
     /* The Reynolds number can be asked for before anything has moved. */
     if (which == MEASURE_REYNOLDS && session->runs.count == 0 && session->recordings == 0) {
@@ -438,7 +438,7 @@ HANDLER(measure)
         return error_at(error, named->where, "only 'measure repeat' takes several recordings");
     if (has_argument(args, "what"))
         return error_at(error, argument_value(args, "what")->where,
-                        "what= belongs to 'measure repeat'");
+                        "what= works only with 'measure repeat'");
     if (!subject_open(session, argument_value(args, "run"),
                       named->count ? named : argument_value(args, "data"),
                       argument_value(args, "window"), energy, 2, args->arena, &m.subject, error) ||

@@ -79,7 +79,7 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
         buffer_put(text, TEXT(" from the time to 1/e of the first reading"));
         put_measured(text, "   tau", tau, QUANTITY_TIME);
     } else {
-        buffer_put(text, TEXT("\nA does not fall to 1/e of the first reading"));
+        buffer_put(text, TEXT("\nthe amplitude does not fall to 1/e of the first reading"));
     }
     session_set_result(m->session, "measured_gamma", gamma, QUANTITY_RATE);
     session_set_result(m->session, "measured_tau", of_line, QUANTITY_TIME);
@@ -160,12 +160,11 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
                  percent = 100 * (high - low) / at_low;
     const struct measured change = {percent * line.slope.value, percent * line.slope.uncertainty};
     const double sigmas = fabs(change.value) / change.uncertainty;
-    buffer_put(text, TEXT("\nfrom the least to the largest amplitude T changes by "));
+    buffer_put(text, TEXT("\nfrom the smallest to the largest amplitude T changes by "));
     buffer_uncertain(text, change.value, change.uncertainty);
-    buffer_format(text, " %%: %s (%.2g standard deviations)",
-                  sigmas < DEPENDENCE_SEEN_SIGMAS ? "no dependence is seen"
-                                                  : "it depends on the amplitude",
-                  sigmas);
+    buffer_format(
+        text, " %%: %s (%.2g standard deviations)",
+        sigmas < DEPENDENCE_SEEN_SIGMAS ? "not significant" : "T depends on the amplitude", sigmas);
     measure_begin(m, "period_change",
                   (struct measured){change.value / 100, change.uncertainty / 100}, QUANTITY_NUMBER,
                   NAN);

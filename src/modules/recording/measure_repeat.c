@@ -53,7 +53,8 @@ static bool repeat_value(struct measuring *m, const struct recording *recording,
     const double own = recording->mass.value, mass = own > 0 ? own : param_value(scene, "m");
     *value = (struct measured){4 * M_PI * M_PI * mass / (T * T), 0};
     value->uncertainty = 2 * value->value * u / T;
-    return isfinite(mass) || error_set(m->error, ERROR_COMMAND, "k needs a mass: data mass 200 g");
+    return isfinite(mass) ||
+           error_set(m->error, ERROR_COMMAND, "k needs the mass, for example: data mass 200 g");
 }
 
 static bool repeated_add(struct measuring *m, struct repeated *r, const struct recording *recording,
@@ -92,7 +93,7 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
         return false;
     const enum quantity unit = repeat_unit(r->what, series.quantity);
     if (r->count > 0 && unit != r->unit)
-        return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s",
+        return error_set(m->error, ERROR_COMMAND, "%s and %s are different quantities",
                          recording->name, r->name[0]);
     r->unit = unit;
     struct subject subject = {.series = series, .recording = recording};
@@ -152,7 +153,7 @@ static bool collect(struct measuring *m, struct repeated *r)
     r->capacity = recordings * parts;
     if (index && (r->capacity < 2 || parts > LIMIT_TOKENS)) {
         error_set(m->error, ERROR_COMMAND,
-                  "repeat compares at least two recordings, or windows of one");
+                  "'measure repeat' needs at least two recordings, or windows of one");
         return error_hint(m->error,
                           "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
     }
@@ -171,7 +172,7 @@ static bool collect(struct measuring *m, struct repeated *r)
 static void put_scatter(const struct repeated *r, const struct repeat *repeat, struct buffer *text)
 {
     put_measured(text, "\nmean", repeat->mean, r->unit);
-    buffer_format(text, "   scatter of one %s", SHOWN_QUANTITY(repeat->scatter, r->unit, 2));
+    buffer_format(text, "   scatter of a single %s", SHOWN_QUANTITY(repeat->scatter, r->unit, 2));
     put_measured(text, "\nweighted mean", repeat->weighted, r->unit);
     if (isfinite(repeat->birge)) {
         buffer_format(text, "   Birge ratio %.*f", repeat->birge < 10 ? 1 : 0, repeat->birge);
@@ -186,15 +187,14 @@ static void put_verdict(const struct repeat *repeat, struct reply *reply)
 {
     if (repeat->chance < CHANCE_SURPRISING)
         reply_warning(reply,
-                      "the values scatter %.*f times as much as they state: the stated "
-                      "uncertainties are too small, "
-                      "or something changed between them",
+                      "the values scatter %.*f times more than their uncertainties: these are too "
+                      "small, or something changed between the measurements",
                       repeat->birge < 10 ? 1 : 0, repeat->birge);
     else if (repeat->chance > 1 - CHANCE_SURPRISING)
-        reply_warning(
-            reply,
-            "the values scatter %.2g times what they state: the stated uncertainties are too large",
-            repeat->birge);
+        reply_warning(reply,
+                      "the values scatter only %.2g times as much as their uncertainties, which "
+                      "are too large",
+                      repeat->birge);
 }
 
 static void reply_repeat(struct measuring *m, const struct repeated *r, const struct repeat *repeat)

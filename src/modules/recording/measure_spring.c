@@ -106,7 +106,7 @@ bool measure_spring(struct measuring *m)
     }
     if (count < 2) {
         error_set(m->error, ERROR_COMMAND,
-                  "the spring needs two recordings at least whose mass is known, there %s",
+                  "'measure spring' needs at least two recordings with a known mass, but there %s",
                   count ? "is one" : "is none");
         return error_hint(m->error, "type: data use NAME; data mass 200 g");
     }
@@ -114,11 +114,11 @@ bool measure_spring(struct measuring *m)
     struct buffer text = {0};
     put_each(&text, hung, count);
     if (!line_fit(mass, square, count, &line) || !(line.slope.value > 0)) {
-        buffer_put(&text, TEXT("\nT^2 does not grow with the mass: these were not on one spring, "
-                               "or the masses are wrong"));
+        buffer_put(&text, TEXT("\nT^2 does not grow with the mass: the recordings are not of one "
+                               "spring, or the masses are wrong"));
         reply_text(m->reply, buffer_text(&text));
         buffer_free(&text);
-        return error_set(m->error, ERROR_COMMAND, "no spring constant follows from these masses");
+        return error_set(m->error, ERROR_COMMAND, "these masses give no spring constant");
     }
     const struct measured k = {FOUR_PI_SQUARED / line.slope.value,
                                FOUR_PI_SQUARED * line.slope.uncertainty /
@@ -135,7 +135,7 @@ bool measure_spring(struct measuring *m)
     if (line.freedom > 0)
         buffer_format(&text, "   (chi^2 = %.3g for %d)", line.chi2, line.freedom);
     else
-        buffer_put(&text, TEXT("   (two masses: nothing checks the line)"));
+        buffer_put(&text, TEXT("   (two masses only, so the line is not tested)"));
     reply_text(m->reply, buffer_text(&text));
     buffer_free(&text);
     reply_spring(m, hung, count, &line, k, spring);
@@ -143,7 +143,7 @@ bool measure_spring(struct measuring *m)
         if (!(hung[i].recording->mass.uncertainty > 0)) {
             reply_warning(
                 m->reply,
-                "the masses have no uncertainty: say it, for example data mass 199.9 +- 0.1 g");
+                "the masses have no uncertainty; state it, for example: data mass 199.9 +- 0.1 g");
             break;
         }
     return true;

@@ -332,7 +332,7 @@ static bool read_one(const char *path, struct sweep_file *all, struct error *err
     if (fd < 0)
         return error_set(error, ERROR_IO, "cannot read %s: %s", name, system_message(errno));
     bool ok = (fstat(fd, &st) == 0 && S_ISREG(st.st_mode)) ||
-              error_set(error, ERROR_IO, "cannot read %s: it is no file", name);
+              error_set(error, ERROR_IO, "cannot read %s: it is not a regular file", name);
     ok = ok && sweep_file_read(fd, all, error) &&
          ((all->blocks > blocks && all->total > 0) ||
           error_set(error, ERROR_IO, "%s has no points of a sweep", name));

@@ -30,8 +30,8 @@ static bool no_comparison(struct text text, struct text sign, struct error *erro
     while (text_starts(right, TEXT("=")))
         right = (struct text){right.data + 1, right.len - 1};
     right = text_trim(right);
-    return error_hint(error, "steps pass it: '%.*s >= %.*s'", (int)left.len, left.data,
-                      (int)right.len, right.data);
+    return error_hint(error, "steps may jump over an exact value; write for example '%.*s >= %.*s'",
+                      (int)left.len, left.data, (int)right.len, right.data);
 }
 
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,

@@ -256,7 +256,7 @@ static bool read_word(struct compiler *c)
     }
     int slot;
     if (row && !(c->scope && c->scope->find(c->scope->context, word, &slot)))
-        return error_at(c->error, word, "%s is a function: write %.*s", row->name,
+        return error_at(c->error, word, "%s is a function; write %.*s", row->name,
                         (int)strcspn(row->brief, ":"), row->brief);
     return read_name(c);
 }
@@ -282,7 +282,7 @@ static bool missing_operand(struct compiler *c)
         error_at(c->error, where, "a number or a name is missing");
     const unsigned char first = (unsigned char)compiler_peek(c, 0);
     if (first == '*' && top && top->op == OP_MUL && top->where.data + 1 == where.data)
-        return error_hint(c->error, "a power is written with ^: 2^3");
+        return error_hint(c->error, "write powers with ^, as in 2^3");
     return first >= 0xC2 && first <= 0xF4 && /* first byte of a letter in UTF-8 */
            error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
 }
@@ -415,7 +415,7 @@ static bool close_expression(struct compiler *c)
     error_at(c->error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
              open->where.data);
     return c->operand && is_expr_letter(compiler_peek(c, 0)) &&
-           error_hint(c->error, "'%.*s' is no unit", (int)word_end(c, 0),
+           error_hint(c->error, "'%.*s' is not a unit", (int)word_end(c, 0),
                       c->text.data + c->position);
 }
 

@@ -50,10 +50,10 @@ bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct t
     const bool factor = is_factor(scope, word);
     const int shown = (int)(number.len < 80 ? number.len : 80), length = (int)word.len;
     if (known && word.len == strlen(known->row.name)) {
-        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", length, word.data,
-                 quantity_name(known->quantity));
+        error_at(error, word, "a number without a unit is needed here; '%.*s' is a unit (%s)",
+                 length, word.data, quantity_name(known->quantity));
         return known->quantity == QUANTITY_TIME &&
-               error_hint(error, "'run %.*s %.*s' goes on for a time", shown, number.data, length,
+               error_hint(error, "'run %.*s %.*s' runs for that long", shown, number.data, length,
                           word.data);
     }
     catalog_unknown(&unit_catalog, word, error);
@@ -62,7 +62,7 @@ bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct t
     if (spelled)
         error_hint(error, "write %.*s %s", shown, number.data, spelled->row.name);
     else if (factor)
-        error_hint(error, "write %.*s*%.*s: a product has its sign", shown, number.data, length,
+        error_hint(error, "write products with *: %.*s*%.*s", shown, number.data, length,
                    word.data);
     struct buffer units = {0};
     quantity_units(quantity, &units);

@@ -58,7 +58,8 @@ static bool hint_readings(const struct typed_operand *operand, struct error *err
     const struct text prefix = {operand->text.data,
                                 (size_t)(operand->number.data - operand->text.data)};
     const struct text whole = text_between(operand->text.data, text_end(operand->number));
-    return error_hint(error, "it is read as %.*s(%.*s %.*s); the other reading is (%.*s) %.*s",
+    return error_hint(error,
+                      "this means %.*s(%.*s %.*s); if you mean (%.*s) %.*s, write the parentheses",
                       shown_length(prefix), prefix.data, shown_length(operand->number),
                       operand->number.data, (int)operand->unit.len, operand->unit.data,
                       shown_length(whole), whole.data, (int)operand->unit.len, operand->unit.data);
@@ -94,8 +95,8 @@ static bool refuse_pair(struct error *error, const char *verb, const struct type
         return false;
     }
     if (adds && b->dimension.kind == DIMENSION_BARE && a->dimension.unit)
-        return error_hint(error, "write %.*s %s: a number beside one with a unit has one, too",
-                          shown_length(all), all.data, a->dimension.unit->row.name);
+        return error_hint(error, "write %.*s %s: both numbers need a unit", shown_length(all),
+                          all.data, a->dimension.unit->row.name);
     return adds && hint_readings(&pair, error);
 }
 
@@ -157,7 +158,7 @@ static bool raise(struct compiler *c, const struct typed_operand *a, struct dime
     else if (last->kind == OP_NUMBER)
         *made = dimension_power(&a->dimension, last->number);
     else if (a->dimension.unit && !dimension_is_pure(&a->dimension))
-        return error_at(c->error, pair.text, "the exponent of a number with a unit is a number");
+        return error_at(c->error, pair.text, "a value with a unit can only be raised to a number");
     else if (!dimension_is_pure(&a->dimension))
         made->kind = DIMENSION_UNKNOWN;
     return true;
@@ -190,9 +191,9 @@ static bool call_dimension(struct compiler *c, const struct function *function,
         return true;
     }
     if (rule == FUNCTION_ANGLE && dimension_counts_cycles(&a->dimension)) {
-        error_at(c->error, a->text, "%s takes radians, '%.*s' counts cycles", name,
+        error_at(c->error, a->text, "%s takes radians, '%.*s' is in cycles", name,
                  shown_length(a->text), a->text.data);
-        return error_hint(c->error, "%s(2*pi*%.*s) is of as many cycles", name,
+        return error_hint(c->error, "for that number of cycles write %s(2*pi*%.*s)", name,
                           shown_length(a->text), a->text.data);
     }
     if (rule == FUNCTION_PURE || rule == FUNCTION_ANGLE) {
@@ -314,7 +315,7 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
     return power ? error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
                               shown_length(operand->text), operand->text.data, unit->row.name,
                               (int)(word < 16 ? word : 16), other.data)
-                 : error_hint(c->error, "for a name that %s is too, write it with blanks",
+                 : error_hint(c->error, "%s is also a name; to use the name, put blanks around it",
                               unit_match(other)->row.name);
 }
 
@@ -328,11 +329,12 @@ static bool refuse_unit(struct compiler *c, const struct unit *unit)
             begin = (size_t)(text_end(c->pending[i - 1].where) - c->text.data);
     const struct text whole = text_between(c->text.data + begin, c->text.data + c->position);
     if (c->last == LAST_NAME) {
-        error_at(c->error, typed, "a unit stands after a number or a parenthesis, not after '%.*s'",
+        error_at(c->error, typed, "a unit may follow a number or a parenthesis, not '%.*s'",
                  shown_length(operand->text), operand->text.data);
-        return error_hint(c->error, "a name has its SI unit; the number %.*s in %s is (%.*s) %s",
-                          shown_length(whole), whole.data, unit->row.name, shown_length(whole),
-                          whole.data, unit->row.name);
+        return error_hint(
+            c->error, "a name already has its SI unit; for the number %.*s in %s write (%.*s) %s",
+            shown_length(whole), whole.data, unit->row.name, shown_length(whole), whole.data,
+            unit->row.name);
     }
     return error_at(c->error, typed, "a value has one unit: '%.*s' has %s",
                     shown_length(operand->text), operand->text.data,

@@ -274,8 +274,9 @@ bool scene_set_derived(struct scene *scene, const struct derived_row *row, struc
                          row->row.name);
     double target = row->inverse(scene, value.value);
     if (!isfinite(target))
-        return error_set(error, ERROR_COMMAND, "%s cannot be %s%s%s here: no finite %s gives it",
-                         row->row.name, got, *row->row.unit ? " " : "", row->row.unit, row->target);
+        return error_set(error, ERROR_COMMAND,
+                         "%s cannot be %s%s%s here: no finite %s gives this value", row->row.name,
+                         got, *row->row.unit ? " " : "", row->row.unit, row->target);
     double uncertainty = 0;
     if (value.uncertainty > 0) {
         double step = 1e-5 * fmax(fabs(value.value), value.uncertainty);

@@ -14,8 +14,7 @@
     P(g, "m/s^2", ACCELERATION, 9.81, UNBOUNDED_BELOW, "gravity")                                  \
     P(gamma, "1/s", RATE, 0, UNBOUNDED_BELOW, "linear damping F = -m gamma v")                     \
     P(theta0, "rad", ANGLE, 1, UNBOUNDED_BELOW, "angle from the vertical at t0")                   \
-    P(stretch0, "m", LENGTH, 0, UNBOUNDED_BELOW,                                                   \
-      "how much longer than at rest the spring is at t0")                                          \
+    P(stretch0, "m", LENGTH, 0, UNBOUNDED_BELOW, "elongation of the spring at t0")                 \
     P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, UNBOUNDED_BELOW, "angular velocity at t0")             \
     P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 

@@ -16,7 +16,7 @@
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \
-    P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit: 0 a circle, below 1")           \
+    P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit, 0 (circle) to below 1")         \
     P(gm, "", NUMBER, 1, ABOVE(0), "strength of the attraction")                                   \
     P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
@@ -66,7 +66,7 @@ static double E0(const struct scene *scene)
 }
 
 #define DERIVED_ROWS(ROW)                                                                          \
-    ROW(period, "s", TIME, "time of a turn, 2 pi/sqrt(gm)", "Kepler 1619", NULL, NULL)             \
+    ROW(period, "s", TIME, "period of the orbit, 2 pi/sqrt(gm)", "Kepler 1619", NULL, NULL)        \
     ROW(E0, "", NUMBER, "energy, -gm/2", "", NULL, NULL)
 
 DERIVED_ROWS(MEASURED)

@@ -5,8 +5,8 @@
 #include "scene/model/model.h"
 
 #define PARAMS(P)                                                                                  \
-    P(s, "1/s", RATE, 77.27, ABOVE(0), "fast rate, also 1/s of the second equation")               \
-    P(q, "", NUMBER, 8.375e-6, AT_LEAST(0), "what limits the first concentration")                 \
+    P(s, "1/s", RATE, 77.27, ABOVE(0), "fast rate; its inverse appears in the second equation")    \
+    P(q, "", NUMBER, 8.375e-6, AT_LEAST(0), "limit of the first concentration")                    \
     P(w, "1/s", RATE, 0.161, AT_LEAST(0), "slow rate")                                             \
     P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
@@ -39,7 +39,7 @@ TERM_JACOBIAN(reaction)
 }
 
 static const struct term_row terms[] = {
-    {.row = {"reaction", "1/s", "three of the steps of the Belousov-Zhabotinskii reaction",
+    {.row = {"reaction", "1/s", "three-variable model of the Belousov-Zhabotinskii reaction",
              "Field, Noyes 1974", NULL},
      .equation = {"s*(y2+y1*(1-q*y1-y2))", "(y3-(1+y1)*y2)/s", "w*(y1-y3)"},
      .bind = reaction_bind,

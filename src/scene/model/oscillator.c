@@ -56,7 +56,8 @@ static void oscillator_scales(const double *param, struct system *system)
 static const struct variable variables[] = {{"y", QUANTITY_LENGTH}, {"v", QUANTITY_VELOCITY}};
 
 const struct model oscillator_model = {
-    .row = {"oscillator", "", "a mass on a line: spring, damping, drag, gravity, drive", "", NULL},
+    .row = {"oscillator", "", "a mass moving along a line: spring, damping, drag, gravity, drive",
+            "", NULL},
     .order = 2,
     .n = 2,
     .variable = variables,

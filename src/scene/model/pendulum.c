@@ -57,8 +57,8 @@ TERM_BIND(friction)
 }
 
 static const struct term_row terms[] = {
-    {.row = {"weight", "rad/s^2", "weight, pulling back by (g/length) sin theta", "Huygens 1673",
-             NULL},
+    {.row = {"weight", "rad/s^2", "weight: restoring acceleration (g/length) sin theta",
+             "Huygens 1673", NULL},
      .flags = TERM_CONSERVATIVE,
      .equation = {"-g/length*sin(theta)"},
      .force = FORCE_weight,
@@ -139,9 +139,9 @@ static double T0_inverse(const struct scene *scene, double value)
         "", omega0_inverse, "length")                                                              \
     ROW(T0, "s", TIME, "period of small swings, 2 pi/omega0", "Huygens 1673", T0_inverse,          \
         "length")                                                                                  \
-    ROW(period, "s", TIME, "period of swings as wide as at the start, without damping and drive",  \
+    ROW(period, "s", TIME, "period at the initial amplitude, without damping and drive",           \
         "Gauss 1799", NULL, NULL)                                                                  \
-    ROW(E0, "J", ENERGY, "energy at the start, from the bottom", "", NULL, NULL)
+    ROW(E0, "J", ENERGY, "energy at the start, measured from the lowest point", "", NULL, NULL)
 
 DERIVED_ROWS(MEASURED)
 static const struct derived_row derived[] = {DERIVED_ROWS(DERIVED_ROW)};
@@ -179,7 +179,7 @@ static const struct variable variables[] = {{"theta", QUANTITY_ANGLE},
                                             {"rate", QUANTITY_ANGULAR_FREQUENCY}};
 
 const struct model pendulum_model = {
-    .row = {"pendulum", "", "theta'' = -(g/length) sin theta, damped and driven if asked for",
+    .row = {"pendulum", "", "theta'' = -(g/length) sin theta, with optional damping and drive",
             "Huygens 1673", NULL},
     .order = 2,
     .n = 2,

@@ -51,7 +51,8 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
         return found;
     if (atomic_load(&parts->count) >= PARTS_MOST) {
         error_set(error, ERROR_COMMAND,
-                  "more than %d different sets of parameters were 0 in this scene", PARTS_MOST);
+                  "parameters of this scene were set to 0 in more than %d combinations",
+                  PARTS_MOST);
         return NULL;
     }
     struct typed_part *made = typed_part_create(typed, zeros, error);
@@ -75,8 +76,8 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
 static bool typed_is_complete(const struct typed *typed, struct error *error)
 {
     if (!typed->base && typed->model.n == 0) {
-        error_set(error, ERROR_COMMAND, "nothing moves: the scene has no variable");
-        return error_hint(error, "var x = 1 makes one, x' = EXPR or x'' = EXPR moves it");
+        error_set(error, ERROR_COMMAND, "the scene has no variable yet");
+        return error_hint(error, "'var x = 1' makes one, 'x' = EXPR' or 'x'' = EXPR' is its law");
     }
     if (typed->incomplete < 0)
         return true;
@@ -169,14 +170,13 @@ static bool disagree(const struct system *system, const double *y, int i, double
     char got[REAL_TEXT_SIZE], wanted[REAL_TEXT_SIZE];
     real_format(slope, got);
     real_format(force, wanted);
-    error_set(error, ERROR_COMMAND,
-              "the potential is not that of the force: at %s -dV/d%s is %s and the force %s",
-              state_text.data ? state_text.data : "?", name, got, wanted);
+    error_set(
+        error, ERROR_COMMAND,
+        "the potential does not belong to the force: at %s, -dV/d%s is %s but the force is %s",
+        state_text.data ? state_text.data : "?", name, got, wanted);
     buffer_free(&state_text);
-    return error_hint(
-        error,
-        "V has to be in joules, with -dV/dx the force that depends on positions only; without a "
-        "potential forces count as work");
+    return error_hint(error, "-dV/dx (V in joules) must be the part of the force that depends on "
+                             "positions only; without a potential the force counts as work");
 }
 
 bool typed_check(const struct system *system, struct error *error)

@@ -13,7 +13,7 @@
 static bool read_expr(struct compile *c, const struct typed_line *line, const struct expr **expr)
 {
     if (cancelled(c->typed->cancel))
-        return error_set(c->error, ERROR_CANCELLED, "stopped: nothing was made of it");
+        return error_set(c->error, ERROR_CANCELLED, "stopped; nothing was changed");
     const struct expr_scope scope = {.context = c, .find = typed_find, .offer = typed_offer};
     const struct text text = line->expr;
     size_t used;
@@ -26,8 +26,8 @@ static bool read_expr(struct compile *c, const struct typed_line *line, const st
     error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.data);
     if (unit_match(rest))
         return error_hint(c->error,
-                          "units stand with values: param NAME = 0.2 N/m, then NAME here");
-    return !strchr(")=,;'", rest.data[0]) ? error_hint(c->error, "a product is written with *: 2*x")
+                          "only values have units: type 'param NAME = 0.2 N/m' and use NAME here");
+    return !strchr(")=,;'", rest.data[0]) ? error_hint(c->error, "write products with *, as in 2*x")
                                           : false;
 }
 
@@ -257,7 +257,7 @@ static bool group_rows(struct compile *c, const unsigned *depends)
     for (int row = 0; row < rows; row++) {
         const struct expr *whole, *group[GROUPS] = {NULL, NULL, NULL};
         if (cancelled(typed->cancel))
-            return error_set(c->error, ERROR_CANCELLED, "stopped: nothing was made of it");
+            return error_set(c->error, ERROR_CANCELLED, "stopped; nothing was changed");
         if (!whole_row(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
             return false;
         for (int g = 0; g < GROUPS; g++) {

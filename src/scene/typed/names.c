@@ -62,14 +62,14 @@ bool typed_explain(struct compile *c, const struct typed_line *line)
         return false;
     const struct typed_line *observe_line = typed_line_of(c->typed, TYPED_OBSERVE, name);
     if (observe_line == line)
-        return error_at(c->error, name, "%.*s cannot be observed by itself", (int)name.len,
+        return error_at(c->error, name, "%.*s cannot be defined by itself", (int)name.len,
                         name.data);
     if (observe_line) {
         error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.data,
                  (int)line->name.len, line->name.data);
         return error_hint(
             c->error,
-            "what is observed can use what was typed before it ('scene' shows the order)");
+            "a definition can use only what was typed before it ('scene' shows the order)");
     }
     if (!is_primed(name) || !typed_line_of(c->typed, TYPED_VAR, unprimed(name)))
         return false;
@@ -89,7 +89,8 @@ bool typed_name_fits(struct text name, struct error *error)
         fine = fine && (letter || (i > 0 && character >= '0' && character <= '9'));
     }
     if (!fine)
-        return error_at(error, name, "a name is letters, digits and underscores, a letter first");
+        return error_at(error, name,
+                        "a name begins with a letter and has letters, digits and underscores");
     if (name.len > TYPED_NAME_MAX)
         return error_at(error, name, "a name has at most %d letters", TYPED_NAME_MAX);
     if (!text_is(name, "pi") && !text_is(name, "t") && !catalog_find(&function_catalog, name))
@@ -106,12 +107,12 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
         if (!symbol_is(&c->symbol[i], name))
             continue;
         if (i <= c->state + c->bases && c->typed->base) {
-            error_at(c->error, where, "%s has '%.*s' already", c->typed->base->row.name,
+            error_at(c->error, where, "%s already has '%.*s'", c->typed->base->row.name,
                      (int)name.len, name.data);
             error_hint(c->error, "var NAME = VALUE begins an empty scene");
             return -1;
         }
-        error_at(c->error, where, "'%.*s' is there twice%s", (int)name.len, name.data,
+        error_at(c->error, where, "'%.*s' is defined twice%s", (int)name.len, name.data,
                  c->symbol[i].kind == SYMBOL_VELOCITY ? ": it is the velocity of another variable"
                  : c->symbol[i].hidden                ? ": it is an initial value"
                                                       : "");

@@ -193,7 +193,7 @@ static const struct model *typed_lines_compile(struct typed_models *models, stru
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error)
 {
     if (name.len > LIMIT_SYMBOL) {
-        error_at(error, name, "a name of more than %d letters", LIMIT_SYMBOL);
+        error_at(error, name, "the name has more than %d letters", LIMIT_SYMBOL);
         return NULL;
     }
     struct typed *typed = typed_copy(NULL, true, error);
@@ -357,7 +357,7 @@ static void refuse_used(const struct typed_line *line, struct text name, struct 
     struct buffer text = {0};
     typed_describe(line, &text);
     const struct text used = buffer_text(&text);
-    error_at(error, name, "%.*s is used by: %.*s", (int)name.len, name.data, (int)used.len,
+    error_at(error, name, "%.*s is still used by: %.*s", (int)name.len, name.data, (int)used.len,
              used.data);
     buffer_free(&text);
 }

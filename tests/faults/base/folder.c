@@ -260,8 +260,8 @@ static void what_is_there_stays(void **state)
     assert_true(put("target", 'b', force, &error));
     assert_int_equal(letter_of("target"), 'b');
     assert_int_equal(sweep(), 0);
-    refused(".", force, "a name of its own");
-    refused("..", force, "a name of its own");
+    refused(".", force, "name a new folder");
+    refused("..", force, "name a new folder");
     refused("/", force, "");
     refused("", force, "the name is empty");
     refused("no/such", force, "No such file");

@@ -315,7 +315,7 @@ static void test_panes(void **state)
     type(&p, "print 6*7\r");
     expect(&p, "42");
     type(&p, "run 1 s\r");
-    expect(&p, "run has to wait");
+    expect(&p, "run is not possible now");
     type(&p, "m = 200 g; fit damped --live\r"); /* the scene is laid over it, too */
     expect(&p, "fit T=0.698");
     expect(&p, " k=16.");

@@ -77,7 +77,7 @@ warns_of_gaps() { [ "$status" -ne 0 ] && arrivals_have_gaps swing-1.txt && grep 
 ok "the period by the line through the arrivals, and their jitter" $? "$(cat none.txt)"
 relative() { sed -n "s/.*$1\([0-9.]*\) +- \([0-9.]*\).*/\1 \2/p" none.txt | head -n 1; }
 awk -v t="$(relative '  T = ')" -v f="$(relative 'arrivals, ')" 'BEGIN { split(t, x, " "); split(f, y, " ")
-    exit !(y[2] > 0 && x[2] / x[1] > 0.8 * y[2] / y[1]) }' && grep -q 'with the sampling rate, which the times give to' none.txt ||
+    exit !(y[2] > 0 && x[2] / x[1] > 0.8 * y[2] / y[1]) }' && grep -q 'including the uncertainty of the sampling rate' none.txt ||
     warns_of_gaps
 ok "the uncertainty of T has that of the rate in it, and says so" $? "$(cat none.txt)"
 grep -q '3 skipped before the first sample' none.txt
@@ -235,7 +235,7 @@ ok "what is over at once is all there, and triggers" $? "$(cat few.out)"
 grep -q 'safe opens no device' out.txt
 ok "--safe opens no device" $? "$(cat out.txt)"
 printf 'collect -\n1 2\n' | "$hooke" -n >out.txt 2>&1
-grep -q 'where the commands come from' out.txt
+grep -q 'already provides the commands' out.txt
 ok "commands and lines do not share standard input" $? "$(cat out.txt)"
 echo "1..$n"
 exit "$bad"

@@ -58,10 +58,10 @@ awk 'BEGIN { for (i = 0; i < 1000; i++) printf "21:59:%07.4f;%.3f\n", 50 + i / 2
 agree "$(quantity period live-fit clock.json)" "$(quantity period fit clock.json)"
 ok "so it is where the clock tells the time of day" $? "$(cat clock.json)"
 "$hooke" -n -c 'fit sine --live' >out.txt 2>&1
-[ $? -eq 1 ] && grep -q 'fits a damped sine' out.txt
-ok "--live fits a damped sine only" $? "$(cat out.txt)"
+[ $? -eq 1 ] && grep -q 'works only with a damped sine' out.txt
+ok "--live works only with a damped sine only" $? "$(cat out.txt)"
 "$hooke" -n -c 'fit --live window=0:3' >out.txt 2>&1
-[ $? -eq 1 ] && grep -q 'it takes no more' out.txt
+[ $? -eq 1 ] && grep -q 'takes no other arguments' out.txt
 ok "and all of it" $? "$(cat out.txt)"
 # ---- calibrated
 held() { awk 'BEGIN { srand(3); print "time (s),distance (cm)"; for (i = 0; i < 500; i++) { t = i / 50
@@ -87,7 +87,7 @@ ok "counts become centimetres" $? "$(cat counts.json)"
 [ $? -eq 1 ] && grep -q 'both times: that is one point' out.txt
 ok "two readings that are one are refused" $? "$(cat out.txt)"
 held | "$hooke" -n -c 'calibrate y 5 V 20 cm 9 V 40 cm; collect - to=volts.txt' >out.txt 2>&1
-grep -q 'was calibrated in V and is read in cm' out.txt && [ "$(raw volts.txt | wc -l)" -eq 501 ]
+grep -q 'was calibrated in V but is now in cm' out.txt && [ "$(raw volts.txt | wc -l)" -eq 501 ]
 ok "so is a calibration of another quantity, and the lines are kept" $? "$(cat out.txt)"
 echo "1..$n"
 exit "$bad"

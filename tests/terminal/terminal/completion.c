@@ -85,7 +85,7 @@ static void test_no_end(void **state)
     struct person p;
     start_panes(&p, (struct start){0});
     type(&p, "load \"my f\t\t\r");
-    expect(&p, "has no end");
+    expect(&p, "is not closed");
     type(&p, "save --f\t\x15print 6*7\r");
     expect(&p, "42");
     type(&p, "save --f\t");

@@ -118,8 +118,8 @@ static void test_refused(void **state)
     fputs("set pager on\n", file);
     assert_int_equal(fclose(file), 0);
     snprintf(line, sizeof line, "source %s\r", path);
-    refused(line, "they run no program", NULL);
-    refused("set pager on\r", "--safe runs no program", "--safe");
+    refused(line, "must not run programs", NULL);
+    refused("set pager on\r", "--safe allows no other programs", "--safe");
 }
 
 int main(void)

@@ -201,7 +201,7 @@ static void test_interrupt_stops_a_run(void **state)
     type(&p, "method rk4 dt=1ms\r");
     expect(&p, PROMPT);
     type(&p, "run 20000000 s\r"); /* asked for first */
-    expect(&p, "this takes about");
+    expect(&p, "this will take about");
     expect(&p, "[y/N] ");
     type(&p, "n\r");
     expect(&p, "not run");

@@ -145,10 +145,10 @@ TEST(what_dies_is_an_error)
     }
     assert_int_equal(handled, 0);
     expect_failure(dies, &(int){SIGSEGV}, ERROR_IO, "crashed (signal 11)");
-    expect_failure(dies, &(int){SIGKILL}, ERROR_IO, "was killed; is memory short?");
-    expect_failure(dies, &(int){SIGXCPU}, ERROR_IO, "more processor time than is allowed");
+    expect_failure(dies, &(int){SIGKILL}, ERROR_IO, "its process was killed");
+    expect_failure(dies, &(int){SIGXCPU}, ERROR_IO, "more processor time than allowed");
     for (int status = 0; status < 2; status++)
-        expect_failure(leaves, &status, ERROR_IO, "ended before its time");
+        expect_failure(leaves, &status, ERROR_IO, "ended early");
 }
 
 static bool never_ends(const void *context, struct buffer *out, struct error *error)
@@ -231,7 +231,7 @@ static void at_end(void)
     fflush(stream);
 }
 
-/* What a stream holds is written once, by us, and what is done at the end is done once. */
+/* What a stream holds is written once, by us, and action at the end is done once. */
 TEST(streams_are_not_flushed_twice)
 {
     struct buffer out;

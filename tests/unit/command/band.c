@@ -318,7 +318,7 @@ TEST(test_picture_has_the_curve_in_its_band)
     record("wide.csv", 0.2, 0, 0, 1e-2, 3);
     type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load wide.csv; fit; adopt; run 8 s");
     type_ok(&bench, "plot position --band > band.svg");
-    assert_says(&bench.out, "95 % of the fit: at most +- ");
+    assert_says(&bench.out, "95 % band of the fit: at most +- ");
     char *svg = file_text("band.svg");
     const size_t n = read_longest(svg, true, band, MAX_POINTS),
                  points = read_longest(svg, false, line, MAX_POINTS);
@@ -396,23 +396,24 @@ TEST(test_refusals)
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
     type_ok(&bench, "method rk4 dt=10ms; run 3 s");
     refused(&bench, "plot position --band", "there is no adopted fit");
-    refused(&bench, "plot energy --band", "--band is for positions or velocities over time");
+    refused(&bench, "plot energy --band",
+            "--band works only for positions and velocities over time");
     type_ok(&bench, "m = 200 g; load damped.csv; fit; adopt");
     refused(&bench, "plot position --band", "in run 1, and ");
     type_ok(&bench, "run 3 s; plot position --band");
-    refused(&bench, "plot position run all --band", "needs one run");
-    refused(&bench, "plot y --band", "--band is for positions or velocities over time");
-    refused(&bench, "plot position data damped --band", "needs one run");
+    refused(&bench, "plot position run all --band", "needs exactly one run");
+    refused(&bench, "plot y --band", "--band works only for positions and velocities over time");
+    refused(&bench, "plot position data damped --band", "needs exactly one run");
     type_ok(&bench, "y0 = 3 cm; run 3 s");
     refused(&bench, "plot position --band", "y0 is 3 cm in run 3, and ");
     assert_says(&bench.err, "adopt; run; plot position --band");
     type_ok(&bench, "adopt; run 3 s; plot position --band");
     type_ok(&bench, "change k=20 N/m; continue 1 s");
-    refused(&bench, "plot position --band", "the run was changed on its way");
+    refused(&bench, "plot position --band", "the run was changed after its start");
     type_ok(&bench, "adopt; run 3 s; change k=20 N/m; continue 1 s; adopt; continue 1 s");
-    refused(&bench, "plot position --band", "the run was changed on its way");
+    refused(&bench, "plot position --band", "the run was changed after its start");
     type_ok(&bench, "adopt; run 3 s; change v=0; continue 1 s");
-    refused(&bench, "plot position --band", "the run was changed on its way");
+    refused(&bench, "plot position --band", "the run was changed after its start");
     type_ok(&bench, "scene pendulum; run 1 s");
     refused(&bench, "plot position --band", "one of another scene");
     bench_close(&bench);
@@ -485,16 +486,17 @@ TEST(test_file_has_the_band)
     free(text);
     arena_reset(&arena);
     type_ok(&bench, "plan");
-    assert_says(&bench.out,
-                "band      95 % of the adopted fit, only when asked for (--band, 'set band on'): 8 "
-                "variational equations beside the 2 of the motion, once, to 1e-10");
-    refused(&bench, "export - energy --band", "no column is a variable of the state");
-    refused(&bench, "export - data --band", "--band is for the columns of a run");
+    assert_says(
+        &bench.out,
+        "band      95 % band of the adopted fit, only on request (--band, 'set band on'): 8 "
+        "variational equations beside the 2 of the motion, once, to 1e-10");
+    refused(&bench, "export - energy --band", "only variables of the state have a band");
+    refused(&bench, "export - data --band", "--band works only with columns of a run");
     type_ok(&bench, "y0 = 3 cm; plan");
     assert_null(strstr(said(&bench.out), "band      "));
     type_ok(&bench, "run 1 s");
     refused(&bench, "export - y --band", "y0 is 3 cm in run 2, and ");
-    refused(&bench, "export - run all --band", "--band is for one run");
+    refused(&bench, "export - run all --band", "--band works only for one run");
     bench_close(&bench);
 }
 

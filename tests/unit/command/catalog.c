@@ -77,7 +77,7 @@ TEST(every_command_refuses_nonsense)
         assert_says(&b.err, "^~~~~~~~");
         snprintf(line, sizeof line, "%s 'x", c->row.name);
         assert_false(type(&b, line));
-        assert_says(&b.err, "has no end");
+        assert_says(&b.err, "is not closed");
     }
     assert_int_equal(b.session->undo.undos, 0);
     bench_close(&b);

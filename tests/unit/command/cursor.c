@@ -214,13 +214,13 @@ TEST(refusals_leave_them)
     const struct cursors before = *cursors(&b);
     static const struct {
         const char *line, *says;
-    } wrong[] = {{"cursor A 5 s", "t = 5 s is outside of run 1 (0..3 s)"},
+    } wrong[] = {{"cursor A 5 s", "t = 5 s is outside run 1 (0..3 s)"},
                  {"cursor periods 40", "has up-crossings up to #4"},
                  {"cursor other; cursor next", "no up-crossing after"},
                  {"cursor series", "only one series"},
                  {"cursor snap peek", "peak"},
                  {"cursor A 5 cm", "A needs a time"},
-                 {"cursor A 1 s; cursor B 1 s; cursor keep", "show no period"}};
+                 {"cursor A 1 s; cursor B 1 s; cursor keep", "no period between the cursors"}};
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
         assert_false(type(&b, wrong[i].line));
         assert_says(&b.err, wrong[i].says);

@@ -143,7 +143,7 @@ TEST(nothing_that_discards_a_fifth_converges)
             const char *out = said(&bench.out);
             const double used = number(out, "used"), rejected = number(out, "rejected");
             const bool converged = done && !strstr(out, "\"converged\":false");
-            refused += !done && strstr(said(&bench.err), "left out") != NULL;
+            refused += !done && strstr(said(&bench.err), "leave out") != NULL;
             if (isnan(used))
                 continue;
             answers++;

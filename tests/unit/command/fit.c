@@ -215,7 +215,7 @@ TEST(what_does_not_converge_says_so)
     bench_open(&bench, false);
     type_ok(&bench, "method rk4; gamma = 0.2; run 10 s");
     assert_false(type(&bench, "fit scene free=m,k,gamma,y0,v0"));
-    assert_says(&bench.err, "m and k change the curve alike");
+    assert_says(&bench.err, "the data cannot tell m and k apart");
     assert_says(&bench.err, "did not converge");
     assert_int_equal(bench.session->execution.status, ERROR_NUMERICAL);
     assert_false(fits_of(bench.session)->has_fit);

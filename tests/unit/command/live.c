@@ -115,7 +115,7 @@ TEST(watched_run_exports_the_same_bytes)
     watcher_open(&w);
     from_step(&w, 200, NULL);
     type_ok(&w.bench, "speed 1; " LONG_RUN);
-    assert_says(&w.bench.out, "'speed max': as fast as possible");
+    assert_says(&w.bench.out, "'speed max' runs as fast as possible");
     assert_says(&w.bench.out, "paused at t = ");
     assert_int_equal(w.seen, LIVE_RUNNING);
     assert_int_equal(w.bench.session->live.state, LIVE_PAUSED);

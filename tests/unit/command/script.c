@@ -150,7 +150,7 @@ TEST(nul_bytes_and_long_lines_are_errors)
     struct bench b;
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun\0 1 s\n"));
-    assert_says(&b.err, "NUL byte in line 2");
+    assert_says(&b.err, "line 2 contains a NUL byte");
     assert_int_equal(b.session->execution.status, 2);
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.2);
     assert_false(command_exec(b.session, (struct text){"echo a\0b", 8}, NULL, &b.reply));
@@ -163,7 +163,7 @@ TEST(nul_bytes_and_long_lines_are_errors)
     buffer_clear(&b.err);
     assert_true(command_exec(b.session, (struct text){line, LIMIT_LINE}, NULL, &b.reply));
     assert_false(command_exec(b.session, (struct text){line, LIMIT_LINE + 1}, NULL, &b.reply));
-    assert_says(&b.err, "a line of more than 1048576 bytes");
+    assert_says(&b.err, "the line is longer than 1048576 bytes");
     /* The caret of a long line comes with its neighbourhood only. */
     buffer_clear(&b.err);
     memset(line, ' ', LIMIT_LINE);
@@ -181,7 +181,7 @@ TEST(nul_bytes_and_long_lines_are_errors)
     for (int i = 0; i < 4; i++)
         script_feed(&script, b.session, (struct text){line, LIMIT_LINE / 2 + 1}, &b.reply);
     assert_false(script_end(&script, b.session, &b.reply));
-    assert_says(&b.err, "a line of more than");
+    assert_says(&b.err, "the line is longer than");
     free(line);
     bench_close(&b);
 }
@@ -300,7 +300,7 @@ TEST(prefixes_and_questions_are_for_the_prompt)
     b.session->front.context = question;
     b.session->front.confirm = refuse;
     assert_false(type(&b, "run 1e9"));
-    assert_non_null(strstr(question, "this takes about"));
+    assert_non_null(strstr(question, "this will take about"));
     bench_close(&b);
 }
 

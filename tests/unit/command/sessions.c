@@ -192,7 +192,7 @@ TEST(saved_recordings_are_known_again)
     move_file("gone.txt", "there.txt");
     assert_false(type(&again, "source saved.hk"));
     assert_says(&again.err, "cannot read");
-    assert_says(&again.err, "beside the file of commands");
+    assert_says(&again.err, "next to the command file");
     move_file("there.txt", "gone.txt");
     write_file("swing.txt", TABLE "0.4\t1\n", strlen(TABLE) + 6);
     type_ok(&again, "source saved.hk");

@@ -87,7 +87,7 @@ TEST(says_which_takes_it)
                     continue;
                 const int said = commands_said(error.hint, name, &takes);
                 const bool sets = catalog_find(&setting_catalog, name) &&
-                                  strstr(error.hint, "= VALUE', before it, sets it");
+                                  strstr(error.hint, "= VALUE' as a command of its own sets it");
                 if (!(takes || sets) || said > 3 || strlen(error.hint) > 260)
                     fail_msg("%s: %s (%s), %d commands", statement, error.text, error.hint, said);
                 pairs++;
@@ -159,12 +159,12 @@ TEST(says_it_of_these)
     static const struct {
         const char *line, *says;
     } cases[] = {
-        {"sweep gamma=0:1:0.1 duration=20", "'duration = VALUE', before it, sets it"},
+        {"sweep gamma=0:1:0.1 duration=20", "'duration = VALUE' as a command of its own sets it"},
         {"run symplectic-euler", "'method symplectic-euler' chooses it"},
         {"window all", "usage: window [auto|TIME]; 'trail all'"},
         {"run all", "run all"},
-        {"run dt=5 ms", "'dt = VALUE', before it, sets it"},
-        {"compare gamma=1 euler", "'gamma = VALUE', before it, sets it"},
+        {"run dt=5 ms", "'dt = VALUE' as a command of its own sets it"},
+        {"compare gamma=1 euler", "'gamma = VALUE' as a command of its own sets it"},
         {"order --bootstrap", "'fit --bootstrap"},
         {"print --grid", "'plot WHAT.. --grid'"},
     };

@@ -164,11 +164,11 @@ TEST(test_splittings_of_higher_order)
         rows++;
         assert_true(applies(method, &free_of_drag, DRAG_DEFAULT));
         if (method->flags & METHOD_NO_VELOCITY) {
-            assert_refused(method, &linear, DRAG_DEFAULT, "depend on velocity");
+            assert_refused(method, &linear, DRAG_DEFAULT, "depends on the velocity");
             continue;
         }
         assert_int_equal(resolved(method->row.name, &linear, DRAG_DEFAULT), DRAG_EXACT);
-        assert_refused(method, &quadratic, DRAG_DEFAULT, "pole");
+        assert_refused(method, &quadratic, DRAG_DEFAULT, "diverge");
         assert_refused(method, &linear, DRAG_EXPLICIT, "drag=explicit");
         assert_refused(method, &linear, DRAG_IMPLICIT, "drag=implicit");
 
@@ -183,7 +183,7 @@ TEST(test_splittings_of_higher_order)
         assert_false(method_fits(method, &grows, DRAG_EXACT, -1.01 * longest, &error));
         assert_false(method_fits(method, &linear, DRAG_EXACT, 1.01 * longest, &error));
         assert_non_null(strstr(error.text, method->row.name));
-        assert_non_null(strstr(error.text, "backwards"));
+        assert_non_null(strstr(error.text, "backward substep"));
         assert_non_null(strstr(error.hint, "dt <= "));
     }
     assert_true(rows >= 15);

@@ -46,7 +46,7 @@ TEST(test_conditions)
         {"< 3", "a number or a name is missing", "<"},
         {"1 cm < 2 s", "'1 cm' (length) cannot be compared with '2 s' (time)", "2 s"},
         {"1 < 2 cm", "'1' (number) cannot be compared with '2 cm' (length)", "2 cm"},
-        {"y m < 3", "a unit stands after a number or a parenthesis, not after 'y'", "m"},
+        {"y m < 3", "a unit may follow a number or a parenthesis, not 'y'", "m"},
         {"y < gama", "unknown name 'gama'", "gama"},
     };
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {

@@ -202,13 +202,13 @@ TEST(test_mistakes)
     expect_mistake("squirt", "unknown name 'squirt'", "squirt", "'sqrt'");
     expect_mistake("squrt(2)", "unknown function 'squrt'", "squrt", "'sqrt'");
     expect_mistake("y(2)", "unknown function 'y'", "y", "");
-    expect_mistake("sin", "sin is a function: write sin(x)", "sin", "");
-    expect_mistake("atan2 + 1", "atan2 is a function: write atan2(y, x)", "atan2", "");
+    expect_mistake("sin", "sin is a function; write sin(x)", "sin", "");
+    expect_mistake("atan2 + 1", "atan2 is a function; write atan2(y, x)", "atan2", "");
     expect_mistake("(1 + 2", "missing ')' for '('", "(", "");
     expect_mistake("2*sin(1 + 2", "missing ')' for 'sin('", "sin(", "");
     expect_mistake("(1, 2)", "missing ')' for '('", "(", "");
     expect_mistake("(5 foo)", "unknown unit 'foo'", "foo", "");
-    expect_mistake("(5 foo bar)", "missing ')' for '('", "(", "'foo' is no unit");
+    expect_mistake("(5 foo bar)", "missing ')' for '('", "(", "'foo' is not a unit");
     expect_mistake("5 + 1 cm",
                    "'5' (number) and '1 cm' (length) do not add: a unit belongs to the number "
                    "before it",
@@ -218,11 +218,10 @@ TEST(test_mistakes)
                    "before it",
                    "1 cm + 5", "write 1 cm + 5 cm");
     expect_mistake("2^3 cm", "an exponent takes a number, not '3 cm' (length)", "3 cm",
-                   "it is read as 2^(3 cm); the other reading is (2^3) cm");
-    expect_mistake("y cm", "a unit stands after a number or a parenthesis, not after 'y'", "cm",
-                   "(y) cm");
+                   "this means 2^(3 cm); if you mean (2^3) cm, write the parentheses");
+    expect_mistake("y cm", "a unit may follow a number or a parenthesis, not 'y'", "cm", "(y) cm");
     expect_mistake("(5 cm) mm", "a value has one unit: '(5 cm)' has cm", "mm", "");
-    expect_mistake("5 kg/m", "unknown unit 'kg/m': kg is one", "kg/m", "with blanks");
+    expect_mistake("5 kg/m", "unknown unit 'kg/m': kg is one", "kg/m", "put blanks around it");
     expect_mistake("5 N / m", "the unit N/m is written without blanks", "N / m", "");
     expect_mistake("2 cm^3", "unknown unit 'cm^3': cm is one", "cm^3", "(2 cm)^3");
     expect_mistake("2 cm ^ 3", "unknown unit 'cm^3': cm is one", "cm ^ 3", "(2 cm)^3");
@@ -237,7 +236,7 @@ TEST(test_mistakes)
     expect_mistake("1 +", "a number or a name is missing after '+'", "", "");
     expect_mistake("1 + * 2", "a number or a name is missing after '+'", "*", "");
     expect_mistake("2 ** 3", "a number or a name is missing after '*'", "*",
-                   "a power is written with ^: 2^3");
+                   "write powers with ^, as in 2^3");
     expect_mistake("3 * )", "a number or a name is missing after '*'", ")", "");
     expect_mistake("()", "a number or a name is missing after '('", ")", "");
     expect_mistake("max(1,)", "a number or a name is missing after 'max('", ")", "");

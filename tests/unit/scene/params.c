@@ -246,7 +246,7 @@ TEST(test_setting_a_derived_quantity)
     }
     scene_init(&scene, NULL);
     assert_false(scene_set_derived(&scene, derived("T0"), (struct measured){0, 0}, &error));
-    assert_string_equal(error.text, "T0 cannot be 0 s here: no finite k gives it");
+    assert_string_equal(error.text, "T0 cannot be 0 s here: no finite k gives this value");
     assert_false(scene_set_derived(&scene, derived("T0"), (struct measured){-1, 0}, &error));
     assert_false(scene_set_derived(&scene, derived("omega0"), (struct measured){1e200, 0}, &error));
     set(&scene, "k", -1, 0);

@@ -203,7 +203,7 @@ static void test_refusals(void **state)
     refused(f, "var t = 1", "already means something", "t");
     refused(f, "var sin = 1", "already means something", "sin");
     refused(f, "param 2x = 1", "letters", "2x");
-    refused(f, "observe E = E + 1", "cannot be observed by itself", "E");
+    refused(f, "observe E = E + 1", "cannot be defined by itself", "E");
     refused(f, "x' = x + x'", "x has an equation of first order", "x'");
     refused(f, "var a_name_that_is_far_too_long_to_be_shown = 1", "at most", NULL);
     assert_false(scene_bind(&f->scene, &f->system, &f->error));
@@ -215,7 +215,7 @@ static void test_refusals(void **state)
     scene_remodel(&f->scene,
                   typed_remove(f->models, f->scene.model, TYPED_PARAM, TEXT("vx0"), &f->error));
     assert_null(typed_remove(f->models, f->scene.model, TYPED_VAR, TEXT("x"), &f->error));
-    assert_string_equal(f->error.text, "x is used by: observe d = x");
+    assert_string_equal(f->error.text, "x is still used by: observe d = x");
     type(f, LINES("x' = k", "speed' = x"));
     bind(f);
     refused(f, "potential x^2", "second order", NULL);
@@ -234,7 +234,7 @@ static void test_potential_is_checked(void **state)
     assert_false(f->system.conservative);
     type(f, LINES("potential k*x^2/2 + y^2/2 + x^2*y/2"));
     assert_false(scene_bind(&f->scene, &f->system, &f->error));
-    assert_non_null(strstr(f->error.text, "not that of the force: at x = "));
+    assert_non_null(strstr(f->error.text, "does not belong to the force: at x = "));
     type(f, LINES("potential k*x^2/2"));
     assert_false(scene_bind(&f->scene, &f->system, &f->error));
 }

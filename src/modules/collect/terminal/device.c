@@ -90,8 +90,9 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
         return device_refuse(path, strerror(errno), error);
     if (S_ISDIR(st.st_mode))
         return device_refuse(path,
-                             strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
-                                                               : "it is a directory",
+                             strcmp(path, STANDARD_INPUT) == 0
+                                 ? "standard input is closed, or is a directory"
+                                 : "it is a directory",
                              error);
     device->grows = S_ISREG(st.st_mode);
     if (safe && S_ISCHR(st.st_mode))

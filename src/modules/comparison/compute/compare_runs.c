@@ -212,7 +212,7 @@ static void comparison_verdict(struct comparison *row)
                       (double)run->steps * row->duration / span,
                       run->method->flags & METHOD_IMPLICIT
                           ? ""
-                          : "; try an implicit method that adapts, as radau5");
+                          : "; try an adaptive implicit method such as radau5");
     } else if (run->stop != STOP_END) {
         run_explain(run, &text);
     } else {

@@ -112,8 +112,8 @@ static bool find_variable(struct drawing *d, int *variable)
         return true;
     const struct text name = d->request->column[0];
     *variable = model_state(model, name);
-    return *variable >= 0 ||
-           error_at(d->error, name, "'%.*s' is no variable of the scene", (int)name.len, name.data);
+    return *variable >= 0 || error_at(d->error, name, "'%.*s' is not a variable of the scene",
+                                      (int)name.len, name.data);
 }
 
 bool branches_figure(struct drawing *d, struct figure *figure)

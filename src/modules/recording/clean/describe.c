@@ -11,24 +11,23 @@ static const struct finding_row rows[] = {
     [FINDING_SPIKES] = ROW("spikes", "missed echoes", REMEDY_MASK, "masked"),
     [FINDING_SHOULDERS] =
         ROW("shoulders", "double echoes, several samples in a row", REMEDY_MASK, "masked"),
-    [FINDING_STUCK] = ROW("stuck", "the same value again while it moves", REMEDY_MASK, "masked"),
-    [FINDING_CLIPPED] = ROW("clipped", "flat tops", REMEDY_KEEP,
-                            "kept: fits judge them, and say what they leave out"),
+    [FINDING_STUCK] = ROW("stuck", "repeated values during the motion", REMEDY_MASK, "masked"),
+    [FINDING_CLIPPED] =
+        ROW("clipped", "flat tops", REMEDY_KEEP, "kept; fits decide and report which to leave out"),
     [FINDING_QUANTISED] =
-        ROW("steps", "few different values", REMEDY_KEEP, "kept: noise of step/sqrt(12)"),
-    [FINDING_START] = ROW("start", "rest, hand or release before it swings freely", REMEDY_WINDOW,
-                          "left out by the window"),
-    [FINDING_END] = ROW("end", "rest or a hand after it has swung freely", REMEDY_WINDOW,
+        ROW("steps", "few different values", REMEDY_KEEP, "kept; adds noise of step/sqrt(12)"),
+    [FINDING_START] = ROW("start", "rest, hand or release before the free oscillation",
+                          REMEDY_WINDOW, "left out by the window"),
+    [FINDING_END] = ROW("end", "rest or hand after the free oscillation", REMEDY_WINDOW,
                         "left out by the window"),
-    [FINDING_GAPS] =
-        ROW("gaps", "longer steps of time", REMEDY_KEEP, "kept: times are used as they are"),
+    [FINDING_GAPS] = ROW("gaps", "gaps in time", REMEDY_KEEP, "kept; times are used unchanged"),
     [FINDING_MISSING] = ROW("missing", "rows without a value", REMEDY_KEEP, "left out"),
-    [FINDING_REPEATED] = ROW("repeated", "rows with the time of the one before", REMEDY_DROPPED,
-                             "dropped at loading"),
+    [FINDING_REPEATED] =
+        ROW("repeated", "rows that repeat the previous time", REMEDY_DROPPED, "dropped at loading"),
     [FINDING_BACKWARD] =
-        ROW("backward", "rows whose time goes back", REMEDY_DROPPED, "dropped at loading"),
-    [FINDING_SWAY] = ROW("sway", "the amplitude goes up and down: does it swing sideways too?",
-                         REMEDY_KEEP, "kept: gamma is uncertain"),
+        ROW("backward", "rows whose time decreases", REMEDY_DROPPED, "dropped at loading"),
+    [FINDING_SWAY] = ROW("sway", "the amplitude rises and falls, perhaps by sideways motion",
+                         REMEDY_KEEP, "kept; gamma is less certain"),
 };
 
 const struct catalog finding_catalog = CATALOG("finding", rows);
@@ -47,5 +46,5 @@ void recording_describe_masked(const struct recording *recording, struct buffer 
     buffer_put(text, kinds ? TEXT(")") : TEXT(""));
     if (f->finding[FINDING_CLIPPED].count > 0)
         buffer_format(text, "; %zu clipped", f->finding[FINDING_CLIPPED].count);
-    buffer_put(text, TEXT("; 'data restore' takes it back\n"));
+    buffer_put(text, TEXT("; 'data restore' undoes this\n"));
 }

@@ -302,9 +302,8 @@ bool recording_leave_out_sentinels(struct recording *recording)
                 count++;
             }
         recording_warn(recording,
-                       "%s: %zu of %zu values are %.6g%s%s, exactly, where the motion would have "
-                       "to jump to, as sensors "
-                       "send that see nothing: left out",
+                       "%s: %zu of %zu values are left out: they are exactly %.6g%s%s, far from "
+                       "the motion, as a sensor without a signal reports",
                        column->name, count, n, shown, column->unit[0] ? " " : "", column->unit);
     }
     arena_reset(&scratch);

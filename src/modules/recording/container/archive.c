@@ -100,11 +100,10 @@ static bool is_bomb(const struct unpacking *u, size_t more)
 static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *error)
 {
     if (u->unpacked + more > u->max)
-        error_set(error, ERROR_IO,
-                  "%s unpacks to more than %zu bytes, which is the most that is read", u->shown,
-                  u->max);
+        error_set(error, ERROR_IO, "%s unpacks to more than %zu bytes, the most that can be read",
+                  u->shown, u->max);
     else
-        error_set(error, ERROR_IO, "%s unpacks to more than %d times its size: refused", u->shown,
+        error_set(error, ERROR_IO, "refused: %s unpacks to more than %d times its size", u->shown,
                   EXPANSION_MAX);
     return error_hint(error, "unpack it yourself if you trust it");
 }

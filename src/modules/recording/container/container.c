@@ -130,9 +130,9 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
     const size_t narrow = wide ? narrow_numbers(raw, contents->cancel) : raw.len;
     if (narrow < raw.len) {
         error_set(error, ERROR_IO,
-                  "the file begins in UTF-16, but from byte %zu on has one byte a character",
+                  "the file begins in UTF-16, but has one byte per character from byte %zu on",
                   narrow + 1);
-        return error_hint(error, "split it there, or export the data anew as UTF-8");
+        return error_hint(error, "split the file there, or export the data again as UTF-8");
     }
     if (wide)
         return from_utf16(raw, raw.data[0] == '\xFE', contents->cancel, &part->text, error);
@@ -220,7 +220,7 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
             error, ERROR_IO,
             "%s is a zip archive without a table of text (.csv, .txt, .tsv, .dat) or a workbook",
             shown);
-        error_hint(error, "open it where it was made and export the data as CSV");
+        error_hint(error, "open it in the program that made it and export the data as CSV");
         done = false;
     }
     return done;
@@ -271,7 +271,8 @@ static bool from_gzip(const char *path, const struct intake *intake, struct text
         done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
     if (done && is_archive(buffer_text(&content->entry[0].bytes)))
         done = error_set(error, ERROR_IO,
-                         "%s holds an archive or a workbook in an archive: unpack it first", shown);
+                         "%s contains an archive or a workbook inside an archive; unpack it first",
+                         shown);
     else if (done)
         done = unpack(path, &inside, &content->entry[0].bytes, contents, error);
     contents->container = contents->container ? contents->container : "gzip";

@@ -60,7 +60,8 @@ static bool refuse_known(struct text text, const char *name, struct error *error
     for (size_t i = 0; i < COUNT_OF(binaries); i++)
         if (text_starts(text, text_of(binaries[i].start))) {
             error_set(error, ERROR_IO, "%s is %s, not a text file", name, binaries[i].what);
-            return error_hint(error, "open it where it was made and export it as CSV (UTF-8 text)");
+            return error_hint(
+                error, "open it in the program that made it and export it as CSV (UTF-8 text)");
         }
     return true;
 }
@@ -127,7 +128,7 @@ static bool refuse_endless_line(struct intake *intake, struct text text, size_t 
     if (text.len - intake->line <= LINE_BYTES)
         return true;
     error_set(error, ERROR_IO,
-              "%s is no table: from byte %zu on there is no end of line for %u bytes",
+              "%s is not a table: the line that begins at byte %zu is longer than %u bytes",
               intake->shown, intake->line + 1, LINE_BYTES);
     return error_hint(error, "export the data as CSV text");
 }
@@ -165,8 +166,9 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, 
         .context = intake, .look = intake_look, .patience = input ? 0 : PATIENCE_NS};
     if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error)) {
         if (watch.endless)
-            error_hint(error, "'collect' takes lines as they come; 'load -' reads standard input "
-                              "to its end");
+            error_hint(
+                error,
+                "'collect' reads lines as they arrive; 'load -' reads standard input to its end");
         return false;
     }
     intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;

@@ -165,8 +165,8 @@ static bool refuse_lengths(const struct octave_file *file, const char *shown, st
     if (!b)
         return true;
     error_set(error, ERROR_IO,
-              "%s holds the vectors %.*s (%.0f values) and %.*s (%.0f values): columns of a table "
-              "are equally long",
+              "%s contains vectors of different length, %.*s (%.0f values) and %.*s (%.0f values), "
+              "which cannot form a table",
               shown, (int)text_fitting(a->name, SHORT_NAME - 1), a->name.data, vector_length(a),
               (int)text_fitting(b->name, SHORT_NAME - 1), b->name.data, vector_length(b));
     return error_hint(error, "save one matrix: M = [t(:) y(:)]; save -text FILE M");

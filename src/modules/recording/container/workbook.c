@@ -278,7 +278,7 @@ static bool bounded(struct workbook *book)
     if (book->output->len <= book->left)
         return true;
     error_set(book->error, ERROR_IO,
-              "%s has sheets that become more than %d times their size: refused", book->shown,
+              "refused: %s has sheets that unpack to more than %d times their size", book->shown,
               GROWTH_MAX);
     return error_hint(book->error, "save the sheet with the data as CSV");
 }

@@ -105,13 +105,13 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
         return false;
     bool done = api.freexl_open(path, &book) == FREEXL_OK;
     if (!done) {
-        error_set(error, ERROR_IO,
-                  "%s is no Excel workbook (.xls) that can be read, or it is cut short", shown);
-        error_hint(error, "open it where it was made and save it as .xlsx or CSV");
+        error_set(error, ERROR_IO, "%s is not a readable Excel workbook (.xls), or is cut short",
+                  shown);
+        error_hint(error, "open it in the program that made it and save it as .xlsx or CSV");
     } else if (!book) { /* bug of FreeXL 1.0.6, which returns success without a workbook */
         error_set(error, ERROR_IO,
-                  "FreeXL cannot read %s: it gives up without an error, as it does where a text "
-                  "cell of the workbook is empty (phyphox writes such cells)",
+                  "FreeXL cannot read %s and reports no error; empty text cells, as phyphox writes "
+                  "them, cause this",
                   shown);
         done = error_hint(error, "export CSV instead, or open it and save it as .xlsx");
     } else {

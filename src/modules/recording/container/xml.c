@@ -121,8 +121,8 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
         if (silent_bytes > TOKEN_MAX)
             return error_set(
                 error, ERROR_IO,
-                "%s holds a name of more than %u bytes, which no instrument does: refused", shown,
-                TOKEN_MAX);
+                "refused: %s contains a name of more than %u bytes, which no instrument writes",
+                shown, TOKEN_MAX);
         if (!unpacking_goes_on(p->reader->cancel, error))
             return false;
         done = p->api.XML_Parse(p->parser, document.data + offset, (int)len,
@@ -131,13 +131,13 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
             break;
     }
     if (p->typed || p->depth > DEPTH_MAX) {
-        error_set(error, ERROR_IO, "%s %s, which no instrument does: refused", shown,
+        error_set(error, ERROR_IO, "refused: %s %s, which no instrument does", shown,
                   p->typed ? "declares its document type, as for XML entities"
                            : "nests XML elements without end");
         return error_hint(error, "export the data as CSV");
     }
     if (!done && !p->stopped) {
-        error_set(error, ERROR_IO, "%s is no valid XML: %s in line %lu", shown,
+        error_set(error, ERROR_IO, "%s is not valid XML: %s in line %lu", shown,
                   p->api.XML_ErrorString(p->api.XML_GetErrorCode(p->parser)),
                   (unsigned long)p->api.XML_GetCurrentLineNumber(p->parser));
         return error_hint(error, "transfer the file again, or export the data as CSV");

@@ -81,7 +81,7 @@ static bool refuse_strange(const struct tables *tables)
     error_set(tables->error, ERROR_IO,
               "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
               tables->shown);
-    return error_hint(tables->error, "open it where it was made and export it as CSV");
+    return error_hint(tables->error, "open it in the program that made it and export it as CSV");
 }
 
 static bool start(void *context, const char *name, const char **attributes)

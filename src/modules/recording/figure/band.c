@@ -45,17 +45,17 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
 {
     const struct adopted_fit *adopted = &fits_of(session)->adopted;
     if (!adopted->scene.model)
-        return refuse(where, error, "there is no adopted fit whose uncertainty could be drawn");
+        return refuse(where, error, "there is no adopted fit, so no uncertainty can be drawn");
     if (run->scene.model != adopted->scene.model)
         return refuse(where, error, "the adopted fit is one of another scene than the run");
     for (int i = 0; i < (int)scene_params(&run->scene)->count; i++)
         if (run->scene.value[i] != adopted->scene.value[i])
             return refuse_value(session, run, i, where, error);
     if (!is_one_motion(run))
-        return refuse(where, error, "the run was changed on its way");
+        return refuse(where, error, "the run was changed after its start");
     if (run_goes_back(run))
         return refuse(where, error,
-                      "the run goes back in time: the band is that of a run forwards");
+                      "the run goes back in time; a band exists only for runs forwards");
     return adopted->known.count > 0 ||
            refuse(where, error, "the adopted fit states no uncertainties");
 }
@@ -71,8 +71,8 @@ bool band_half(const struct session *session, const struct run *run, int variabl
                                            .n = n,
                                            .cancel = session->front.cancel};
     if (n > TIMES_MAX) {
-        error_set(error, ERROR_COMMAND, "a band of %zu rows is too long", n);
-        return error_hint(error, "choose a part: plot position --band window=FROM:TO");
+        error_set(error, ERROR_COMMAND, "a band cannot have %zu rows", n);
+        return error_hint(error, "choose a shorter part: plot position --band window=FROM:TO");
     }
     if (n > 0 && !study_spread(&request, arena, half, error))
         return false;
@@ -119,10 +119,9 @@ bool drawing_band(struct drawing *d)
     const int first = first_variable(d);
     if (first < 0)
         return refuse(request->band, d->error,
-                      "--band is for positions or velocities over time: of no other plot is the "
-                      "uncertainty known");
+                      "--band works only for positions and velocities over time");
     if (request->runs != 1)
-        return refuse(request->band, d->error, "--band needs one run, that of an adopted fit");
+        return refuse(request->band, d->error, "--band needs exactly one run, made after 'adopt'");
     const struct run *run = d->session->runs.slot[request->run[0]]->run;
     if (!band_of_run(d->session, run, request->band, d->error))
         return false;
@@ -137,12 +136,12 @@ bool drawing_band(struct drawing *d)
 }
 
 static const struct row band_rows[] = {
-    {"off", "", "panes show runs alone", "", NULL},
+    {"off", "", "panes show only the runs", "", NULL},
     {"on", "",
-     "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
+     "panes show a 95 % band around the run of an adopted fit, computed once after each run", "",
      NULL},
 };
-const struct catalog recording_band_catalog = CATALOG("way to show bands", band_rows);
+const struct catalog recording_band_catalog = CATALOG("kind of band", band_rows);
 
 static bool is_shown(const struct session *session)
 {
@@ -255,8 +254,9 @@ void band_plan(const struct session *session, struct buffer *text)
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
         if (scene->value[i] != adopted->scene.value[i])
             return;
-    buffer_put(text, TEXT("band      95 % of the adopted fit, only when asked for "
-                          "(--band, 'set band on'): "));
+    buffer_put(
+        text,
+        TEXT("band      95 % band of the adopted fit, only on request (--band, 'set band on'): "));
     if (system.switches > 0)
         buffer_format(text, "%d runs of dop853 to 1e-10, two for each uncertain parameter\n",
                       2 * count);

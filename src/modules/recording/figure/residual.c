@@ -19,7 +19,7 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
         d->request->runs ? d->session->runs.slot[d->request->run[0]]->run : NULL;
     if (!fitted && !run)
         return error_set(d->error, ERROR_COMMAND,
-                         "a residual needs a fit of this recording, or a run beside it");
+                         "a residual needs a fit of this recording, or a run of the same time");
     if (!drawing_recording(d, recording))
         return false;
     struct curve *curve = &d->curve[d->curves - 1];

@@ -116,7 +116,7 @@ static void say_left_out(const struct motion *m, char output[LEFT_OUT_SIZE])
         snprintf(flat, sizeof flat, ", %zu of them at flat tops (clipped)", m->clipped);
     output[0] = 0;
     if (m->rejected > 0)
-        snprintf(output, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected,
+        snprintf(output, LEFT_OUT_SIZE, ": it would leave out %zu of %zu samples%s", m->rejected,
                  m->samples.n, flat);
 }
 
@@ -128,9 +128,10 @@ static bool hint_swing(const struct motion *m, const struct series *series, stru
     if (find_swing(series, &swing) ||
         (find_first_swing(series, &swing) &&
          fabs(log(swing.period / m->overview.period)) < same_period_log))
-        return error_hint(error, "one damped sine follows a part of it: add window=%.9g:%.9g",
+        return error_hint(error, "one damped sine fits a part of it: add window=%.9g:%.9g",
                           swing.window[0], swing.window[1]);
-    return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+    return error_hint(error,
+                      "fit a shorter window; 'measure period' also works when the period changes");
 }
 
 static bool refuse_laws(const struct motion *m, const struct series *series, struct fit *fit,
@@ -140,7 +141,7 @@ static bool refuse_laws(const struct motion *m, const struct series *series, str
     fit->converged = false;
     say_left_out(m, left_out);
     error_set(error, ERROR_NUMERICAL,
-              "it oscillates, every %.4g s on average, but no law of damping follows it%s",
+              "it oscillates with a mean period of %.4g s, but no law of damping fits it%s",
               m->overview.period, left_out);
     return hint_swing(m, series, error);
 }
@@ -184,11 +185,12 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         char left_out[LEFT_OUT_SIZE];
         say_left_out(&m, left_out);
         error_set(error, ERROR_NUMERICAL,
-                  "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
+                  "it oscillates with a mean period of %.4g s, but one %s sine does not fit it%s",
                   m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", left_out);
         struct mode_pair pair;
         if (two_lines(&m.samples, &pair))
-            return error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
+            return error_hint(error,
+                              "it has two frequencies, T = %.5g and %.5g s; type: fit modes 2",
                               pair.period[0], pair.period[1]);
         return hint_swing(&m, series, error);
     }
@@ -270,17 +272,15 @@ static const struct fit_model models[] = {
              .brief = "y = c + A cos(omega t + phi), no guess needed",
              .citation = "Golub & Pereyra 2003 (variable projection)"},
      .fit = fit_sine},
-    {.row =
-         {.name = "drag",
-          .unit = "",
-          .brief =
-              "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
-          .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
+    {.row = {.name = "drag",
+             .unit = "",
+             .brief = "finds the law of drag: linear, quadratic, dry friction or their sums",
+             .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
      .fit = fit_drag},
     {.row = {.name = "law",
              .unit = "",
              .brief =
-                 "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
+                 "like drag, and finds the restoring force: a spring, a Duffing spring, a pendulum",
              .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
      .fit = fit_law},
     {.row = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},

@@ -116,8 +116,7 @@ bool formula_compile(struct text text, const struct expr_scope *known,
         return false;
     if (formula->parameters == 0) {
         error_at(error, (struct text){text.data, *used}, "the formula has no parameter to fit");
-        return error_hint(error,
-                          "names that are not known yet are its parameters: a*exp(-b*t) + c");
+        return error_hint(error, "unknown names are its parameters, as in a*exp(-b*t) + c");
     }
     mark_linear(formula);
     return true;

@@ -222,7 +222,7 @@ static bool fit_ready(const struct formula *formula, const struct series *series
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
     if (!r.found && error->code == ERROR_NONE)
         error_set(error, ERROR_COMMAND,
-                  "no start was found from which the formula has finite values everywhere");
+                  "no start values were found for which the formula is finite everywhere");
     if (!r.found)
         return error_hint(error, "give starts: fit 'a*exp(-b*t)' a=5 b=0.1");
     *error = (struct error){0};

@@ -38,9 +38,9 @@ static bool joined_velocity(const struct session *session, const struct recordin
     const int index = session_find_recording(session, text_of(recording->velocity));
     struct series s;
     if (index < 0) {
-        error_set(error, ERROR_COMMAND, "the velocities of %s were in %s, which is gone",
+        error_set(error, ERROR_COMMAND, "the velocities of %s came from %s, which was dropped",
                   recording->name, recording->velocity);
-        return error_hint(error, "'data restore' takes the velocities from the positions again");
+        return error_hint(error, "'data restore' computes the velocities from the positions again");
     }
     struct recording whole = *session->recording[index]->recording; /* its arrays are shared */
     const bool backward = strcmp(whole.format, "motion-sensor") == 0;
@@ -157,7 +157,7 @@ bool data_motion(const struct session *session, const struct recording *recordin
         return false;
     const struct series *s = series ? series : &own;
     if (s->quantity != QUANTITY_LENGTH)
-        return error_set(error, ERROR_COMMAND, "%s needs positions, %s holds another quantity",
+        return error_set(error, ERROR_COMMAND, "%s needs positions, but %s is not a position",
                          energy ? "the energy" : "this", recording->name);
     motion->n = s->n;
     motion->t = s->t;

@@ -36,7 +36,7 @@ bool export_band(const struct session *session, const struct argument_value *run
     struct arena *arena = export->arena;
     const struct table *table = &export->table;
     if (!run)
-        return error_at(error, where, "--band is for one run, that of an adopted fit");
+        return error_at(error, where, "--band works only for one run of an adopted fit");
     if (!band_of_run(session, run, where, error))
         return false;
     struct table_column *result = arena_array(arena, 3 * (size_t)table->columns, sizeof *result);
@@ -62,5 +62,5 @@ bool export_band(const struct session *session, const struct argument_value *run
     export->table.column = result;
     export->table.columns = columns;
     return banded > 0 ||
-           error_at(error, where, "no column is a variable of the state: only those have a band");
+           error_at(error, where, "only variables of the state have a band, and no column is one");
 }

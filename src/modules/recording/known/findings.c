@@ -168,11 +168,10 @@ static void put_advice(const struct findings *f, const struct series *series, bo
                  t_end = end ? f->window[1] : series->t[series->n - 1];
     if (end && !start && isfinite(f->rests))
         snprintf(advice->text, sizeof advice->text,
-                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g:%.6g",
-                 f->rests, t_begin, t_end);
+                 "it is at rest from %.6g s on; try window=%.6g:%.6g", f->rests, t_begin, t_end);
     else
         snprintf(advice->text, sizeof advice->text,
-                 "the %s no free oscillation (rest, hand or release): try window=%.6g:%.6g",
+                 "the %s not a free oscillation (rest, hand or release); try window=%.6g:%.6g",
                  start && end ? "start and the end of the window are"
                  : start      ? "start of the window is"
                               : "end of the window is",
@@ -258,8 +257,7 @@ static void put_size(struct buffer *text, const struct recording *recording, siz
 
 static size_t put_table(const struct recording *recording, struct arena *arena, struct buffer *text)
 {
-    static const char *const heads[] = {"found", "samples",  "places",
-                                        "size",  "first at", "what is done"};
+    static const char *const heads[] = {"found", "samples", "places", "size", "first at", "action"};
     struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heads), .gap = 2};
     size_t kinds = 0;
     for (size_t i = 0; i < COUNT_OF(heads); i++)
@@ -329,14 +327,13 @@ void reply_findings(const struct recording *recording, struct arena *arena, stru
     struct buffer *text = reply_buffer(reply);
     const size_t kinds = put_table(recording, arena, text);
     if (kinds == 0)
-        buffer_format(text, "%s: nothing wrong was found\n", recording->name);
+        buffer_format(text, "%s: no faults were found\n", recording->name);
     if (isnan(f->period))
-        buffer_format(text, "it does not oscillate: %s; only times and steps were looked at\n",
+        buffer_format(text, "it does not oscillate: %s; only times and step sizes were checked\n",
                       f->still);
     if (recording->cleaned)
         buffer_format(
-            text,
-            "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
+            text, "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' undoes this",
             recording->name, f->masked, recording->rows, recording->window[0],
             recording->window[1]);
     else if (f->masked > 0 || windowed)
@@ -345,6 +342,6 @@ void reply_findings(const struct recording *recording, struct arena *arena, stru
             "'data clean apply' would mask %zu of %zu samples and use the window %.6g..%.6g s",
             f->masked, recording->rows, f->window[0], f->window[1]);
     else if (kinds > 0)
-        buffer_put(text, TEXT("there is nothing to mask"));
+        buffer_put(text, TEXT("nothing needs to be masked"));
     reply_record(recording, reply);
 }

@@ -94,8 +94,7 @@ void inputs_put(const struct inputs *inputs, struct buffer *text)
                                   : " and ",
                       inputs->exact[i]);
     if (n > 0)
-        buffer_format(text,
-                      " %s taken as exact: '%s = VALUE +- UNCERTAINTY' says how well it is known)",
+        buffer_format(text, " %s taken as exact; '%s = VALUE +- UNCERTAINTY' sets an uncertainty)",
                       n > 1 ? "are" : "is", inputs->exact[0]);
 }
 

@@ -319,7 +319,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     *drag = (struct drag_fit){.candidates = DRAG_LAWS};
     if (forces && !choose_force(&f, quantity, drag))
         return error_set(error, ERROR_NUMERICAL,
-                         "no restoring force could be fitted: the search did not converge");
+                         "no restoring force could be fitted because the search did not converge");
     const bool settled = settle_samples(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
@@ -328,7 +328,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
         !drag_factors(&f, &f.fit[widest], &factors))
         return error_set(error, ERROR_NUMERICAL,
-                         "no law of damping could be fitted: the search did not converge");
+                         "no law of damping could be fitted because the search did not converge");
     struct law_evidence evidence = {.fit = f.fit};
     evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);

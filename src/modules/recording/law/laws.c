@@ -221,7 +221,7 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
                       fabs(bic_difference), needed(law_at(rival), law));
     }
     if (fraction > 0)
-        buffer_format(text, "%sa further term could take %.0f %% of the loss",
+        buffer_format(text, "%sa further term could explain %.0f %% of the energy loss",
                       rival < 0 ? " (" : "; ", 100 * fmin(fraction, 1));
     if (rival >= 0 || fraction > 0)
         buffer_char(text, ')');
@@ -251,7 +251,7 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
         buffer_format(text, "%s: every other law would have a negative coefficient",
                       drag_law_name(c->law));
     if (terms(c->law) < DRAG_RATES)
-        buffer_format(text, "; a further term takes less than %.2g %% of the loss",
+        buffer_format(text, "; a further term explains less than %.2g %% of the energy loss",
                       fmax(100 * fraction, 0.1));
 }
 

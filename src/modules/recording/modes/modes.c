@@ -224,9 +224,8 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
         if (apart < RESOLVED_LINE_WIDTHS)
             fit_warn(
                 fit,
-                "%.5g and %.5g Hz are %.2g line widths 1/%.3g s apart, too near to be told apart "
-                "for certain: a "
-                "sway, a drift of the period or another law of drag look like this; record longer",
+                "%.5g and %.5g Hz are only %.2g line widths (1/%.3g s) apart and may be one line: "
+                "sway, a drifting period or another law of drag look the same; record longer",
                 a->frequency.value, b->frequency.value, apart, span);
         for (int j = k + 1; j < modes->modes; j++) {
             const struct measured f = modes->mode[j].frequency;
@@ -235,19 +234,22 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
                                  OVERTONE_LINE_WIDTHS / span;
             if (overtone(a->frequency.value, f.value, doubt))
                 fit_warn(fit,
-                         "%.5g Hz is %g times %.5g Hz: an overtone of that oscillation, not a mode "
-                         "of its own",
+                         "%.5g Hz is %g times %.5g Hz: probably an overtone of that oscillation, "
+                         "not a separate mode",
                          f.value, n, a->frequency.value);
         }
     }
     if (modes->mode[0].frequency.value * span < SLOW_MODE_PERIODS)
         fit_warn(fit,
-                 "only %.2g periods of the slowest mode: it and the offset are poorly separated",
+                 "the window has only %.2g periods of the slowest mode, which is poorly separated "
+                 "from the offset",
                  modes->mode[0].frequency.value * span);
     for (int k = 0; k < modes->modes; k++)
         if (modes->mode[k].gamma.value < -2 * modes->mode[k].gamma.uncertainty)
-            fit_warn(fit, "the mode of %.5g Hz grows: is the window free of hands and of a drive?",
-                     modes->mode[k].frequency.value);
+            fit_warn(
+                fit,
+                "the mode of %.5g Hz grows; check that the window contains no hand and no drive",
+                modes->mode[k].frequency.value);
 }
 
 static void warn_rest(const struct modes_fitting *f, const struct modes_fit *modes, struct fit *fit)
@@ -260,20 +262,20 @@ static void warn_rest(const struct modes_fitting *f, const struct modes_fit *mod
     if (series_peaks(&left, f->arena, &line, 1) == 1 &&
         line.amplitude.value >
             fmax(LEFT_LINE_SIGMAS * line.amplitude.uncertainty, LEFT_MIN * smallest))
-        fit_warn(fit, "the residuals hold another line, at %.5g Hz%s", line.frequency.value,
-                 modes->modes < MODES_MAX ? ": try one mode more" : "");
+        fit_warn(fit, "the residuals contain another line, at %.5g Hz%s", line.frequency.value,
+                 modes->modes < MODES_MAX ? "; try one more mode" : "");
     for (size_t i = 0; i < f->series->n; i++) {
         const double moves = f->series->y[i] - f->residual[i] - f->fit.value[MODES_OFFSET].value;
         signal += f->samples.use[i] ? moves * moves : 0;
     }
     const double poor = sqrt(f->fit.rss / signal);
     if (poor > POOR_RESIDUAL_RATIO)
-        fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)",
+        fit_warn(fit, "the model fits poorly: its residuals are %.0f %% of the signal (rms)",
                  100 * poor);
     if (fit->rejected > 0)
         fit_warn(fit,
-                 "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard "
-                 "deviations off",
+                 "%zu of %zu samples rejected (missed echoes, spikes): off by more than 5 robust "
+                 "standard deviations",
                  fit->rejected, f->series->n);
 }
 
@@ -323,9 +325,9 @@ static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *m
 static bool too_many(int wanted, int found, struct error *error)
 {
     if (found == 0)
-        return error_set(error, ERROR_NUMERICAL, "no oscillation stands out of the noise");
-    error_set(error, ERROR_NUMERICAL, "%d frequenc%s of the noise, not %d", found,
-              found == 1 ? "y stands out" : "ies stand out", wanted);
+        return error_set(error, ERROR_NUMERICAL, "no oscillation is above the noise");
+    error_set(error, ERROR_NUMERICAL, "only %d frequenc%s above the noise, not %d", found,
+              found == 1 ? "y is" : "ies are", wanted);
     return found == 1 ? error_hint(error, "type: fit damped")
                       : error_hint(error, "type: fit modes %d", found);
 }
@@ -351,13 +353,13 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
         const struct measured a = modes->mode[k].amplitude;
         if (!(a.value > sure * a.uncertainty)) {
             error_set(error, ERROR_NUMERICAL,
-                      "the mode of %.5g Hz is not determined: its amplitude is %.3g +- %.2g",
+                      "the mode of %.5g Hz is not determined; its amplitude is %.3g +- %.2g",
                       modes->mode[k].frequency.value, a.value, a.uncertainty);
             return error_hint(error, "record longer, or fit fewer modes");
         }
         if (!(a.value > MODE_CLEAR_NOISE_RATIO * noise_beside(f, &modes->mode[k]))) {
             error_set(error, ERROR_NUMERICAL,
-                      "what is found at %.5g Hz does not stand out of the noise beside it",
+                      "the line at %.5g Hz is not above the noise around it",
                       modes->mode[k].frequency.value);
             return error_hint(error, "look at it: plot spectrum");
         }

@@ -124,7 +124,7 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
         return true;
     }
     error_set(error, ERROR_COMMAND,
-              "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
+              "no period: the noise leaves fewer than two clear up-crossings of %g", o->mean);
     return error_hint(error, "'measure spectrum' lists the lines of such a signal");
 }
 
@@ -210,7 +210,8 @@ static bool regular_period(const struct series *series, double level, const stru
     widen_by_falling_edges(edge, edges, period);
     if (first > 0)
         snprintf(period->warning, sizeof period->warning,
-                 "the period settles: it is read from t = %.6g s on, where it repeats to 1 %%",
+                 "the period changes at first; it is measured from t = %.6g s on, where it repeats "
+                 "to 1 %%",
                  crossing[0].t);
     return true;
 }

@@ -258,11 +258,10 @@ bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct
     if (bends)
         heed_bend(&bent, period);
     if (isfinite(jump))
-        snprintf(
-            period->warning, sizeof period->warning,
-            "the phase jumps in the gap after t = %.6g s (a clock that was set?): T is that of "
-            "the stretches between gaps",
-            jump);
+        snprintf(period->warning, sizeof period->warning,
+                 "the phase jumps in the gap after t = %.6g s, perhaps because a clock was set; T "
+                 "is measured between the gaps",
+                 jump);
     return period->period.value > 0;
 }
 

@@ -116,7 +116,7 @@ bool series_decay(const struct series *series, struct arena *arena,
     *decay = (struct decay){.halves = {NAN, NAN}};
     int count = readings > 0 ? readings : READINGS_DEFAULT;
     if (count < READINGS_MIN || count > (int)COUNT_OF(decay->reading)) {
-        return error_set(error, ERROR_COMMAND, "a decay is read at %d to %d times, not at %d",
+        return error_set(error, ERROR_COMMAND, "a decay needs %d to %d readings, not %d",
                          READINGS_MIN, (int)COUNT_OF(decay->reading), count);
     }
     double omega = NAN, rate = energy ? -1 : -2; /* gamma = rate * slope */
@@ -143,7 +143,7 @@ bool series_decay(const struct series *series, struct arena *arena,
     double t0 = series->t[0];
     if (!fit_logarithms(decay->reading, decay->readings, t0, &line)) {
         return error_set(error, ERROR_COMMAND,
-                         "no decay: fewer than two readings stand out of the noise");
+                         "no decay: fewer than two readings are above the noise");
     }
     decay->gamma = (struct measured){rate * line.slope.value, fabs(rate) * line.slope.uncertainty};
     if (energy)

@@ -274,8 +274,8 @@ static void widen_by_times(const struct cycles *c, double noise, struct measured
         period->period.uncertainty = hypot(period->period.uncertainty, difference.value);
     if (surprising && period->period.uncertainty > most * stated && !period->warning[0])
         snprintf(period->warning, sizeof period->warning,
-                 "the cycles come off their places, or off those before, by more than the noise: T "
-                 "is their mean, and known the less the fewer they are");
+                 "the times of the cycles vary by more than the noise; T is their mean, with a "
+                 "larger uncertainty");
 }
 
 /*
@@ -324,8 +324,8 @@ static bool heed_turns(const struct cycles *c, double noise, struct measured *va
             chance < chance_sure && c->count >= 2 * n && repeats_in_turn(c, n, scratch, &line);
         if (isfinite(line)) {
             snprintf(period->warning, sizeof period->warning,
-                     "a weaker line of %.4g s, no whole number of periods, makes the cycles differ "
-                     "('fit modes 2' reads both)",
+                     "the cycles differ because of a weaker oscillation with a period of %.4g s "
+                     "('fit modes 2' finds both)",
                      line);
             return false;
         }
@@ -333,9 +333,7 @@ static bool heed_turns(const struct cycles *c, double noise, struct measured *va
             period->period = (struct measured){times * T, times * period->period.uncertainty};
             period->periods = floor(period->periods / times);
             snprintf(period->warning, sizeof period->warning,
-                     "cycles of %.5g s are not alike: they differ in turn, and repeat after %zu of "
-                     "them",
-                     T, n);
+                     "cycles of %.5g s alternate: the motion repeats only after %zu of them", T, n);
             return true;
         }
         if (chance < chance_min) {
@@ -380,6 +378,6 @@ void period_doubt(const struct series *series, struct arena *arena, struct perio
             longer = heed_turns(&c, noise, value, scratch, period);
         else if (noise * noise < noise_max * cycles_square(&c) && !period->warning[0])
             snprintf(period->warning, sizeof period->warning,
-                     "cycles of this length are not all alike: T may not be their period");
+                     "cycles of this length differ, so T may not be the period");
     }
 }

@@ -168,7 +168,7 @@ static bool part_period(const struct series *series, const struct swing *swing, 
         !(sine_period(&part, &m, arena, period) || whole_period(&m, period)))
         return false;
     snprintf(period->warning, sizeof period->warning,
-             "only a part of it is an oscillation: T is that from t = %.6g to %.6g s",
+             "only a part of it is an oscillation; T is measured from t = %.6g to %.6g s",
              swing->window[0], swing->window[1]);
     return true;
 }
@@ -206,15 +206,16 @@ static void take_multiple(const struct series *series, bool exact, const struct 
         const double T = period->period.value;
         *period = other;
         if (multiple > 1 && lags_support(lags, T) && !period->warning[0])
-            snprintf(period->warning, sizeof period->warning,
-                     "cycles of %.5g s are not alike: T is %g of them, after which it is most like "
-                     "itself",
-                     T, multiple);
+            snprintf(
+                period->warning, sizeof period->warning,
+                "cycles of %.5g s differ; T is %g of them, after which the motion repeats best", T,
+                multiple);
         return;
     }
-    snprintf(period->warning, sizeof period->warning,
-             "it is more like itself after %.4g s, %.3g of these periods: this may be a harmonic",
-             guess, multiple);
+    snprintf(
+        period->warning, sizeof period->warning,
+        "the motion repeats better after %.4g s, %.3g of these periods, so this may be a harmonic",
+        guess, multiple);
 }
 
 /* Reads the period of what no sine describes. `rows` is the series, or means of its neighbours. */
@@ -247,8 +248,8 @@ static bool other_period(const struct series *series, const struct series *rows,
         !crossing_period(exact ? series : rows, &m->overview, arena, period, error))
         return false;
     snprintf(period->warning, sizeof period->warning,
-             "neither one damped sine nor its cycles describe it (several frequencies?): T is that "
-             "which is nearest");
+             "neither one damped sine nor equal cycles describe the motion (perhaps several "
+             "frequencies); T is the closest period");
     return true;
 }
 

@@ -447,8 +447,8 @@ static void heed_friction(struct cycle_times *log_amplitude, double omega, struc
         delay = late * fmax(rise, 0) / (omega * omega) * period->period.value;
     if (delay > normal_95 * period->period.uncertainty && !period->warning[0])
         snprintf(period->warning, sizeof period->warning,
-                 "the decay speeds up, as under dry friction, which delays the phases: T may be up "
-                 "to %.2g s too long ('fit drag' knows)",
+                 "the decay speeds up, as with dry friction, which delays the phases; T may be up "
+                 "to %.2g s too long ('fit drag' includes this)",
                  delay);
     period->period.uncertainty = hypot(period->period.uncertainty, delay / normal_95);
 }

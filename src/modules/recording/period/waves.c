@@ -168,8 +168,7 @@ static void take_mean_gap(const struct waves *w, struct period *period)
                               .level = period->level,
                               .how = "up-crossings"};
     snprintf(period->warning, sizeof period->warning,
-             "the waves come after %.4g to %.4g s (a frequency that sways, or jitter): T is the "
-             "mean",
+             "single waves take %.4g to %.4g s (a varying frequency, or jitter); T is the mean",
              w->shortest, w->longest);
 }
 
@@ -208,8 +207,8 @@ void period_check_waves(const struct series *series, struct arena *arena, struct
             take_mean_gap(&w, period);
         else if (count >= SEVERAL && !period->warning[0])
             snprintf(period->warning, sizeof period->warning,
-                     "T holds %zu waves that come after %.4g to %.4g s: where their frequency "
-                     "sways, they take %.4g s in the mean",
+                     "T contains %zu waves of %.4g to %.4g s; if their frequency varies, their "
+                     "mean is %.4g s",
                      count, w.shortest, w.longest, w.gap);
         return;
     }

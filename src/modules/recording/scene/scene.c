@@ -296,12 +296,13 @@ static bool choose_variable(struct scene_curve *c, const struct system *system,
         c->rate = true;
         return true;
     }
-    error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s",
+    error_set(error, ERROR_COMMAND, "the quantity of the series is %s, but the scene computes %s",
               quantity_name(quantity), quantity_name(first));
     return error_hint(
-        error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
-                   ? "fit, fit drag and fit law take it as it is; adopt then says in which scale"
-                   : "choose another scene, or another column of the file");
+        error,
+        quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
+            ? "'fit', 'fit drag' and 'fit law' work with these data; 'adopt' then reports the scale"
+            : "choose another scene, or another column of the file");
 }
 
 static bool set_up(const struct scene_fit_request *request, struct scene_curve *c,
@@ -334,8 +335,7 @@ static bool set_up(const struct scene_fit_request *request, struct scene_curve *
     if (first >= system.t0)
         return true;
     error_set(error, ERROR_COMMAND,
-              "the first sample, at %g s, lies before the scene's start t0 = %g s", first,
-              system.t0);
+              "the first sample, at %g s, is before the scene's start t0 = %g s", first, system.t0);
     return error_hint(error, "set t0, or choose a window");
 }
 
@@ -367,7 +367,7 @@ static void accept_simulation(const struct scene_fitting *f, struct curve_fit *f
         return;
     fit->converged = true;
     snprintf(fit->said, sizeof fit->said,
-             "converged in %d iterations: what is left is %.1e of the motion", fit->iterations,
+             "converged in %d iterations; the residual is %.1e of the motion", fit->iterations,
              fit->sigma / f->spread);
 }
 

@@ -121,11 +121,11 @@ static bool slopes(struct scene_curve *c, const struct spread_request *request, 
         parameter[j] = c->scene.value[c->index[j]];
     return scene_curve_mesh(c, parameter, &series, error) &&
            (scene_curve_evaluate(c, parameter, request->t, request->n, value, slope) ||
-            (cancelled(request->cancel)
-                 ? error_set(error, ERROR_CANCELLED, "it was stopped")
-                 : error_set(error, ERROR_NUMERICAL,
-                             "the motion has no derivatives by its parameters up to %g s",
-                             request->t[request->n - 1])));
+            (cancelled(request->cancel) ? error_set(error, ERROR_CANCELLED, "it was stopped")
+                                        : error_set(error, ERROR_NUMERICAL,
+                                                    "the derivatives of the motion with respect to "
+                                                    "its parameters do not exist up to %g s",
+                                                    request->t[request->n - 1])));
 }
 
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,

@@ -49,8 +49,9 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
 {
     const size_t n = series->n, reach = (size_t)(points / 2);
     if (points < 3 || points % 2 == 0 || n < (size_t)points)
-        return error_set(error, ERROR_COMMAND,
-                         "a rate needs an odd number of points, 3 at least, and as many samples");
+        return error_set(
+            error, ERROR_COMMAND,
+            "a rate needs an odd number of points, at least 3, and at least that many samples");
     double *value = arena_array(arena, n, sizeof *value),
            *gain = arena_array(arena, n, sizeof *gain);
     if (!value || !gain)

@@ -118,10 +118,10 @@ static void require_significant(struct motion *m)
         independent = fmax(independent, m->overview.periods * m->overview.periods);
     }
     if (wanders && explained < m->harmonic.rss) {
-        refuse(&m->overview, "one damped sine explains less of it than it leaves (steps, drift, "
-                             "several frequencies)");
+        refuse(&m->overview,
+               "one damped sine explains less than half of it (steps, drift, several frequencies)");
     } else if (!(0.5 * independent * explained > (log(0.5 * n) + chance) * m->harmonic.rss)) {
-        refuse(&m->overview, "no oscillation stands out of the noise");
+        refuse(&m->overview, "no oscillation is above the noise");
     }
 }
 
@@ -134,13 +134,11 @@ static void judge(struct motion *m)
     o->period = TWO_PI / h->omega;
     o->periods = span / o->period;
     if (o->periods < PERIODS_MIN) {
-        refuse(o,
-               "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed",
-               span, o->periods);
+        refuse(o, "the window of %.3g s has only %.2g periods; two are needed", span, o->periods);
     } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
-        refuse(o, "fewer than %.2g samples a period", SAMPLES_A_PERIOD);
+        refuse(o, "fewer than %.2g samples per period", SAMPLES_A_PERIOD);
     } else if (fabs(decrement) > DECREMENT_MAX) {
-        refuse(o, "it dies out within one cycle");
+        refuse(o, "it decays within one cycle");
     } else {
         o->oscillates = true;
         o->mean = h->c;
@@ -151,7 +149,7 @@ static void judge(struct motion *m)
 static void judge_rejected(struct motion *m)
 {
     if (fit_discards_much(m->rejected, m->samples.n)) {
-        refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected,
+        refuse(&m->overview, "a damped sine would leave out %zu of %zu samples", m->rejected,
                m->samples.n);
     }
 }
@@ -168,7 +166,7 @@ static void judge_few(struct motion *m)
     }
     if (m->overview.periods < FEW_PERIODS && m->autocorrelation > FEW_TOGETHER &&
         left > FEW_NOISES * m->overview.noise && m->harmonic.rss > FEW_LEAVE * power) {
-        refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods",
+        refuse(&m->overview, "a damped sine does not explain %.0f %% of the %.2g periods",
                100 * sqrt(m->harmonic.rss / power), m->overview.periods);
     }
 }
@@ -222,14 +220,14 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
     struct overview *o = &m->overview;
     m->harmonic = (struct harmonic){.omega = omega};
     if (!isfinite(omega)) {
-        refuse(o, "its spectrum has no peak above drift");
+        refuse(o, "its spectrum has no peak besides drift");
         return true;
     }
     /* The start is good enough to find outliers after two periods, unless the amplitude changes
      * much in that time. */
     bool found = start_gamma(m, omega);
     if (found && hope == SINE_TRIED_IF_NEAR && is_hopeless(m)) {
-        refuse(o, "one damped sine explains less of it than it leaves");
+        refuse(o, "one damped sine explains less than half of it");
         return true;
     }
     if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega) {
@@ -456,7 +454,7 @@ bool motion_refuse_known(const struct motion *m, const struct mode_pair *pair,
 {
     if (pair) {
         error_set(error, ERROR_COMMAND,
-                  "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
+                  "it has two frequencies, T = %.5g and %.5g s, which one sine cannot fit",
                   pair->period[0], pair->period[1]);
         return error_hint(error, "type: fit modes 2");
     }

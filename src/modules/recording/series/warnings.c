@@ -34,12 +34,10 @@ static void warn_halves(struct fit *fit)
         buffer_uncertain(&second, b->value, b->uncertainty);
         if (!first.failed && !second.failed)
             fit_warn(fit,
-                     "the envelope is not one exponential: gamma is %s 1/s in the first half, %s "
-                     "1/s in the second "
-                     "(%s; 'fit drag' weighs the laws)",
+                     "the decay is not one exponential: gamma is %s 1/s in the first half and %s "
+                     "1/s in the second (%s; 'fit drag' compares the laws)",
                      first.data, second.data,
-                     difference > 0 ? "drag that grows with speed does that"
-                                    : "dry friction does that");
+                     difference > 0 ? "as for drag that grows with speed" : "as for dry friction");
         buffer_free(&first);
         buffer_free(&second);
     }
@@ -62,10 +60,12 @@ static void warn_sway(const struct motion *m, double sway, double poor, struct f
     }
     if (two_lines(&m->samples, &pair)) {
         fit_warn(fit,
-                 "two frequencies: T = %.5g and %.5g s, which beat every %.4g s: try 'fit modes 2'",
+                 "there are two frequencies, T = %.5g and %.5g s, which beat every %.4g s; try "
+                 "'fit modes 2'",
                  pair.period[0], pair.period[1], pair.beat);
     } else if (sway > SWAY_MIN) {
-        fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?",
+        fit_warn(fit,
+                 "the amplitude is modulated by about %.0f %% (rms), perhaps by sideways motion",
                  100 * sway);
     }
 }
@@ -90,18 +90,18 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
 {
     const struct harmonic *h = &m->harmonic;
     if (m->overview.periods < 3) {
-        fit_warn(fit, "only %.2g periods: frequency and offset are poorly separated",
+        fit_warn(fit,
+                 "the window has only %.2g periods, so frequency and offset are poorly separated",
                  m->overview.periods);
     }
     if (fit->gamma.value < -2 * fit->gamma.uncertainty) {
-        fit_warn(
-            fit,
-            "gamma is negative: the amplitude grows; is the window free of hands and of a drive?");
+        fit_warn(fit, "gamma is negative: the amplitude grows; check that the window contains no "
+                      "hand and no drive");
     }
     if (fit->drag.wander > 0) {
         fit_warn(fit,
-                 "the offset wanders, by %.2g %% of the amplitude (rms): a parabola every three "
-                 "periods is taken off",
+                 "the offset wanders by %.2g %% of the amplitude (rms); a parabola every three "
+                 "periods was subtracted",
                  100 * fit->drag.wander / fit->amplitude.value);
     }
     const double poor = poorness(m, fit);
@@ -111,25 +111,24 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
     }
     if (m->clipped > 0) {
         fit_warn(fit,
-                 "%zu samples lie where the fit is beyond flat tops (clipped): they are left out, "
-                 "whatever they read",
+                 "%zu samples are left out because the fit goes beyond flat tops (clipped) there",
                  m->clipped);
     }
     if (m->rejected > m->clipped) {
         fit_warn(fit,
-                 "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard "
-                 "deviations off",
+                 "%zu of %zu samples rejected (missed echoes, spikes): off by more than 5 robust "
+                 "standard deviations",
                  m->rejected - m->clipped, m->samples.n);
     }
     if (h->drifts) {
         double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
         fit_warn(fit,
-                 "the offset drifts, by %.2g %% of the amplitude over the window: a line of its "
-                 "own was fitted to it",
+                 "the offset drifts by %.2g %% of the amplitude over the window; a straight line "
+                 "was fitted to it",
                  100 * fabs(h->d) * span / fit->amplitude.value);
     }
     if (poor > POOR_MIN) {
-        fit_warn(fit, "the model is poor: the residuals of %s are %.0f %% of the signal (rms)",
+        fit_warn(fit, "the model fits poorly: the residuals of %s are %.0f %% of the signal (rms)",
                  fit->drag.candidates > 0 ? drag_law_name(fit->drag.best) : "a damped sine",
                  100 * poor);
     }

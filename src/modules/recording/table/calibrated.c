@@ -19,10 +19,11 @@ bool recording_calibrate(struct recording *recording, const struct calibration *
     if (!calibration->known || recording->calibration.known)
         return true;
     if (quantity_of(source_unit) != column->quantity) {
-        error_set(error, ERROR_COMMAND, "%s was calibrated in %s and is read in %s", column->name,
+        error_set(error, ERROR_COMMAND, "%s was calibrated in %s but is now in %s", column->name,
                   source_unit ? source_unit->row.name : "numbers without a unit",
                   column->unit[0] ? column->unit : "numbers without a unit");
-        return error_hint(error, "unit= says what it sends, 'calibrate off' takes it as it comes");
+        return error_hint(error,
+                          "set its unit with unit=, or use it uncalibrated with 'calibrate off'");
     }
     const double gain = calibration_gain(calibration),
                  factor = source_unit ? column->factor / source_unit->factor : 1;

@@ -184,9 +184,9 @@ static bool find_column(const struct recording *recording, struct text wanted, i
     if (found == 1 && in_run(recording, *column))
         return true;
     if (found == 1) {
-        error_at(error, wanted, "column '%s' is not of %s", recording->column[*column].name,
-                 recording->run[recording->taken].name);
-        return error_hint(error, "say the run or the column, not both");
+        error_at(error, wanted, "column '%s' does not belong to %s",
+                 recording->column[*column].name, recording->run[recording->taken].name);
+        return error_hint(error, "give the run or the column, not both");
     }
     error_at(error, wanted, "%s column '%s'", found ? "more than one" : "there is no",
              short_name(text_trim(wanted), shown));
@@ -330,13 +330,14 @@ static bool no_time(const struct recording *recording, const struct profile *pro
     for (int i = 0; i < recording->columns; i++)
         if (is_time(&recording->column[i]) && profile[i].numbers > 1) {
             error_set(error, ERROR_IO,
-                      "the times in column '%s' do not rise (%.0f %% of the steps go back)",
+                      "the times in column '%s' do not increase (%.0f %% of the steps go back)",
                       recording->column[i].name, 100 * profile[i].falling);
-            return error_hint(error, "say t=COLUMN, or the sampling rate, e.g. rate=100");
+            return error_hint(error, "give t=COLUMN, or the sampling rate, for example rate=100");
         }
     bool counts = index_column(recording, profile) >= 0;
-    error_set(error, ERROR_IO, "no time column%s: say the sampling rate, e.g. load FILE rate=100",
-              counts ? " (the file counts samples)" : "");
+    error_set(error, ERROR_IO,
+              "no time column%s; give the sampling rate, for example load FILE rate=100",
+              counts ? " (the file has sample numbers)" : "");
     list_columns(recording, error);
     return false;
 }
@@ -365,18 +366,19 @@ static bool choose_time(struct recording *recording, const struct profile *profi
         recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
         recording_warn(
             recording,
-            "the times are those of the sampling rate that the file's header says: %.6g Hz",
+            "the times are computed from the sampling rate in the file's header, %.6g Hz",
             recording->header_rate);
         return true;
     }
     if (recording->time < 0)
         return no_time(recording, profile, error);
     if (!in_run(recording, recording->time))
-        recording_warn(recording, "%s has no times of its own: those of '%s' are used",
+        recording_warn(recording, "%s has no times; those of '%s' are used",
                        recording->run[recording->taken].name,
                        recording->column[recording->time].name);
     if (named < 0)
-        recording_warn(recording, "%s rises and is taken as the time; t=COLUMN chooses another",
+        recording_warn(recording,
+                       "%s increases and is taken as the time; t=COLUMN chooses another column",
                        recording->column[recording->time].name);
     return true;
 }
@@ -388,7 +390,7 @@ static bool choose_value(struct recording *recording, const struct profile *prof
         return find_column(recording, options->value, &recording->value, error);
     if (!quantity_column_pick(recording, profile, false) &&
         !quantity_column_pick(recording, profile, true)) {
-        error_set(error, ERROR_IO, "no column of values to analyse; say which with y=COLUMN");
+        error_set(error, ERROR_IO, "no column of values was found; choose one with y=COLUMN");
         list_columns(recording, error);
         return false;
     }

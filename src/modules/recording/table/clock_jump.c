@@ -112,10 +112,10 @@ void mend_clock_jumps(struct recording *recording)
     }
     char more[40] = "";
     if (jumps > 1)
-        snprintf(more, sizeof more, " and %zu times more", jumps - 1);
+        snprintf(more, sizeof more, " and %zu more times", jumps - 1);
     recording_warn(recording,
-                   "the clock jumps back by %s%.4g s (line %u)%s while the rows go on evenly: the "
-                   "times behind are moved on by as much",
+                   "the clock jumps back by %s%.4g s (line %u)%s although the rows are even; the "
+                   "later times are shifted by the same amount",
                    jumps > 1 ? "up to " : "", longest, recording->line[first], more);
 }
 
@@ -166,6 +166,7 @@ void unwrap_clock(struct recording *recording, int column)
         previous = value[i];
         value[i] += moved;
     }
-    recording_warn(recording, "the clock in %s was full %zu %s, at %.10g: its times go on",
+    recording_warn(recording,
+                   "the clock in %s overflowed %zu %s, at %.10g; the times are continued",
                    recording->column[column].name, wraps, wraps == 1 ? "time" : "times", full);
 }

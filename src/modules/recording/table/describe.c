@@ -32,7 +32,7 @@ static void put_columns(struct buffer *text, const struct recording *recording)
     }
     if (recording->columns > COLUMNS_SHOWN)
         buffer_format(text, " and %d more", recording->columns - COLUMNS_SHOWN);
-    buffer_put(text, TEXT("  (t= y= unit= tunit= rate= decimal= sep= say otherwise)\n"));
+    buffer_put(text, TEXT("  (change with t= y= unit= tunit= rate= decimal= sep=)\n"));
 }
 
 void recording_describe(const struct recording *recording, struct buffer *text)
@@ -59,12 +59,12 @@ void recording_describe(const struct recording *recording, struct buffer *text)
     if (recording->calibration.known) {
         buffer_put(text, TEXT("calibrated: "));
         calibration_put(&recording->calibration, text);
-        buffer_put(text, TEXT(" (as read, and true)\n"));
+        buffer_put(text, TEXT(" (raw, and calibrated)\n"));
     }
     if (recording->runs > 1) {
         buffer_put(text, TEXT("runs: "));
         run_list(recording, text);
-        buffer_put(text, TEXT("  (run= says otherwise)\n"));
+        buffer_put(text, TEXT("  (change with run=)\n"));
     }
     recording_describe_masked(recording, text);
     for (int i = 0; i < recording->warnings; i++)

@@ -367,12 +367,11 @@ static bool no_table(const struct table_text *text, size_t first_line, struct er
     for (size_t i = first_line; i < text->heads; i++)
         if (text->head[i].text.len >= HEAD_BYTES)
             return error_set(error, ERROR_IO,
-                             "line %zu of %s has more than %u bytes: no table starts there",
+                             "line %zu of %s has more than %u bytes, so no table starts there",
                              text->head[i].number, text->name, HEAD_BYTES);
     error_set(error, ERROR_IO, "no table of numbers found in %s", text->name);
-    return error_hint(error,
-                      "rows of numbers separated by tabs, semicolons, commas or blanks are read; "
-                      "sep= and decimal= say how they are written");
+    return error_hint(error, "a table has rows of numbers separated by tabs, semicolons, commas or "
+                             "blanks; sep= and decimal= describe others");
 }
 
 bool table_find(const struct table_text *text, size_t first_line,

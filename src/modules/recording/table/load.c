@@ -216,10 +216,8 @@ static bool recording_load_file(const char *path, const struct load_options *opt
     contents_free(&contents); /* the search below needs as much memory */
     done = done && (recording_leave_out_sentinels(recording) || error_memory(error));
     if (done && grew)
-        recording_warn(
-            recording,
-            "the file was being written: what came after it was opened, and the last line before, "
-            "are left out; 'collect' follows it");
+        recording_warn(recording, "the file was still being written: its last line and what was "
+                                  "added later are left out; 'collect' reads a growing file");
     return done;
 }
 
@@ -232,7 +230,7 @@ struct recording *collected_read(struct text text, const struct load_options *op
         return NULL;
     }
     recording->cancel = options->cancel;
-    if (!read_part(text, "what has come", options, recording, error) ||
+    if (!read_part(text, "what has arrived", options, recording, error) ||
         !(recording_leave_out_sentinels(recording) || error_memory(error))) {
         recording_destroy(recording);
         return NULL;

@@ -61,8 +61,8 @@ static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
     rows = rows < max ? rows : max;
     if (rows <= reader->capacity) {
         error_set(error, ERROR_IO,
-                  "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
-                  max, recording->columns, TABLE_BYTES >> 20);
+                  "the table has more than %zu rows of %d columns, beyond the limit of %u MiB", max,
+                  recording->columns, TABLE_BYTES >> 20);
         return error_hint(error, "export a part of it, or fewer columns");
     }
     bool done = resize(&recording->t, rows, sizeof *recording->t) &&
@@ -342,20 +342,19 @@ static void warn_rows(struct row_reader *reader)
     struct recording *recording = reader->recording;
     if (reader->layout->ambiguous)
         recording_warn(recording,
-                       "commas are read as separators (%d columns of whole numbers); decimal=comma "
-                       "if they are "
-                       "decimal marks",
+                       "commas are read as separators (%d columns of whole numbers); give "
+                       "decimal=comma if they are decimal marks",
                        recording->columns);
     if (reader->layout->grouped)
-        recording_warn(
-            recording,
-            "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
-            reader->layout->decimal == '.' ? ',' : '.',
-            reader->layout->decimal == '.' ? "comma" : "point");
+        recording_warn(recording,
+                       "'%c' is read as a separator of thousands, because the numbers continue "
+                       "from 999 with it; give decimal=%s if it is not",
+                       reader->layout->decimal == '.' ? ',' : '.',
+                       reader->layout->decimal == '.' ? "comma" : "point");
     if (reader->layout->unpadded)
         recording_warn(recording,
-                       "%s: the digits behind the mark are not padded (the numbers fall where "
-                       "%.0f digits follow): 0%c20 is read as 20 of %.0f parts",
+                       "%s: the digits after the mark seem to be unpadded, because the numbers "
+                       "decrease where %.0f digits follow; 0%c20 is read as 20 of %.0f parts",
                        recording->column[reader->layout->unpadded - 1].name,
                        log10(reader->layout->unpadded_parts), reader->layout->decimal,
                        reader->layout->unpadded_parts);
@@ -365,22 +364,21 @@ static void warn_rows(struct row_reader *reader)
                        reader->ragged.count == 1 ? "is" : "are", recording->columns,
                        reader->ragged.first, reader->ragged.example);
     if (reader->shorter.count > 0)
-        recording_warn(
-            recording,
-            "%zu rows have fewer than %d columns: the last ones are missing there (first: "
-            "line %zu, '%s')",
-            reader->shorter.count, recording->columns, reader->shorter.first,
-            reader->shorter.example);
+        recording_warn(recording,
+                       "%zu rows have fewer than %d columns; their last values are missing (first: "
+                       "line %zu, '%s')",
+                       reader->shorter.count, recording->columns, reader->shorter.first,
+                       reader->shorter.example);
     if (reader->wider.count > 0)
         recording_warn(recording,
-                       "%zu rows have more than %d columns, the others are not read (first: line "
-                       "%zu, '%s')",
+                       "%zu rows have more than %d columns; the additional ones are not read "
+                       "(first: line %zu, '%s')",
                        reader->wider.count, recording->columns, reader->wider.first,
                        reader->wider.example);
     for (int i = 0; i < recording->columns; i++) {
         const struct row_problem *words = &reader->words[i];
         if (words->count > 0 && words->count == recording->rows)
-            recording_warn(recording, "%s holds words, not numbers ('%s')",
+            recording_warn(recording, "%s contains words, not numbers ('%s')",
                            recording->column[i].name, words->example);
         else if (words->count > 0)
             recording_warn(
@@ -389,10 +387,11 @@ static void warn_rows(struct row_reader *reader)
                 words->count == 1 ? "cell is" : "cells are", words->first, words->example);
     }
     if (reader->extra.count > 0)
-        recording_warn(recording,
-                       "%zu %s words behind the last column, not read (first: line %zu, '%s')",
-                       reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have",
-                       reader->extra.first, reader->extra.example);
+        recording_warn(
+            recording,
+            "%zu %s words after the last column, which are not read (first: line %zu, '%s')",
+            reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have",
+            reader->extra.first, reader->extra.example);
 }
 
 static bool is_full(struct row_reader *reader, struct error *error)
@@ -414,7 +413,7 @@ static bool read_line(struct row_reader *reader, struct text *rest, size_t numbe
     const bool row = line.len <= LIMIT_LINE && read_row(reader, line, *rest, number);
     reader->ended = rest->len > 0 || rest->data > line.data + line.len;
     if (!row && !reader->ended) {
-        recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
+        recording_warn(recording, "the last line (%zu) is incomplete and was dropped", number);
         recording->dropped++;
     } else if (!row) {
         row_problem_note(&reader->ragged, number, line);
@@ -478,7 +477,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
         recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
         char shown[SHORT_NAME];
         recording_warn(
-            recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
+            recording, "the last line (%zu) seems to end inside a number ('%s') and was dropped",
+            number - 1,
             short_name(last_field(&reader, reader.recent[(recording->rows - 1) % ROWS_KEPT]),
                        shown));
         recording->rows--;

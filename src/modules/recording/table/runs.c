@@ -69,7 +69,8 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
     struct buffer names = {0};
     run_list(recording, &names);
     error_at(error, wanted, "there is no run '%s' in this file", short_name(name, shown));
-    error_hint(error, recording->runs > 0 ? "runs: %s" : "it holds one recording; leave run= out",
+    error_hint(error,
+               recording->runs > 0 ? "runs: %s" : "it contains only one recording; omit run=",
                names.data ? names.data : "");
     buffer_free(&names);
     return false;
@@ -79,7 +80,7 @@ void run_list(const struct recording *recording, struct buffer *text)
 {
     for (int i = 0; i < recording->runs && i < LISTED_RUNS_MAX; i++)
         buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name,
-                      i == recording->taken ? " = taken" : "");
+                      i == recording->taken ? " = used" : "");
     if (recording->runs > LISTED_RUNS_MAX)
         buffer_format(text, " and %d more", recording->runs - LISTED_RUNS_MAX);
 }

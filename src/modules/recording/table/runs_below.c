@@ -64,10 +64,8 @@ bool take_run_below(struct recording *recording, const struct load_options *opti
     recording->taken = 0;
     if (options->run.len > 0 && !run_find(recording, options->run, &recording->taken, error))
         return false;
-    recording_warn(
-        recording,
-        "the clock starts again %d %s: %d runs below each other, of which run=%d is read", runs - 1,
-        runs == 2 ? "time" : "times", runs, recording->taken + 1);
+    recording_warn(recording, "the clock restarts %d %s, so the file has %d runs; run=%d is read",
+                   runs - 1, runs == 2 ? "time" : "times", runs, recording->taken + 1);
     keep_rows(recording, start[recording->taken], start[recording->taken + 1]);
     return true;
 }

@@ -75,10 +75,11 @@ static void count_from_first(struct recording *recording, int i)
     column->quantity = QUANTITY_TIME;
     column->factor = 1;
     const double clock = fmod(first, SECONDS_PER_DAY);
-    recording_warn(
-        recording,
-        "%s holds dates or times of day: taken as seconds from the first, %02d:%02d:%06.3f",
-        column->name, (int)(clock / 3600), (int)(fmod(clock, 3600) / 60), fmod(clock, 60));
+    recording_warn(recording,
+                   "%s contains dates or times of day; the time is counted in seconds from the "
+                   "first, %02d:%02d:%06.3f",
+                   column->name, (int)(clock / 3600), (int)(fmod(clock, 3600) / 60),
+                   fmod(clock, 60));
 }
 
 void stamp_columns(struct recording *recording, const struct stamp_column *column)

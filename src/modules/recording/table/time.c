@@ -50,7 +50,8 @@ static bool set_epoch(struct recording *recording, struct column *time)
         time->quantity = QUANTITY_TIME;
         time->factor = 1 / clocks[i].per_second;
         recording_warn(recording,
-                       "%s counts %s since 1970: taken from its first, %.0f; tunit= says otherwise",
+                       "%s counts %s since 1970; the time is counted from the first value, %.0f "
+                       "(tunit= changes that)",
                        time->name, clocks[i].unit, first);
         return true;
     }
@@ -74,15 +75,16 @@ static bool set_time_unit(struct recording *recording, const struct load_options
         time->factor = unit->factor;
     } else if (time->quantity != QUANTITY_TIME && time->unit[0]) {
         error_set(error, options->time.len > 0 ? ERROR_COMMAND : ERROR_IO,
-                  "the unit of '%s' is '%s', which is no known time", time->name, time->unit);
-        return error_hint(error, "tunit=s takes its numbers as seconds");
+                  "the unit of '%s' is '%s', which is not a known unit of time", time->name,
+                  time->unit);
+        return error_hint(error, "tunit=s reads its numbers as seconds");
     } else if (time->quantity != QUANTITY_TIME && set_epoch(recording, time)) {
         return true;
     } else if (time->quantity != QUANTITY_TIME) {
         bool whole = true;
         for (size_t i = 0; i < recording->rows && whole; i++)
             whole = !(fabs(time->value[i]) < HUGE_VAL) || time->value[i] == floor(time->value[i]);
-        recording_warn(recording, "%s has no unit: %s; tunit= says otherwise", time->name,
+        recording_warn(recording, "%s has no unit: %s; tunit= sets another unit", time->name,
                        whole
                            ? "seconds assumed, but whole numbers are often milliseconds (tunit=ms)"
                            : "seconds assumed");
@@ -99,15 +101,14 @@ static void set_value_unit(struct recording *recording, const struct unit *unit)
         value->factor = unit->factor;
     } else if (value->unit[0] && value->quantity == QUANTITY_OTHER) {
         recording_warn(recording,
-                       "the unit '%s' of %s is not converted: its numbers are taken as they are; "
-                       "unit=cm (or another) "
-                       "says otherwise",
+                       "the unit '%s' of %s is unknown; the numbers are used unchanged (unit=cm or "
+                       "another sets a known unit)",
                        value->unit, value->name);
     } else if (!value->unit[0]) {
-        recording_warn(recording,
-                       "%s has no unit: its numbers are taken as they are; unit=cm (or m, mm, deg "
-                       "…) says what they are",
-                       value->name);
+        recording_warn(
+            recording,
+            "%s has no unit; its numbers are used unchanged (unit=cm, m, mm, deg … sets one)",
+            value->name);
     }
 }
 
@@ -203,11 +204,12 @@ static void spread_stamps(struct recording *recording)
         return;
     }
     if (repeated > 0)
-        recording_warn(recording,
-                       "%zu %s the time before, which was rounded to %.3g s: all rows are kept, %s",
-                       repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution,
-                       even.even ? "at even times (a straight line through the stamps)"
-                                 : "spread between the stamps");
+        recording_warn(
+            recording,
+            "%zu %s the previous time, which was rounded to %.3g s; all rows are kept, %s",
+            repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution,
+            even.even ? "at even times (a straight line through the time stamps)"
+                      : "spread between the time stamps");
 }
 
 /*
@@ -245,7 +247,8 @@ static void drop_rows(struct recording *recording)
     recording->repeated = same.count;
     recording->backward = back.count;
     warn_dropped(recording, &missing, "row has no time", "rows have no time");
-    warn_dropped(recording, &same, "row repeats the time before", "rows repeat the time before");
+    warn_dropped(recording, &same, "row repeats the previous time",
+                 "rows repeat the previous time");
     warn_dropped(recording, &back, "row goes back in time", "rows go back in time");
 }
 
@@ -266,8 +269,7 @@ void recording_reverse(struct recording *recording)
         recording->line[i] = recording->line[j];
         recording->line[j] = line;
     }
-    recording_warn(recording,
-                   "the newest row comes first: the rows are taken in the order of their times");
+    recording_warn(recording, "the newest row comes first, so the rows are sorted by time");
 }
 
 double recording_median_step(const struct recording *recording)
@@ -298,13 +300,13 @@ static void warn_steps(struct recording *recording)
     }
     if (gaps > 0)
         recording_warn(recording,
-                       "%zu %s between samples, the longest %.4g s where %.4g s is usual (first: "
+                       "%zu %s between samples; the longest is %.4g s instead of %.4g s (first: "
                        "after line %zu)",
                        gaps, gaps == 1 ? "gap" : "gaps", longest, median, first);
     if (uneven > 0)
         recording_warn(recording,
                        "the sampling is uneven: %zu of %zu steps differ by more than %.0f %% from "
-                       "%.4g s (%.4g to %.4g s)",
+                       "%.4g s (they are %.4g to %.4g s)",
                        uneven, recording->rows - 1, 100 * UNEVEN_STEP_FRACTION, median, min, max);
 }
 

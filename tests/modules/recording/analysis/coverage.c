@@ -226,7 +226,7 @@ static struct verdict measured_period(const struct series *series, const struct 
 static bool doubts(const struct fit *fit, char *text, size_t size)
 {
     for (int i = 0; i < fit->warnings; i++)
-        if (!strstr(fit->warning[i], "rejected") && !strstr(fit->warning[i], "a line of its own") &&
+        if (!strstr(fit->warning[i], "rejected") && !strstr(fit->warning[i], "a straight line") &&
             !strstr(fit->warning[i], "poorly separated")) {
             snprintf(text, size, "%s", fit->warning[i]);
             return true;

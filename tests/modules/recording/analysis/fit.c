@@ -147,7 +147,7 @@ TEST(deep_cuts_are_no_fit)
     struct error error = {0};
     assert_false(fit_named("damped", &s.series, &fit, &error));
     assert_false(fit.converged);
-    assert_non_null(strstr(error.text, "left out"));
+    assert_non_null(strstr(error.text, "leave out"));
     synthetic_free(&s);
 }
 

@@ -98,15 +98,15 @@ TEST(archives_in_archives_are_refused)
     }
     put_zip(&inner, &(struct file){"Raw Data.csv", table}, 1);
     put_gzip(&outer, buffer_text(&inner));
-    assert_true(refused(load_bytes(&outer, "", &error), &error, "in an archive"));
+    assert_true(refused(load_bytes(&outer, "", &error), &error, "inside an archive"));
     buffer_clear(&inner);
     buffer_clear(&outer);
     put_workbook(&inner, "<worksheet/>");
     put_gzip(&outer, buffer_text(&inner));
-    assert_true(refused(load_bytes(&outer, "", &error), &error, "in an archive"));
+    assert_true(refused(load_bytes(&outer, "", &error), &error, "inside an archive"));
     buffer_clear(&outer);
     put_gzip(&outer, TEXT("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"));
-    assert_true(refused(load_bytes(&outer, "", &error), &error, "in an archive"));
+    assert_true(refused(load_bytes(&outer, "", &error), &error, "inside an archive"));
     buffer_clear(&outer);
     put_zip(&outer, &(struct file){"inner.zip", "PK"}, 1);
     assert_true(refused(load_bytes(&outer, "", &error), &error, "without a table of text"));

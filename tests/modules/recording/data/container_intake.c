@@ -82,7 +82,7 @@ TEST(devices_and_pipes_are_refused)
     refused_at_once(fixture_folder, "it is a directory");
     const char *path = fixture_path("pipe");
     assert_int_equal(mkfifo(path, 0600), 0);
-    refused_at_once(path, "a pipe that nobody writes to");
+    refused_at_once(path, "no program writes to it");
 }
 
 /* 64 MB of the same again and again. */
@@ -110,7 +110,7 @@ TEST(text_without_a_table_is_refused_from_its_beginning)
     refused_at_once(repeated("", "a word\n"), "no table of numbers");
     refused_at_once(repeated("", "a"), "no table starts there");
     refused_at_once(repeated("", "1,"), "more than 1024 columns");
-    refused_at_once(repeated(table, "1"), "from byte 69 on there is no end of line");
+    refused_at_once(repeated(table, "1"), "the line that begins at byte 69 is longer");
 }
 
 /* A stream that goes on: what came out of how much is known all the time. */
@@ -138,7 +138,7 @@ TEST(documents_without_end_are_refused)
     buffer_format(&bytes, "<?xml version=\"1.0\"?><Document><");
     for (int i = 0; i < 20000000; i++)
         buffer_char(&bytes, 'a');
-    assert_true(refused(load_bytes(&bytes, "", &error), &error, "holds a name of more than"));
+    assert_true(refused(load_bytes(&bytes, "", &error), &error, "contains a name of more than"));
     buffer_clear(&bytes);
     buffer_format(&bytes, "<?xml version=\"1.0\"?><Document>");
     for (int i = 0; i < 1000000; i++)

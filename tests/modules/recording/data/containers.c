@@ -115,7 +115,7 @@ TEST(hostile_documents_are_refused)
         return;
     }
     assert_true(refused(fixture_load(laughs, strlen(laughs), "", &error), &error, "entities"));
-    assert_true(refused(fixture_load(cmbl, 400, "", &error), &error, "no valid XML"));
+    assert_true(refused(fixture_load(cmbl, 400, "", &error), &error, "not valid XML"));
     static const char other[] = "<?xml version=\"1.0\"?>\n<svg><path/></svg>\n";
     assert_true(
         refused(fixture_load(other, strlen(other), "", &error), &error, "neither Logger Pro"));
@@ -176,7 +176,7 @@ TEST(an_old_workbook_is_refused_where_it_is_damaged)
     static const char start[] = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1 and nothing behind it";
     struct recording *recording = fixture_load(start, sizeof start, "", &error);
 #ifdef HAVE_FREEXL
-    assert_true(refused(recording, &error, "no Excel workbook"));
+    assert_true(refused(recording, &error, "not a readable Excel workbook"));
 #else
     assert_true(refused(recording, &error, "built without FreeXL"));
 #endif

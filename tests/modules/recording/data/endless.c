@@ -86,7 +86,7 @@ static void a_pipe_that_goes_on_is_refused_soon(void **state)
     snprintf(path, sizeof path, "%s", fixture_path("sensor"));
     assert_int_equal(mkfifo(path, 0600), 0);
     assert_int_equal(pthread_create(&thread, NULL, sensor, path), 0);
-    refused(path, "it goes on"); /* it would go on until the test is stopped */
+    refused(path, "data keep arriving"); /* it would go on until the test is stopped */
     pthread_join(thread, NULL);
 }
 

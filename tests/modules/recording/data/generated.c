@@ -204,7 +204,7 @@ static void thousands_in_one_column(struct file *f)
         put_real(f, f->y[i], digits);
         end_row(f);
     }
-    f->said = "between thousands";
+    f->said = "separator of thousands";
 }
 
 static void stamps_before_lines(struct file *f)
@@ -280,7 +280,7 @@ static void unpadded_decimals(struct file *f)
         put_y(f, i);
         end_row(f);
     }
-    f->said = "are not padded";
+    f->said = "seem to be unpadded";
 }
 
 /* A counter of 8 bits that is full now and then, and nothing else. */

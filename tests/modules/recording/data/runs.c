@@ -100,12 +100,11 @@ TEST(what_there_is_is_said)
     struct buffer text = {0};
     struct recording *r = fixture_good(SIDE_BY_SIDE, "run=3");
     recording_describe(r, &text);
-    assert_non_null(strstr(text.data, "runs: Run #2, Run #3 = taken"));
+    assert_non_null(strstr(text.data, "runs: Run #2, Run #3 = used"));
     recording_destroy(r);
     buffer_clear(&text);
     assert_non_null(r = fixture_good(SHARED_TIME, "run=2"));
-    assert_true(
-        fixture_warns(r, "Run #2 has no times of its own: those of 'Time Run #1' are used"));
+    assert_true(fixture_warns(r, "Run #2 has no times; those of 'Time Run #1' are used"));
     recording_destroy(r);
     assert_non_null(r = fixture_good(SETS, "run=disk"));
     assert_int_equal(r->header_lines, 4);

@@ -48,7 +48,7 @@ static int rows_left_out(const struct sensed *s, bool *warned)
     assert_int_equal(r->rows, s->n);
     for (size_t i = 0; i < r->rows; i++)
         missing += isnan(r->y[i]);
-    *warned = fixture_warns(r, "that see nothing: left out");
+    *warned = fixture_warns(r, "as a sensor without a signal reports");
     recording_destroy(r);
     buffer_free(&text);
     return missing;

@@ -116,7 +116,7 @@ TEST(repeated_times_keep_the_first)
     assert_int_equal(r->dropped, 3);
     assert_int_equal(r->line[1], 3);
     assert_int_equal(r->line[2], 5);
-    assert_true(fixture_warns(r, "3 rows repeat the time before: dropped (first: line 4)"));
+    assert_true(fixture_warns(r, "3 rows repeat the previous time: dropped (first: line 4)"));
     assert_false(fixture_warns(r, "uneven"));
     recording_destroy(r);
 }
@@ -129,7 +129,7 @@ TEST(gaps_and_jitter_are_kept_and_said)
     assert_true(near(r->dt, 0.015, 1e-15));
     assert_true(fixture_warns(
         r,
-        "2 gaps between samples, the longest 0.04 s where 0.01 s is usual (first: after line 4)"));
+        "2 gaps between samples; the longest is 0.04 s instead of 0.01 s (first: after line 4)"));
     assert_true(fixture_warns(r, "2 of 10 steps differ"));
     recording_destroy(r);
 }
@@ -172,11 +172,11 @@ TEST(a_cut_last_row_is_dropped)
         /* Cut. */
         {"t;y;\n0.0;1.25;\n0.1;1.50;\n0.2;1.7", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1.7", 2,
-         "the last line (4) seems cut in mid-number ('1.7')"},
+         "the last line (4) seems to end inside a number ('1.7')"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t-", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t", 2, "the last line (4)"},
-        {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.", 2, "the last line (4) is cut short: dropped"},
+        {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.", 2, "the last line (4) is incomplete and was dropped"},
         {"t\ty\n0.0\t1.25E2\n0.1\t1.50E2\n0.2\t1.75E", 2, "the last line (4)"},
         {"t\ty\n0\t-148\n1\t-120\n2\t-1", 2, "('-1')"},
     };
@@ -198,12 +198,12 @@ TEST(the_time_behind_a_count)
     struct recording *r = fixture_good("1,0.02,40.1\n2,0.04,40.3\n3,0.06,40.2\n4,0.08,40.0\n", "");
     assert_int_equal(r->time, 1);
     assert_int_equal(r->value, 2);
-    assert_true(r->t[3] == 0.08 && fixture_warns(r, "column 2 rises and is taken as the time"));
+    assert_true(r->t[3] == 0.08 && fixture_warns(r, "column 2 increases and is taken as the time"));
     recording_destroy(r);
     static const char wanders[] =
         "1,0.02,40.1\n2,0.021,40.3\n3,0.3,40.2\n4,0.31,40.0\n5,0.9,40.0\n";
     assert_null(fixture_load(wanders, strlen(wanders), "", &error));
-    assert_non_null(strstr(error.text, "the file counts samples"));
+    assert_non_null(strstr(error.text, "the file has sample numbers"));
 }
 
 /* Three digits behind the mark everywhere are decimals, unless the numbers go on so from 999. */
@@ -214,7 +214,7 @@ TEST(marks_between_thousands)
     recording_destroy(r);
     r = fixture_good("t;y\n999;1.234\n1.000;1.236\n1.001;1.235\n", "");
     assert_true(r->t[1] == 1000 && r->y[0] == 1234 &&
-                fixture_warns(r, "'.' stands between thousands"));
+                fixture_warns(r, "'.' is read as a separator of thousands"));
     recording_destroy(r);
     r = fixture_good("t;y\n1;999\n2;999.125\n3;998.5\n", "");
     assert_true(r->y[0] == 999 && r->y[1] == 999.125);
@@ -339,7 +339,7 @@ TEST(full_counters_continue)
         struct recording *r = fixture_good(text.data, "");
         assert_int_equal(r->rows, rows);
         assert_true(near(r->t[rows - 1] - r->t[0], last * factor, 1e-9 * last * factor));
-        assert_true(fixture_warns(r, "was full"));
+        assert_true(fixture_warns(r, "overflowed"));
         recording_destroy(r);
         buffer_free(&text);
     }
