@@ -229,8 +229,9 @@ enum column_kind {
 enum column_flag {
     COLUMN_NO_RECORD = 1,
     COLUMN_NO_FILE = 2,
-    COLUMN_IF_ANY = 4, /* shown to people only if a row has a value (other than 0 for a count) */
-    COLUMN_WIDE = 8,   /* shown to people only if there is much room */
+    COLUMN_IF_ANY = 4,  /* shown to people only if a row has a value (other than 0 for a count) */
+    COLUMN_WIDE = 8,    /* shown to people only if there is much room */
+    COLUMN_DETAIL = 16, /* left out of documents (.md, .html, .tex) */
 };
 
 struct result_column {
@@ -274,11 +275,12 @@ struct result_columns {
     const struct result_column *column;
     int count;
     size_t size; /* [byte] of a row's struct */
+    int digits;  /* that documents show of a number that is not whole; 0 shows all */
 };
 
 #define RESULT_COLUMNS(array, type)                                                                \
     {                                                                                              \
-        array, (int)COUNT_OF(array), sizeof(type)                                                  \
+        array, (int)COUNT_OF(array), sizeof(type), 0                                               \
     }
 
 /* reply_columns() adds the fields of one row to the open object; reply_records() writes each row

@@ -160,6 +160,7 @@ static bool fill_values(const struct result_columns *columns, const struct resul
         column->kind == COLUMN_REAL && count > 0 ? quantity_unit(quantity_in(column, rows)) : "";
     table_column->value = value;
     table_column->text = text;
+    table_column->detail = column->flags & COLUMN_DETAIL;
     return true;
 }
 
@@ -181,7 +182,8 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
         if (!fill_values(columns, column, rows, count, arena, &table_column[used++]))
             return false;
     }
-    *table = (struct table){.column = table_column, .columns = used, .rows = count};
+    *table = (struct table){
+        .column = table_column, .columns = used, .rows = count, .digits = columns->digits};
     return table_column != NULL;
 }
 

@@ -234,7 +234,7 @@ static bool stored_table_finish(struct stored_table *stored)
             none[i] = NAN;
         ok = !empty || none;
         column[c] = (struct table_column){cells->name, cells->unit, empty ? none : cells->value,
-                                          cells->text};
+                                          cells->text, false};
     }
     stored->table =
         (struct table){.column = column, .columns = growth->columns, .rows = growth->rows};

@@ -14,6 +14,7 @@ struct table_column {
     const char *name, *unit;
     const double *value; /* [rows], or NULL and `text` */
     const char *const *text;
+    bool detail; /* for programs: documents leave it out */
 };
 
 struct table_key {
@@ -27,6 +28,7 @@ struct table {
     int columns;
     size_t rows;
     const struct cancel *cancel; /* ends its writing; NULL if nobody can */
+    int digits; /* that documents show of a number that is not whole; 0 shows all */
 };
 
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could

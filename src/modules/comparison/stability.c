@@ -267,7 +267,7 @@ static bool study_each(const struct session *session, const struct arguments *ar
 /* ---- its plots ---- */
 
 /* Chooses what a plot without methods shows: those that were studied last, with their step, or the
- * present one. Returns NULL if output of memory. */
+ * present one. Returns NULL if out of memory. */
 static struct method_choice *last_studied(const struct session *session, int *count, double *dt,
                                           struct arena *arena)
 {

@@ -150,6 +150,15 @@ static void markup_heading_put(struct buffer *output, const struct markup *as,
         put_alignment(output, as, table);
 }
 
+/* Whole numbers have all their digits: they count. */
+static void put_number(struct buffer *output, const struct markup *as, double value, int digits)
+{
+    if (digits > 0 && isfinite(value) && value != nearbyint(value))
+        buffer_short(output, value, digits);
+    else
+        as->real(output, value);
+}
+
 static void markup_row_put(struct buffer *output, const struct markup *as,
                            const struct table *table, size_t row)
 {
@@ -161,27 +170,57 @@ static void markup_row_put(struct buffer *output, const struct markup *as,
         if (!column->value)
             put_escaped(output, as, column->text[row]);
         else if (!isnan(column->value[row]))
-            as->real(output, column->value[row]);
+            put_number(output, as, column->value[row], table->digits);
         words_put(output, as->cell_end);
     }
     words_put(output, as->row_end);
 }
 
-static void markup_table_put(const struct table *table, const struct markup *as,
-                             struct outlet *sink)
+/* Returns true if a row has something in the column: a number other than 0, or a text. */
+static bool says_something(const struct table *table, const struct table_column *column)
+{
+    for (size_t i = 0; i < table->rows; i++)
+        if (column->value ? !isnan(column->value[i]) && column->value[i] != 0 : *column->text[i])
+            return true;
+    return table->rows == 0;
+}
+
+/* Chooses the columns that people read of a study. Returns false if out of memory. */
+static bool choose_columns(const struct table *table, struct arena *arena, struct table *chosen)
+{
+    struct table_column *column = arena_array(arena, (size_t)table->columns + 1, sizeof *column);
+    *chosen = *table;
+    chosen->columns = 0;
+    chosen->column = column;
+    for (int i = 0; column && i < table->columns; i++)
+        if (table->digits == 0 ||
+            (!table->column[i].detail && says_something(table, &table->column[i])))
+            column[chosen->columns++] = table->column[i];
+    return column != NULL;
+}
+
+static void markup_table_put(const struct table *all, const struct markup *as, struct outlet *sink)
 {
     struct buffer *output = sink->text;
+    struct arena arena = {0};
+    struct table chosen;
+    const struct table *table = &chosen;
+    if (!choose_columns(all, &arena, &chosen)) {
+        output->failed = true;
+        return;
+    }
     words_put(output, as->begin);
     words_put(output, table->keys ? as->keys : NULL);
     for (int i = 0; i < table->keys; i++)
         put_key(output, as, &table->key[i]);
     words_put(output, table->keys ? as->keys_end : NULL);
     markup_heading_put(output, as, table);
-    for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
+    for (size_t row = 0; row < table->rows && outlet_goes_on(sink, all, row); row++) {
         markup_row_put(output, as, table, row);
         outlet_pass(sink, OUTLET_CHUNK);
     }
     words_put(output, as->end);
+    arena_reset(&arena);
 }
 
 void documents_markdown(const struct table *table, struct outlet *outlet)

@@ -114,7 +114,7 @@ static bool add_column(struct table *table, struct table_column *column, const c
 {
     double *value = arena_array(arena, rows + 1, sizeof *value);
     struct table_column *added = &column[table->columns++];
-    *added = (struct table_column){arena_text(arena, text_of(name)), unit, value, NULL};
+    *added = (struct table_column){arena_text(arena, text_of(name)), unit, value, NULL, false};
     return value && added->name;
 }
 

@@ -152,22 +152,23 @@ static const struct result_column columns[] = {
     {.name = "rejected", COUNTED(rejected), .index = 6, .heading = "rej", .flags = COLUMN_IF_ANY},
     {.name = "error", AT(point.errors.max), .index = 7, .heading = "error", .look = cell_error},
     {.name = "error_end", AT(point.errors.end), .index = 8, .heading = "at end", .look = cell_error,
-     .flags = COLUMN_WIDE},
+     .flags = COLUMN_WIDE | COLUMN_DETAIL},
     {.name = "energy_error", AT(point.errors.energy), .index = 9, .heading = "energy",
-     .look = cell_error, .flags = COLUMN_IF_ANY},
+     .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_DETAIL},
     {.name = "phase_error", AT(point.errors.phase), .quantity = QUANTITY_ANGLE,
-     .index = 10, .heading = "phase", .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE},
+     .index = 10, .heading = "phase", .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE | COLUMN_DETAIL},
     {.name = "amplitude_error", AT(point.errors.amplitude), .index = 11, .heading = "ampl.",
-     .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = has_phase},
+     .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE | COLUMN_DETAIL, .any = has_phase},
     {.name = "order", AT(point.order), .index = 12, .head = order_head, .look = order_cell},
     {.name = "time_min", AT(point.time.minimum), .quantity = QUANTITY_TIME,
      .index = 13, .heading = "time", .look = cell_seconds, .flags = COLUMN_IF_ANY},
     {.name = "time_median", AT(point.time.median), .quantity = QUANTITY_TIME,
-     .index = 14, .heading = "median", .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_WIDE,
+     .index = 14, .heading = "median", .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_WIDE | COLUMN_DETAIL,
      .any = point_is_timed},
     {.name = "ns_per_step", .real = step_ns, .index = 15, .heading = "ns/step",
      .look = step_time_cell, .flags = COLUMN_IF_ANY, .any = point_is_timed},
-    {.name = "path", .kind = COLUMN_CHOICE, AT(point.path), .choices = &kernel_catalog},
+    {.name = "path", .kind = COLUMN_CHOICE, AT(point.path), .choices = &kernel_catalog,
+     .flags = COLUMN_DETAIL},
     {.name = "time_spread", AT(point.time.spread), .flags = COLUMN_NO_FILE},
     {.name = "samples", .kind = COLUMN_INT, AT(point.time.samples), .flags = COLUMN_NO_FILE},
     {.name = "time_recording", AT(point.recording), .index = 16, .heading = "recorded",
@@ -188,4 +189,5 @@ static const struct result_column columns[] = {
 };
 /* clang-format on */
 
-const struct result_columns precision_columns = RESULT_COLUMNS(columns, struct precision_row);
+const struct result_columns precision_columns = {columns, COUNT_OF(columns),
+                                                 sizeof(struct precision_row), .digits = 4};
