@@ -68,12 +68,12 @@ enum { STUDY_LAYERS_MAX = 4 };
 struct study_picture {
     const char *table, *made_by; /* kind of the table, and what makes one */
     const char *x;               /* column on the horizontal axis */
-    const char *choice;          /* column of names that tell curves apart, or NULL */
+    const char *group;           /* column of names that tell curves apart, or NULL */
     struct study_layer layer[STUDY_LAYERS_MAX];
     const char *shade;             /* column shown as shades over x and the first layer's y */
     const char *x_label, *y_label; /* names of the axes, or NULL for those of the columns */
     const char *note;              /* explanation of the lines, or NULL */
-    bool log;                      /* both axes are logarithmic */
+    bool log_x, log_y;             /* axes that are logarithmic */
     bool equal;                    /* one length for a unit on both axes */
 };
 

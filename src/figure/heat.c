@@ -5,13 +5,24 @@
 #include <math.h>
 #include <string.h>
 
+static int limited(int i, int low, int high)
+{
+    if (i < low)
+        return low;
+    return i > high ? high : i;
+}
+
+static double place_of(const struct heat_axis *axis, int i)
+{
+    return axis->log ? log(axis->value[i]) : axis->value[i];
+}
+
 double heat_edge(const struct heat_axis *axis, int i)
 {
-    const int last = axis->count - 1, upper = i < 1 ? 1 : i > last ? last : i;
+    const int upper = limited(i, 1, axis->count - 1);
     if (axis->count < 2)
         return axis->value[0] + (i - 0.5) * (fabs(axis->value[0]) > 0 ? fabs(axis->value[0]) : 1);
-    const double a = axis->log ? log(axis->value[upper - 1]) : axis->value[upper - 1],
-                 b = axis->log ? log(axis->value[upper]) : axis->value[upper],
+    const double a = place_of(axis, upper - 1), b = place_of(axis, upper),
                  edge = (a + b) / 2 + (i - upper) * (b - a);
     return axis->log ? exp(edge) : edge;
 }
@@ -67,8 +78,7 @@ uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
     if (isnan(value))
         return 'x';
     if (!heat->letters) {
-        const int i = (int)floor(heat_share(scale, value) * shades);
-        return shade[i < 0 ? 0 : i >= shades ? shades - 1 : i];
+        return shade[limited((int)floor(heat_share(scale, value) * shades), 0, shades - 1)];
     }
     const double last = (double)strlen(heat->letters) - 1;
     return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];

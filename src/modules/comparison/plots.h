@@ -12,7 +12,8 @@ bool precision_name_curves(const struct session *session, struct arena *arena,
 void precision_plot_legend(const struct session *session, int width, struct buffer *text);
 
 /* Make the tables of `plot NAME METHOD..`: measured orders, boundaries of stability in the plane of
- * lambda dt, order stars, boundaries over zeta and omega dt. */
+ * lambda dt, order stars, boundaries over zeta and omega dt, errors along the
+ * run. */
 typedef bool plot_study(struct session *session, const struct row *const *method, int methods,
                         struct reply *reply, struct error *error);
-plot_study order_study, boundary_study, stars_study, region_study;
+plot_study order_study, boundary_study, stars_study, region_study, along_study;

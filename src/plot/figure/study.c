@@ -258,7 +258,7 @@ static struct axis study_axis(const struct study *s, bool vertical)
     const char *label = vertical ? s->picture->y_label : s->picture->x_label;
     struct axis axis = {.label = label ? label : column->name,
                         .unit = column->unit,
-                        .log = s->picture->log || (vertical && d->request->log)};
+                        .log = vertical ? s->picture->log_y || d->request->log : s->picture->log_x};
     const struct extent extent =
         curves_extent(d->curve, d->curves, &(struct extent_window){.vertical = vertical});
     if (!axis.log && extent.low <= extent.high)
@@ -275,7 +275,7 @@ bool drawing_study(struct drawing *d, const struct study_picture *picture, struc
         return error_hint(d->error, "type: %s", picture->made_by);
     }
     s.x = column_named(s.table, picture->x);
-    s.key_column = column_named(s.table, picture->choice);
+    s.key_column = column_named(s.table, picture->group);
     s.part = column_named(s.table, "part");
     *figure = (struct figure){.title = kind_of(d)->row.name, .note = picture->note};
     if (picture->shade)

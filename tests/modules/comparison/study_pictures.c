@@ -216,6 +216,35 @@ static void test_lines_of_orders_have_their_slopes(void **state)
     bench_close(&bench);
 }
 
+/* With steps as long as those of the grid, the errors of both methods on the undamped spring have a
+ * closed form: verlet turns by the angle whose cosine is 1 - x^2/2 in each step, euler by i x. */
+static void test_errors_along_the_run_are_those_of_closed_forms(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, "m = 1 kg; k = 4 N/m; y0 = 1 m; dt = 10 ms; duration = 2.56 s");
+    type_ok(&bench, "plot compare euler verlet");
+    const struct table *table = drawing_stored(bench.session, "errors");
+    assert_non_null(table);
+    const double x = 0.02;
+    int found = 0;
+    for (size_t i = 0; i < table->rows; i++) {
+        const double t = column_of(table, "t")->value[i], n = round(t / 0.01),
+                     error = column_of(table, "error")->value[i], exact = cos(x * n);
+        const bool euler = strcmp(column_of(table, "method")->text[i], "euler") == 0;
+        const double wanted = euler ? creal(cpow(CMPLX(1, x), n)) : cos(n * acos(1 - x * x / 2));
+        if (isnan(error)) {
+            assert_float_equal(wanted, exact, 1e-14);
+            continue;
+        }
+        assert_float_equal(error, fabs(wanted - exact), 1e-11);
+        found++;
+    }
+    assert_in_range(found, 500, 512);
+    bench_close(&bench);
+}
+
 /* ---- where they stand in a file ---- */
 
 #define PATHS 40
@@ -361,8 +390,8 @@ static void check_picture(const char *line, const struct figure *figure, struct 
 }
 
 static const char *const plots[] = {
-    "order euler verlet rk4", "stability rk4 euler heun verlet", "stability backward-euler bdf2",
-    "stars rk4 gauss4",       "region verlet rk4 euler",
+    "order euler verlet rk4",        "compare euler verlet rk4", "stability rk4 euler heun verlet",
+    "stability backward-euler bdf2", "stars rk4 gauss4",         "region verlet rk4 euler",
 };
 
 static void make_figure_of(struct bench *bench, const char *line, int width, struct arena *arena,
@@ -453,6 +482,7 @@ int main(void)
         cmocka_unit_test(test_boundary_of_rk4_meets_the_axes_at_its_limits),
         cmocka_unit_test(test_regions_of_damped_oscillators_are_those_of_closed_forms),
         cmocka_unit_test(test_lines_of_orders_have_their_slopes),
+        cmocka_unit_test(test_errors_along_the_run_are_those_of_closed_forms),
         cmocka_unit_test(test_pictures_are_where_their_axes_put_them),
         cmocka_unit_test(test_screens_are_where_their_axes_put_them),
     };

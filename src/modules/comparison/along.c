@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Errors of methods along the run, on the common grid of times: the table of `plot compare`. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include <hooke/plot/drawing.h>
+#include <hooke/report.h>
+#include "modules/comparison/compute/errors.h"
+#include "modules/comparison/comparison.h"
+#include "modules/comparison/plots.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct along_row {
+    char curve[80]; /* "rk4", or "rk4 dt=10 ms" where a method has several settings */
+    double t;       /* [s] */
+    double error;   /* distance from the solution, in amplitudes; NAN before it has begun */
+};
+
+#define MEMBER(member) .offset = offsetof(struct along_row, member)
+static const struct result_column of_along[] = {
+    {.name = "method", .kind = COLUMN_CHARS, MEMBER(curve)},
+    {.name = "t", .quantity = QUANTITY_TIME, MEMBER(t)},
+    {.name = "error", MEMBER(error)},
+};
+static const struct result_columns along_columns = RESULT_COLUMNS(of_along, struct along_row);
+
+/* A method with its step, or its tolerance. */
+struct contestant {
+    const struct method *method;
+    double dt, tol; /* NAN where it has the other one */
+};
+
+static double column_value(const struct table *table, const char *name, size_t row)
+{
+    for (int c = 0; c < table->columns; c++)
+        if (strcmp(table->column[c].name, name) == 0 && table->column[c].value)
+            return table->column[c].value[row];
+    return NAN;
+}
+
+/* Chooses the methods that are given, with the settings that are set, or those that were compared
+ * last. Returns NULL if list of memory. */
+static struct contestant *choose_contestants(const struct session *session,
+                                             const struct row *const *method, int methods,
+                                             int *count, struct arena *arena)
+{
+    const struct settings *settings = &session->setup.settings;
+    const struct table *last = methods ? NULL : drawing_stored(session, "compare");
+    const size_t rows = last ? last->rows : 0;
+    struct contestant *list = arena_array(arena, rows + (size_t)methods + 1, sizeof *list);
+    *count = 0;
+    for (size_t i = 0; list && i < rows; i++)
+        list[(*count)++] =
+            (struct contestant){method_find(last->column[0].text[i]), column_value(last, "dt", i),
+                                column_value(last, "tol", i)};
+    for (int i = 0; list && i < methods; i++) {
+        const struct method *one = method_from(method[i]);
+        const bool adapts = one->flags & METHOD_ADAPTIVE && settings->tol > 0;
+        list[(*count)++] =
+            (struct contestant){one, adapts ? NAN : settings->dt, adapts ? settings->tol : NAN};
+    }
+    return list;
+}
+
+static void name_curve(const struct contestant *contestants, int count, int i, char curve[80])
+{
+    const struct contestant *c = &contestants[i];
+    bool again = false;
+    for (int k = 0; k < count; k++)
+        again |= k != i && contestants[k].method == c->method;
+    if (!again)
+        snprintf(curve, 80, "%s", c->method->row.name);
+    else if (c->tol > 0)
+        snprintf(curve, 80, "%s tol=%.3g", c->method->row.name, c->tol);
+    else
+        snprintf(curve, 80, "%s dt=%s", c->method->row.name,
+                 SHOWN_QUANTITY(c->dt, QUANTITY_TIME, 4));
+}
+
+/* Solves once with a method, and appends its errors. Returns false if it does not apply. */
+static bool add_errors(const struct system *system, const struct reference *reference,
+                       const struct contestant *c, const char *curve, const struct cancel *cancel,
+                       struct along_row *rows, size_t *n)
+{
+    const struct run_settings settings = {
+        .dt = c->tol > 0 ? 0 : c->dt, .tol = c->tol > 0 ? c->tol : 0, .kernel = KERNEL_SPECIALISED};
+    double *grid = malloc((size_t)STUDY_TIMES * (size_t)system->n * sizeof *grid);
+    struct solver solver;
+    const bool ok = grid && solver_init(&solver, system, c->method, &settings, reference->span);
+    if (ok) {
+        solver_run(&solver, grid, cancel);
+        for (int k = 0; k < STUDY_TIMES; k++) {
+            struct along_row *row = &rows[(*n)++];
+            const double distance =
+                grid_distance(reference, grid + k * system->n, reference->y + k * system->n);
+            row->t = system->t0 + reference->span * k / (STUDY_TIMES - 1);
+            row->error = distance > 0 && isfinite(grid[k * system->n]) ? distance : NAN;
+            snprintf(row->curve, sizeof row->curve, "%s", curve);
+        }
+        solver_free(&solver);
+    }
+    free(grid);
+    return ok;
+}
+
+static bool reply_along(struct session *session, const struct contestant *contestants, int count,
+                        struct arena *arena, struct reply *reply, struct error *error)
+{
+    const struct setup *setup = &session->setup;
+    struct along_row *rows = arena_array(arena, (size_t)(count * STUDY_TIMES) + 1, sizeof *rows);
+    struct reference reference;
+    struct system system;
+    char curve[80];
+    size_t n = 0;
+    if (!rows)
+        return error_memory(error);
+    if (!scene_bind(&setup->scene, &system, error) ||
+        !references_get(session_references(session), &setup->scene, &system,
+                        setup->settings.duration, session->front.cancel, &reference, error))
+        return false;
+    for (int i = 0; i < count && !cancelled(session->front.cancel); i++) {
+        name_curve(contestants, count, i, curve);
+        if (!add_errors(&system, &reference, &contestants[i], curve, session->front.cancel, rows,
+                        &n))
+            reply_note(reply, "left list: %s takes no such steps here", curve);
+    }
+    reference_free(&reference);
+    if (cancelled(session->front.cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
+    reply_result(session, reply, "errors", &along_columns, rows, n, NULL, NULL);
+    return true;
+}
+
+bool along_study(struct session *session, const struct row *const *method, int methods,
+                 struct reply *reply, struct error *error)
+{
+    struct arena arena = {0};
+    int count = 0;
+    const struct contestant *contestants =
+        choose_contestants(session, method, methods, &count, &arena);
+    bool ok = false;
+    if (!contestants) {
+        error_memory(error);
+    } else if (count == 0) {
+        error_set(error, ERROR_COMMAND, "no methods were compared, and none is named");
+        error_hint(error, "for example: plot compare euler rk4");
+    } else {
+        ok = reply_along(session, contestants, count, &arena, reply, error);
+    }
+    arena_reset(&arena);
+    return ok;
+}
