@@ -24,6 +24,24 @@ struct cancel;
 #endif
 #define CLONES CLONES_FOR("avx2", "avx512f")
 
+/* Returns the smaller of two integers. */
+static inline int int_min(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Returns the larger of two integers. */
+static inline int int_max(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* Returns the smaller of two integers of 64 bits. */
+static inline int64_t int64_min(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
 /* The value [n] nearest to that share of the way through their order, of an even number the upper
  * median; reorders them. Without NAN; of none: NAN. */
 double values_quantile(double *values, size_t n, double share);

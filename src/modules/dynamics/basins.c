@@ -62,17 +62,17 @@ static const int64_t stopped_table_rows_max = 400000;
 
 static char letter(int fate)
 {
-    return fate >= 0                 ? (char)('A' + fate)
-           : fate == BASIN_ESCAPES   ? '.'
-           : fate == BASIN_UNDECIDED ? '?'
-                                     : ' ';
+    if (fate >= 0)
+        return (char)('A' + fate);
+    if (fate == BASIN_ESCAPES)
+        return '.';
+    return fate == BASIN_UNDECIDED ? '?' : ' ';
 }
 
 static void put_map(struct buffer *output, const struct map *map, int max)
 {
     const int x_count = map->request->axis[0].count, y_count = map->request->axis[1].count;
-    const int columns = x_count < MAP_COLUMNS ? x_count : MAP_COLUMNS,
-              rows = y_count < max ? y_count : max;
+    const int columns = int_min(x_count, MAP_COLUMNS), rows = int_min(y_count, max);
     for (int r = rows - 1; r >= 0; r--) {
         const int64_t b = rows > 1 ? (int64_t)r * (y_count - 1) / (rows - 1) : 0;
         buffer_format(output, "%10.4g ", basins_value(map->request, 1, b));
@@ -128,8 +128,7 @@ static void put_basins(struct buffer *output, const struct map *map)
                       100.0 * (double)b->undecided / (double)b->finished);
     int max =
         map->answer ? map->answer - text_rows(buffer_text(output), map->width) - BELOW : MAP_ROWS;
-    max = max < MAP_ROWS_MIN ? MAP_ROWS_MIN : max > MAP_ROWS ? MAP_ROWS : max;
-    put_map(output, map, max);
+    put_map(output, map, int_min(int_max(max, MAP_ROWS_MIN), MAP_ROWS));
     buffer_format(output, "looked at every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
     if (b->steps > 0)
         buffer_format(output, " by %d steps of rk4, %lld evaluations", b->steps,
@@ -190,10 +189,12 @@ static void keep_map(const struct map *map, struct reply *reply)
         const int f = map->basins->fate[i];
         value[0][i] = basins_value(map->request, 0, (int64_t)i / y_count);
         value[1][i] = basins_value(map->request, 1, (int64_t)i % y_count);
-        fate[i] = f >= 0                 ? names[f]
-                  : f == BASIN_ESCAPES   ? "escapes"
-                  : f == BASIN_UNDECIDED ? "not decided"
-                                         : "missing";
+        if (f >= 0)
+            fate[i] = names[f];
+        else if (f == BASIN_ESCAPES)
+            fate[i] = "escapes";
+        else
+            fate[i] = f == BASIN_UNDECIDED ? "not decided" : "missing";
     }
     table_finish(&table, reply, "basins");
 }

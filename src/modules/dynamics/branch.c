@@ -147,11 +147,15 @@ static bool read_words(struct session *session, const struct arguments *args,
             return error_hint(error, "for example: branch r=0:30 of equilibrium 1, then branch "
                                      "r=0:30 from HB1");
         }
-        if (!(text_is(name, "max") ? read_number(session, args, argument, name, LIMIT_BRANCH_POINTS,
-                                                 &words->max, error)
-              : text_is(name, "step")
-                  ? read_number(session, args, argument, name, 0.5, &words->step, error)
-                  : read_range(session, args, argument, name, words, error)))
+        bool ok;
+        if (text_is(name, "max"))
+            ok =
+                read_number(session, args, argument, name, LIMIT_BRANCH_POINTS, &words->max, error);
+        else if (text_is(name, "step"))
+            ok = read_number(session, args, argument, name, 0.5, &words->step, error);
+        else
+            ok = read_range(session, args, argument, name, words, error);
+        if (!ok)
             return false;
     }
     return words->params > 0 ||
@@ -212,9 +216,10 @@ static bool find_start(struct session *session, const struct branch_words *words
     const struct dynamics *d = session_dynamics(session);
     struct item item;
     const struct item *number = number_item(words, &item);
-    snprintf(origin, LIMIT_NAME + 1, "%.*s%s%.*s", (int)words->origin.len, words->origin.data,
-             words->number.len > 0 ? " " : "", (int)fmin((double)words->number.len, 9),
-             words->number.data ? words->number.data : "");
+    snprintf(origin, LIMIT_NAME + 1, "%.*s", (int)words->origin.len, words->origin.data);
+    if (words->number.len > 0)
+        snprintf(origin + words->origin.len, LIMIT_NAME + 1 - words->origin.len, " %.*s",
+                 (int)fmin((double)words->number.len, 9), words->number.data);
     if (words->label.len > 0) {
         snprintf(origin, LIMIT_NAME + 1, "%.*s", (int)fmin((double)words->label.len, 15),
                  words->label.data);
@@ -276,9 +281,9 @@ static void put_branch(const struct session *session, const struct kept_branch *
     buffer_format(output, ", %s", row->row.name);
     for (int side = 0; side < 2; side++) {
         const struct branch_point *end = &branch->point[side ? branch->count - 1 : 0];
+        const char *reason = branch->ends[side][0] ? branch->ends[side] : "the start";
         buffer_format(output, " %s %s (%s)", side ? "to" : "from",
-                      SHOWN_QUANTITY(end->solution.param[0], row->quantity, 8),
-                      branch->ends[side][0] ? branch->ends[side] : "the start");
+                      SHOWN_QUANTITY(end->solution.param[0], row->quantity, 8), reason);
     }
     buffer_char(output, '\n');
     put_points(session, &b, 1, arena, output);
@@ -323,19 +328,18 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
             value[i] = branch->point[i].solution.param[j];
     }
     const bool rests = branch->kind == SOLUTION_EQUILIBRIUM;
-    for (int k = 0; k < system.n; k++)
-        for (int side = 0; side < (rests ? 1 : 2); side++) {
-            const struct variable variable = system_variable(&system, k);
-            double *value = table_add_reals(&table, variable.name,
-                                            rests  ? ""
-                                            : side ? "_max"
-                                                   : "_min",
-                                            variable.quantity);
-            for (int i = 0; value && i < branch->count; i++) {
-                const struct solution *s = &branch->point[i].solution;
-                value[i] = rests ? s->state[k] : side ? s->top[k] : s->bottom[k];
-            }
-        }
+    for (int k = 0; k < system.n; k++) {
+        const struct variable variable = system_variable(&system, k);
+        double *low =
+            table_add_reals(&table, variable.name, rests ? "" : "_min", variable.quantity);
+        double *high =
+            rests ? NULL : table_add_reals(&table, variable.name, "_max", variable.quantity);
+        for (int i = 0; low && i < branch->count; i++)
+            low[i] =
+                rests ? branch->point[i].solution.state[k] : branch->point[i].solution.bottom[k];
+        for (int i = 0; high && i < branch->count; i++)
+            high[i] = branch->point[i].solution.top[k];
+    }
     double *period = rests ? NULL : table_add_reals(&table, "period", "", QUANTITY_TIME);
     for (int i = 0; period && i < branch->count; i++)
         period[i] = branch->point[i].solution.period;
@@ -387,13 +391,14 @@ HANDLER(branch)
     }
     /* an end is a place on its branch like any other */
     const bool leave = start.point && point.special != SPECIAL_END;
+    const struct branch_axis *axis = two ? &second : NULL;
     const struct branch_request request = {.scene = &start.scene,
                                            .param = words.param[0],
                                            .low = words.low[0],
                                            .high = words.high[0],
                                            .start = &solution,
                                            .leave = leave ? &point : NULL,
-                                           .second = two ? &second : NULL,
+                                           .second = axis,
                                            .step = words.step,
                                            .max = (int)words.max,
                                            .forward = words.forward,

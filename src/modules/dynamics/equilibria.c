@@ -120,9 +120,11 @@ static void put_vector(struct buffer *output, const struct equilibrium_form *for
     for (int part = 0; part < (turns ? 2 : 1); part++) {
         buffer_put(output, part ? TEXT(" +- i (") : TEXT(" ("));
         for (int i = 0; i < n; i++) {
-            const double value = (part ? form->im : form->re)[k][i] / size;
+            double value = (part ? form->im : form->re)[k][i] / size;
+            if (fabs(value) < 1e-12)
+                value = 0;
             turns = turns || fabs(form->im[k][i]) > 1e-12 * size;
-            buffer_format(output, "%s%.6g", i > 0 ? ", " : "", fabs(value) < 1e-12 ? 0 : value);
+            buffer_format(output, "%s%.6g", i > 0 ? ", " : "", value);
         }
         buffer_char(output, ')');
     }

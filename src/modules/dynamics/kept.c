@@ -46,7 +46,9 @@ static const char *criticality_of(const struct branch_point *point)
 {
     if (point->special != SPECIAL_HOPF || !isfinite(point->criticality))
         return NULL;
-    return point->criticality < 0 ? "super" : point->criticality > 0 ? "sub" : "degenerate";
+    if (point->criticality == 0)
+        return "degenerate";
+    return point->criticality < 0 ? "super" : "sub";
 }
 
 static void cell_what(struct text_table *table, const struct branch_point *point)
@@ -91,7 +93,8 @@ static void put_point(struct text_table *table, const struct scene *scene,
         cell_quantity(table, special->solution.period, QUANTITY_TIME, 7);
     else if (periods)
         cell_text(table, "-");
-    cell_text(table, special->verified > 0 ? "yes" : special->verified < 0 ? "NO" : "-");
+    const char *contradicted = special->verified < 0 ? "NO" : "-";
+    cell_text(table, special->verified > 0 ? "yes" : contradicted);
     for (int i = 0; i < system->n; i++) {
         const double value = special->solution.state[i],
                      range = fmax(special->solution.top[i] - special->solution.bottom[i],
@@ -231,10 +234,10 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
     for (int i = 0; i < system->n; i++)
         cell_text(table,
                   SHOWN_RANGE(s->bottom[i], s->top[i], system_variable(system, i).quantity, 5));
-    cell_text(table, !solution_is_known(s)  ? "not known"
-                     : !solution_stable(s)  ? "unstable"
-                     : solution_ones(s) > 0 ? "neutral"
-                                            : "stable");
+    const char *stability = solution_ones(s) > 0 ? "neutral" : "stable";
+    if (!solution_stable(s))
+        stability = "unstable";
+    cell_text(table, solution_is_known(s) ? stability : "not known");
     cell_values(table, s);
 }
 
@@ -412,12 +415,17 @@ bool use_kept(HANDLER_PARAMETERS)
                                 *equilibrium = argument_value(args, "equilibrium");
     const struct dynamics *d = session_dynamics(session);
     struct kept_reference found = {.orbit = NULL};
-    if (label->count   ? !find_label(session, d, label->item->text, &found, error)
-        : orbit->count ? !find_orbit(session, d, orbit->item, &found, error)
-        : equilibrium->count
-            ? !find_equilibrium(session, d, equilibrium->item, &found, error)
-            : !error_set(error, ERROR_COMMAND,
-                         "'use' needs a run, a label of 'list points', an orbit or an equilibrium"))
+    bool ok;
+    if (label->count)
+        ok = find_label(session, d, label->item->text, &found, error);
+    else if (orbit->count)
+        ok = find_orbit(session, d, orbit->item, &found, error);
+    else if (equilibrium->count)
+        ok = find_equilibrium(session, d, equilibrium->item, &found, error);
+    else
+        ok = error_set(error, ERROR_COMMAND,
+                       "'use' needs a run, a label of 'list points', an orbit or an equilibrium");
+    if (!ok)
         return false;
     const struct scene previous = session->setup.scene;
     if (!scene_start_at(&found.scene, found.solution.state, error))

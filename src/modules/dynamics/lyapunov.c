@@ -128,14 +128,17 @@ HANDLER(lyapunov)
     const struct argument_value *count = argument_value(args, "N"),
                                 *duration = argument_value(args, "over"),
                                 *skip = argument_value(args, "skip");
-    const struct lyapunov_request request = {
-        .scene = &session->setup.scene,
-        .count = count->count ? (int)fmin(count->item->value.value, LIMIT_VARIABLES) : 0,
-        .duration = duration->count ? duration->item->value.value : 0,
-        .skip = skip->count ? skip->item->value.value : -1,
-        .cancel = session->front.cancel,
-        .progress = report_fraction,
-        .context = &session->front};
+    struct lyapunov_request request = {.scene = &session->setup.scene,
+                                       .skip = -1,
+                                       .cancel = session->front.cancel,
+                                       .progress = report_fraction,
+                                       .context = &session->front};
+    if (count->count)
+        request.count = (int)fmin(count->item->value.value, LIMIT_VARIABLES);
+    if (duration->count)
+        request.duration = duration->item->value.value;
+    if (skip->count)
+        request.skip = skip->item->value.value;
     static const char *const series[] = {"run", "data", "RECORDING", "COLUMN", "window"};
     struct lyapunov found;
     for (size_t i = 0; i < COUNT_OF(series); i++)

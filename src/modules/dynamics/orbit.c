@@ -107,13 +107,15 @@ static void put_orbit(struct buffer *output, const struct system *system, int nu
         buffer_format(output, " (%d periods of the drive)", s->multiple);
     else if (s->multiple == 1)
         buffer_put(output, TEXT(" (that of the drive)"));
-    buffer_put(output, !solution_is_known(s)
-                           ? TEXT(", stability not known: the equations jump, and multipliers with "
-                                  "them")
-                       : !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
-                       : solution_stable(s)
-                           ? TEXT(", neutral: a multiplier is 1, others are beside it")
-                           : TEXT(", unstable, and a multiplier is 1"));
+    if (!solution_is_known(s))
+        buffer_put(output, TEXT(", stability not known: the equations jump, and multipliers with "
+                                "them"));
+    else if (!orbit->family)
+        buffer_put(output, solution_stable(s) ? TEXT(", stable") : TEXT(", unstable"));
+    else
+        buffer_put(output, solution_stable(s)
+                               ? TEXT(", neutral: a multiplier is 1, others are beside it")
+                               : TEXT(", unstable, and a multiplier is 1"));
     put_multipliers(output, s);
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);

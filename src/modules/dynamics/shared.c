@@ -24,8 +24,8 @@ int read_variable(struct parser *parser, struct text argument, const struct syst
 {
     struct text name = peek_name(argument);
     name.len += name.len > 0 && name.len < argument.len && argument.data[name.len] == '\'';
-    const int i = name.len > 0 ? model_state(system->model, name) : -1,
-              shown = (int)(argument.len < 64 ? argument.len : 64);
+    const int i = name.len > 0 ? model_state(system->model, name) : -1;
+    const int shown = (int)(argument.len < 64 ? argument.len : 64);
     if (text_starts(argument, TEXT("--"))) {
         error_at(error, argument, "%s has no option '%.*s'", command, shown - 2, argument.data + 2);
     } else if (i < 0) {

@@ -18,7 +18,9 @@ static int count_of(const struct dynamics *d)
 static uint64_t id_of(const struct dynamics *d, int i)
 {
     i -= d->equilibria.id != 0;
-    return i < 0 ? d->equilibria.id : i < d->orbits ? d->orbit[i].id : d->branch[i - d->orbits]->id;
+    if (i < 0)
+        return d->equilibria.id;
+    return i < d->orbits ? d->orbit[i].id : d->branch[i - d->orbits]->id;
 }
 
 void dynamics_put_head(const void *part, struct buffer *buffer)
@@ -278,10 +280,13 @@ static bool get_one(const struct reader *reader, struct dynamics *d, struct text
 {
     struct text kind;
     double *value = get_values(reader, d, text);
-    const bool ok = value && field_find(text, "kind", &kind) &&
-                    (text_is(kind, "equilibria") ? get_equilibria(d, text, id, value)
-                     : text_is(kind, "orbit")    ? get_orbit(d, text, id, value)
-                                                 : get_branch(reader, d, text, id, value));
+    bool ok = value && field_find(text, "kind", &kind);
+    if (ok && text_is(kind, "equilibria"))
+        ok = get_equilibria(d, text, id, value);
+    else if (ok && text_is(kind, "orbit"))
+        ok = get_orbit(d, text, id, value);
+    else if (ok)
+        ok = get_branch(reader, d, text, id, value);
     if (!ok)
         free(value);
     return ok;

@@ -202,12 +202,16 @@ static void reply_points(const struct swept *swept, const struct table *table, s
 
 static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
 {
-    const bool columns = request->columns > 0;
-    return (struct swept){.sweep = sweep,
-                          .measure = columns ? request->shown : request->measure,
+    struct swept swept = {.sweep = sweep,
+                          .measure = request->measure,
                           .model = request->scene->model,
-                          .measures = columns ? request->columns : request->measures,
+                          .measures = request->measures,
                           .section = request->section.wanted ? &request->section : NULL};
+    if (request->columns > 0) {
+        swept.measure = request->shown;
+        swept.measures = request->columns;
+    }
+    return swept;
 }
 
 static void reply_sweep(struct session *session, const struct swept *swept,
@@ -219,9 +223,9 @@ static void reply_sweep(struct session *session, const struct swept *swept,
     if (made && reply->store)
         table_store_put(reply->store, "sweep", &own, &table);
     if (reply_wants_text(reply)) {
-        (swept->section ? diagram_text : sweep_text)(session, swept,
-                                                     asks_full(args) ? 0 : answer_rows(session),
-                                                     args->arena, reply_buffer(reply));
+        const int rows = asks_full(args) ? 0 : answer_rows(session);
+        (swept->section ? diagram_text : sweep_text)(session, swept, rows, args->arena,
+                                                     reply_buffer(reply));
     } else if (reply->format != FORMAT_TEXT && made) {
         reply_points(swept, &table, reply);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps at a section: orbit diagrams as densities in text. */
+#include <hooke/base/numeric.h>
 #include "modules/sweep/swept.h"
 
 #include <math.h>
@@ -39,9 +40,8 @@ static void put_density(const struct session *session, const struct swept *swept
     int width, whole;
     double high;
     session_size(session, &width, &whole);
-    struct density d = {.columns = width - 12 > 8 ? width - 12 : 8,
-                        .rows = height > DIAGRAM_ROWS_MIN ? height : DIAGRAM_ROWS_MIN};
-    d.columns = d.columns < DIAGRAM_COLUMNS ? d.columns : DIAGRAM_COLUMNS;
+    struct density d = {.columns = int_min(int_max(width - 12, 8), DIAGRAM_COLUMNS),
+                        .rows = int_max(height, DIAGRAM_ROWS_MIN)};
     d.columns = sweep->count < d.columns ? (int)sweep->count : d.columns;
     swept_range(swept, 0, &d.y_begin, &high);
     const double span = high - d.y_begin;
@@ -75,7 +75,9 @@ static double repeats_of(const struct swept *swept, int64_t i, int m)
 {
     (void)m;
     const double repeats = swept_repeats(swept, i);
-    return swept_events(swept, i) == 0 ? NAN : isnan(repeats) ? -1 : repeats;
+    if (swept_events(swept, i) == 0)
+        return NAN;
+    return isnan(repeats) ? -1 : repeats;
 }
 
 static void put_repeats(const struct session *session, const struct swept *swept, int height,

@@ -388,9 +388,9 @@ static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
     reply_int(reply, "points", points);
     reply_int(reply, "total", all->total);
     reply_int(reply, "missing", missing);
+    const char *verdict = differences.count ? "not whole" : "whole, each there once";
     reply_line(reply, "%d file%s, %lld points of %lld: %s", files, files == 1 ? "" : "s",
-               (long long)points, (long long)all->total,
-               differences.count ? "not whole" : "whole, each there once");
+               (long long)points, (long long)all->total, verdict);
     reply_end(reply);
     return differences.count == 0;
 }

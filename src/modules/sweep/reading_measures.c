@@ -111,7 +111,7 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
         error_at(error, text, "more than %d columns in an expression", SWEEP_COLUMNS);
     else if (!expression->expr)
         error_memory(error);
-    return slots.many ? NULL : expression->expr ? expression : NULL;
+    return !slots.many && expression->expr ? expression : NULL;
 }
 
 /* ---- expressions of measures ---- */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep … --resume FILE: piece by piece into a file that can be gone on with. */
 #define _GNU_SOURCE /* O_CLOEXEC */
+#include <hooke/base/numeric.h>
 #include <hooke/base/cancel.h>
 #include <hooke/run/timing.h>
 #include <hooke/base/file.h>
@@ -325,10 +326,9 @@ static int64_t most_points(const struct growing_file *g)
 
 static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struct error *error)
 {
-    const int64_t room = most_points(g), wanted = study_sweep_batch(g->request),
-                  batch = wanted < room ? wanted : room, end = first + count,
-                  usual = batch > PIECE_MOST ? batch : PIECE_MOST,
-                  most = usual < room ? usual : room;
+    const int64_t room = most_points(g), end = first + count,
+                  batch = int64_min(study_sweep_batch(g->request), room),
+                  usual = batch > PIECE_MOST ? batch : PIECE_MOST, most = int64_min(usual, room);
     int64_t size = batch;
     double seconds = 0;
     for (int64_t point = first, n; point < end; point += n) {

@@ -82,12 +82,10 @@ static void sweep_table_put(const struct session *session, const struct swept *s
             cell_text(&table, sweep_status_name(sweep->status[i]));
     }
     text_table_put(&table, text);
+    static const char *const ordinal[] = {"", "", "nd", "rd", "th"};
     if (every > 1)
         buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n",
-                      (long long)every,
-                      every == 2   ? "nd"
-                      : every == 3 ? "rd"
-                                   : "th");
+                      (long long)every, ordinal[every < 4 ? every : 4]);
 }
 
 /* Takes the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
@@ -107,7 +105,9 @@ static size_t curve_thin(const struct swept *swept, int measure, int64_t each, d
             if (value > highest || isnan(highest))
                 highest = value, high = i;
         }
-        const int64_t point[] = {begin, low < high ? low : high, low < high ? high : low, end - 1};
+        const bool rises = low < high;
+        const int64_t inner[] = {low, high},
+                      point[] = {begin, inner[!rises], inner[rises], end - 1};
         for (size_t k = 0; k < COUNT_OF(point); k++)
             if (k == 0 || point[k] > point[k - 1]) {
                 x[kept] = swept_position(sweep, 0, point[k]);
@@ -155,13 +155,12 @@ static void put_map(const struct session *session, const struct swept *swept, in
                     int height, struct arena *arena, struct buffer *text)
 {
     const struct sweep_column column = sweep_column_of(swept, 2 + measure);
-    const bool attractor = swept->measure[measure].kind == SWEEP_ATTRACTOR;
-    swept_map(session, swept,
-              (struct heat){.title = column.name,
-                            .unit = swept_unit_name(column.unit, column.quantity),
-                            .factor = column.unit ? column.unit->factor : 1,
-                            .letters = attractor ? "*012345678+" : NULL},
-              swept_cell_value, measure, height, arena, text);
+    struct heat heat = {.title = column.name,
+                        .unit = swept_unit_name(column.unit, column.quantity),
+                        .factor = column.unit ? column.unit->factor : 1};
+    if (swept->measure[measure].kind == SWEEP_ATTRACTOR)
+        heat.letters = "*012345678+";
+    swept_map(session, swept, heat, swept_cell_value, measure, height, arena, text);
 }
 
 static bool has_values(const struct swept *swept, int measure)
@@ -218,12 +217,9 @@ static void put_attractor(const struct swept *swept, const struct sweep_attracto
         buffer_format(text, "%s%s = %s", axis ? ", " : "", sweep->axis[axis].name,
                       SHOWN_QUANTITY(value, sweep->axis[axis].quantity, 6));
     }
-    for (int i = 0; i < model->n && a->known && !irregular; i++)
-        buffer_format(text, "%s%s = %s",
-                      i                              ? ", "
-                      : b->kind == BASIN_EQUILIBRIUM ? ": "
-                                                     : ", through ",
-                      model->variable[i].name,
+    const char *separator = b->kind == BASIN_EQUILIBRIUM ? ": " : ", through ";
+    for (int i = 0; i < model->n && a->known && !irregular; i++, separator = ", ")
+        buffer_format(text, "%s%s = %s", separator, model->variable[i].name,
                       SHOWN_QUANTITY(b->state[i], model->variable[i].quantity, 6));
     if (a->known && b->kind == BASIN_ORBIT)
         buffer_format(text, ", period %s", SHOWN_QUANTITY(b->period, QUANTITY_TIME, 6));

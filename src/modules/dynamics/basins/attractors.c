@@ -46,7 +46,8 @@ static double apart_from(const struct basin_walk *walk, const struct attractor *
 
 static int cells_of(int n)
 {
-    return n <= 2 ? 128 : n == 3 ? 48 : 0;
+    static const int cells[] = {[1] = 128, [2] = 128, [3] = 48};
+    return n < (int)COUNT_OF(cells) ? cells[n] : 0;
 }
 
 /* Returns the index of the cell that lies by[] cells from that of y (0 if NULL), or -1 if outside.
@@ -106,10 +107,9 @@ static int comes_to(const struct basin_walk *walk, struct walker *w)
         }
     if (w->near_count == 0)
         return BASIN_MISSING;
-    return w->near_count >=
-                   (walk->attractor[w->attractor].cell ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN)
-               ? w->attractor
-               : BASIN_MISSING;
+    const bool is_cloud = walk->attractor[w->attractor].cell;
+    const int looks_min = is_cloud ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN;
+    return w->near_count >= looks_min ? w->attractor : BASIN_MISSING;
 }
 
 /* Returns true if the walker has repeatedly been where it was a fixed number of looks before. */
@@ -243,10 +243,12 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
     if (known >= 0)
         return known;
     const int n = walk->n;
-    struct attractor a = {.points = walk->forced ? w->period : 1,
-                          .basin = {.kind = walk->forced ? BASIN_RESPONSE : BASIN_EQUILIBRIUM,
-                                    .multiple = walk->forced ? w->period : 0,
-                                    .period = walk->forced ? w->period * walk->strobe : 0}};
+    struct attractor a = {.points = 1, .basin = {.kind = BASIN_EQUILIBRIUM}};
+    if (walk->forced) {
+        a.points = a.basin.multiple = w->period;
+        a.basin.kind = BASIN_RESPONSE;
+        a.basin.period = w->period * walk->strobe;
+    }
     memcpy(a.basin.state, w->y, (size_t)n * sizeof *w->y);
     if (!walk->forced)
         settle_state(walk, a.basin.state);

@@ -75,10 +75,10 @@ double attractor_of(const struct scene *scene, const struct cancel *cancel, stru
             found.multiple = periods_of(&walk, &walk.attractor[fate]);
             found.period = found.multiple * walk.strobe;
         }
-        value = found.kind == BASIN_EQUILIBRIUM ? 0
-                : found.kind == BASIN_RESPONSE  ? found.multiple
-                : found.kind == BASIN_IRREGULAR ? ATTRACTOR_IRREGULAR
-                                                : 1;
+        if (found.kind == BASIN_IRREGULAR)
+            value = ATTRACTOR_IRREGULAR;
+        else /* an orbit counts as one period, an equilibrium as none */
+            value = found.kind == BASIN_ORBIT ? 1 : found.multiple;
     }
     if (basin)
         *basin = found;

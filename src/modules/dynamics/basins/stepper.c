@@ -111,8 +111,8 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
             const double a = walker[i].y[k], b = walker[LANE_COUNT + i].y[k];
             /* A motion that escapes does so with either number of steps. */
             const double change = fabs(a - b) / fmax(walk->field.size[k], 1e-2 * fabs(b));
-            difference[i] =
-                fmax(difference[i], isfinite(b) ? (isfinite(a) ? change : HUGE_VAL) : 0);
+            if (isfinite(b))
+                difference[i] = fmax(difference[i], isfinite(a) ? change : HUGE_VAL);
         }
     }
     free(walker);

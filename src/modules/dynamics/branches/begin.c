@@ -83,8 +83,8 @@ bool branch_begin(const struct branch_request *r, int side, double psize,
         solutions_end(path);
         return false;
     }
-    if (solutions_correct_at(path, u, r->forward ? 1 : side, first) ||
-        begin_at_special(r, path, u, r->forward ? 1 : side, first))
+    const int sign = r->forward ? 1 : side;
+    if (solutions_correct_at(path, u, sign, first) || begin_at_special(r, path, u, sign, first))
         return true;
     solutions_end(path);
     if (branch_starts_in_family(r))

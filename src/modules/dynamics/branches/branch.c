@@ -29,49 +29,6 @@
 
 /* ---- the walk ---- */
 
-/* The place of a parameter among the unknowns. */
-static int unknown_of(const struct curve_ranges *ranges, const struct curve_problem *problem,
-                      int axis)
-{
-    return problem->n + 1 - ranges->count + axis;
-}
-
-bool ranges_contain(const struct curve_ranges *ranges, const struct curve_problem *problem,
-                    const struct curve_place *place)
-{
-    bool inside = true;
-    for (int k = 0; k < ranges->count; k++) {
-        const double value = place->u[unknown_of(ranges, problem, k)];
-        inside = inside && value >= ranges->low[k] && value <= ranges->high[k];
-    }
-    return inside;
-}
-
-bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
-                         const struct curve_place *start, struct curve_place *edge_point)
-{
-    double share = 1, bound = 0, guess[CURVE_MAX], direction[CURVE_MAX] = {0};
-    int axis = problem->n;
-    for (int k = 0; k < ranges->count; k++) {
-        const int i = unknown_of(ranges, problem, k);
-        const double a = start->u[i], b = edge_point->u[i],
-                     edge = b < ranges->low[k] ? ranges->low[k] : ranges->high[k];
-        if ((b < ranges->low[k] || b > ranges->high[k]) && (edge - a) / (b - a) <= share) {
-            share = (edge - a) / (b - a);
-            axis = i;
-            bound = edge;
-        }
-    }
-    for (int i = 0; i <= problem->n; i++)
-        guess[i] = start->u[i] + share * (edge_point->u[i] - start->u[i]);
-    guess[axis] = bound;
-    direction[axis] = start->tangent[axis] < 0 ? -1 : 1; /* tests know which way the tangent goes */
-    if (!curve_correct(problem, guess, direction, true, edge_point))
-        return false;
-    edge_point->u[axis] = bound;
-    return true;
-}
-
 static bool good_step(const struct curve_problem *problem, const struct curve_place *current,
                       const struct curve_place *next)
 {
@@ -247,11 +204,11 @@ static void forget_turns(struct branch_walk *w)
  * the way to a homoclinic orbit). Towards the first point: by -1. */
 static void forget_last_turns(struct branch *b, int direction)
 {
-    const double there = b->count > 0 ? b->point[direction > 0 ? 0 : b->count - 1].solution.param[0]
-                                      : 0,
-                 apart = b->kind == SOLUTION_EQUILIBRIUM ? EQUILIBRIUM_PARAM_ROUNDING
-                                                         : ORBIT_PARAM_ROUNDING;
-    for (int i = direction > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += direction) {
+    const bool still = b->kind == SOLUTION_EQUILIBRIUM;
+    const double apart = still ? EQUILIBRIUM_PARAM_ROUNDING : ORBIT_PARAM_ROUNDING;
+    const int first = direction > 0 ? 0 : b->count - 1;
+    const double there = b->count > 0 ? b->point[first].solution.param[0] : 0;
+    for (int i = first; i >= 0 && i < b->count; i += direction) {
         if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
             return;
         if (b->point[i].special == SPECIAL_FOLD)
@@ -343,6 +300,14 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *point, 
     return false;
 }
 
+/* Ends the walk at a place from which no step leads on. */
+static bool walk_stop(struct branch_walk *w, const struct curve_place *point, double longest)
+{
+    if (!cancelled(w->request->cancel) && jumps_ahead(w, point, longest))
+        return end_there(w, BRANCH_JUMP);
+    return fails_there(w, "no step leads on");
+}
+
 /* Follows the branch from `point`, which is recorded already. Returns false if out of memory. */
 static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
 {
@@ -365,9 +330,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
         step = fmin(step, far);
         if (!curve_next(w->path->problem, w->bends ? &w->previous : NULL, &point, &step, far, w,
                         w->request->cancel, &next))
-            return !cancelled(w->request->cancel) && jumps_ahead(w, &point, far)
-                       ? end_there(w, BRANCH_JUMP)
-                       : fails_there(w, "no step leads on");
+            return walk_stop(w, &point, far);
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0) { /* The step has passed the equilibrium, or changed the phase. */

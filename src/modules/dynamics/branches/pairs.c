@@ -77,8 +77,9 @@ static double parabola_vertex(const struct test_minimum *m, double *value)
  * no value. */
 static bool sample_at(const struct test_minimum *m, double position)
 {
-    const struct test_sample *a = position < m->middle->position ? m->low : m->middle,
-                             *b = position < m->middle->position ? m->middle : m->high;
+    const bool is_before = position < m->middle->position;
+    const struct test_sample *a = is_before ? m->low : m->middle;
+    const struct test_sample *b = is_before ? m->middle : m->high;
     const double share = (position - a->position) / (b->position - a->position);
     if (!curve_between(m->walk->path->problem, &a->place, &b->place, share, &m->fresh->place))
         return false;
@@ -171,8 +172,8 @@ bool walk_record_pairs(struct branch_walk *w, const struct curve_place *previous
         if (sample[1].value > fmin(sample[0].value, sample[2].value) || !find_other_sign(&m))
             continue;
         const bool is_before = m.fresh->position < m.middle->position;
-        const struct curve_place *low = is_before ? &m.low->place : &m.middle->place,
-                                 *high = is_before ? &m.middle->place : &m.high->place;
+        const struct curve_place *low = &(is_before ? m.low : m.middle)->place;
+        const struct curve_place *high = &(is_before ? m.middle : m.high)->place;
         int place =
             m.fresh->position < curve_distance(unknowns, previous->u, point->u) ? index : index + 1;
         if (special_locate(w, low, &m.fresh->place, k, &pair[0]) &&

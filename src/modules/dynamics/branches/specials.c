@@ -270,17 +270,20 @@ void walk_start(struct branch_walk *w, const struct curve_place *point)
         opposite->test[EQUILIBRIUM_CROSSING] *= -1;
     }
     for (int k = 0; k < w->path->problem->tests; k++) {
-        /* the first is part of a unit vector */
-        w->largest[k] = k == 0     ? 1
-                        : opposite ? fmax(fabs(point->test[k]), fabs(opposite->test[k]))
-                                   : fabs(point->test[k]);
+        w->largest[k] = fabs(point->test[k]);
+        if (k == 0) /* part of a unit vector */
+            w->largest[k] = 1;
+        else if (opposite)
+            w->largest[k] = fmax(w->largest[k], fabs(opposite->test[k]));
         const bool here = is_signed(w, point, k);
         w->known[k] = here || !opposite ? *point : *opposite;
         w->any[k] = here || (opposite && is_signed(w, opposite, k));
     }
     const int grows = walk_grows(w, &w->branch->point[w->branch->count - 1].solution);
-    specials_sure(w, grows < 0 && opposite ? opposite : point,
-                  grows < 0 && opposite ? w->behind_grows : grows);
+    if (grows < 0 && opposite)
+        specials_sure(w, opposite, w->behind_grows);
+    else
+        specials_sure(w, point, grows);
     w->behinds = 0;
 }
 

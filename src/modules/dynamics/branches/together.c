@@ -100,10 +100,10 @@ static enum special special_kind_of(const struct solution *s, double unit, int c
         pair = pair || fabs(v.im) > COMPLEX_PAIR_IMAG_MIN * unit;
         turned = turned || v.re < 0;
     }
-    return s->kind == SOLUTION_EQUILIBRIUM ? (pair ? SPECIAL_HOPF : SPECIAL_CROSSING)
-           : pair                          ? SPECIAL_TORUS
-           : turned                        ? SPECIAL_DOUBLING
-                                           : SPECIAL_CROSSING;
+    const bool is_map = s->kind != SOLUTION_EQUILIBRIUM;
+    if (pair)
+        return is_map ? SPECIAL_TORUS : SPECIAL_HOPF;
+    return is_map && turned ? SPECIAL_DOUBLING : SPECIAL_CROSSING;
 }
 
 /* Its memory is no part of between(), which goes HALVINGS_MAX deep. */

@@ -226,8 +226,9 @@ static void special_curve_test(void *context, const double *u, const double *jac
 
 static enum special special_of(const struct special_curve *c, int test)
 {
-    return c->kind == SPECIAL_HOPF ? (test == 0 ? SPECIAL_DOUBLE : SPECIAL_BAUTIN)
-                                   : (test == 0 ? SPECIAL_CUSP : SPECIAL_DOUBLE);
+    static const enum special hopf[] = {SPECIAL_DOUBLE, SPECIAL_BAUTIN},
+                              fold[] = {SPECIAL_CUSP, SPECIAL_DOUBLE};
+    return (c->kind == SPECIAL_HOPF ? hopf : fold)[test];
 }
 
 /* ---- where it begins ---- */
@@ -262,14 +263,14 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
                        (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF),
                fold = !still && c->kind == SPECIAL_FOLD; /* a fold of orbits */
     memcpy(c->tangent, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->tangent);
+    int tests = fold;
+    if (still)
+        tests = c->base.field.n > 1 ? 2 : 1;
     c->problem = (struct curve_problem){.context = c,
                                         .n = all,
                                         .residual = residual,
                                         .test = fold ? test_orbit_fold : special_curve_test,
-                                        .tests = fold                  ? 1
-                                                 : !still              ? 0
-                                                 : c->base.field.n > 1 ? 2
-                                                                       : 1,
+                                        .tests = tests,
                                         .aim = special_curve_aim,
                                         .work = malloc(sizeof *c->problem.work)};
     if (!c->problem.work || all >= CURVE_MAX) {

@@ -48,13 +48,13 @@ static int critical(const struct branch_point *special, const struct solution *s
     for (int i = 0; i < s->values; i++) {
         const struct eigenvalue v = s->value[i];
         const bool grows = map ? hypot(v.re, v.im) > 1 : v.re > 0;
-        const double size = hypot(v.re, v.im), turned = special->special == SPECIAL_DOUBLING
-                                                            ? atan2(v.im, -v.re)
-                                                            : atan2(v.im, v.re);
-        double distance = pair && map ? fabs(log(size))
-                          : pair      ? fabs(v.re)
-                          : map       ? hypot(log(size), turned)
-                                      : size;
+        const double size = hypot(v.re, v.im),
+                     turned = atan2(v.im, special->special == SPECIAL_DOUBLING ? -v.re : v.re);
+        double distance = size;
+        if (pair)
+            distance = fabs(map ? log(size) : v.re);
+        else if (map)
+            distance = hypot(log(size), turned);
         distance *= grows ? RETRY_DISTANCE_FACTOR : 1;
         /* Real eigenvalues of conservative motion meet and leave the axis. */
         if ((pair ? v.im > 0 : v.im >= 0) && distance < least) {

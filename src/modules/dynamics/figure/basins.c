@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The last map of basins: a letter for each attractor, in pictures on a colour of its own. */
+#include <hooke/base/numeric.h>
 #include <hooke/plot/drawing.h>
 #include "modules/dynamics/plots.h"
 
@@ -35,10 +36,11 @@ bool basins_known(const struct session *session)
 static int kind_at(const struct grid *g, size_t a, size_t b)
 {
     const char *fate = g->table->column[2].text[a * g->height + b];
-    return fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z' ? fate[0] - 'A'
-           : strcmp(fate, "escapes") == 0                      ? FATE_LETTERS
-           : strcmp(fate, "not decided") == 0                  ? FATE_LETTERS + 1
-                                                               : FATE_KINDS;
+    if (fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z')
+        return fate[0] - 'A';
+    if (strcmp(fate, "escapes") == 0)
+        return FATE_LETTERS;
+    return strcmp(fate, "not decided") == 0 ? FATE_LETTERS + 1 : FATE_KINDS;
 }
 
 static double value_at(const struct grid *g, int axis, size_t place)
@@ -58,9 +60,9 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
     struct buffer text = {0};
     const char *type = NULL;
     double share = NAN;
-    const char name[] = {marks[kind], '\0'}, *const fate = kind < FATE_LETTERS    ? name
-                                                           : kind == FATE_LETTERS ? "escapes"
-                                                                                  : "not decided";
+    const char name[] = {marks[kind], '\0'}, *fate = name;
+    if (kind >= FATE_LETTERS)
+        fate = kind == FATE_LETTERS ? "escapes" : "not decided";
     size_t row = 0;
     while (basins && row < basins->rows &&
            !(basins->column[0].text && basins->column[0].text[row] &&
@@ -152,7 +154,8 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
 
 /* ---- colours below them ---- */
 
-/* What ends in the same attractor has the same colour; what ends in none, none. */
+/* Returns the map of the starts, coloured by their attractors; starts that end in none have no
+ * colour. Returns NULL if out of memory. */
 static const struct heat *colours_of(struct drawing *d, const struct grid *g)
 {
     struct heat *heat = arena_alloc(d->arena, sizeof *heat);
@@ -186,10 +189,10 @@ static const char *words_of(const struct drawing *d, const struct grid *g)
 {
     struct buffer text = {0};
     buffer_put(&text, TEXT("Where starts end"));
-    for (int axis = 0; axis < 2; axis++)
-        buffer_format(&text, "%s %s from %.4g to %.4g", axis == 0 ? ", over" : " and",
-                      g->table->column[axis].name, value_at(g, axis, 0),
-                      value_at(g, axis, (axis == 0 ? g->width : g->height) - 1));
+    buffer_format(&text, ", over %s from %.4g to %.4g", g->table->column[0].name, value_at(g, 0, 0),
+                  value_at(g, 0, g->width - 1));
+    buffer_format(&text, " and %s from %.4g to %.4g", g->table->column[1].name, value_at(g, 1, 0),
+                  value_at(g, 1, g->height - 1));
     for (int i = 0; i < d->curves; i++)
         if (d->curve[i].label)
             buffer_format(&text, "%s %c %s", i == 0 ? ":" : ",", d->curve[i].mark,
@@ -231,7 +234,7 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     const bool picture =
         d->request->charset == &charset_braille && d->request->width == PICTURE_COLUMNS;
     const int width = d->request->width; /* more than columns: none stays empty */
-    const size_t columns = picture ? PICTURE_LETTERS_X : width > 1 ? (size_t)width : 1;
+    const size_t columns = picture ? PICTURE_LETTERS_X : (size_t)int_max(width, 1);
     d->curve = arena_array(d->arena, FATE_KINDS + 1, sizeof *d->curve);
     if (!d->curve)
         return error_memory(d->error);

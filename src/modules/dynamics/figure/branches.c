@@ -35,9 +35,9 @@ static double height_of(const struct diagram *g, const struct solution *s, int s
 {
     if (g->last->params == 2)
         return s->param[1];
-    return s->kind == SOLUTION_EQUILIBRIUM ? s->state[g->variable]
-           : side                          ? s->top[g->variable]
-                                           : s->bottom[g->variable];
+    if (s->kind == SOLUTION_EQUILIBRIUM)
+        return s->state[g->variable];
+    return (side ? s->top : s->bottom)[g->variable];
 }
 
 static void diagram_point_put(struct diagram *g, bool stable, double x, double y)
@@ -160,16 +160,18 @@ bool branches_figure(struct drawing *d, struct figure *figure)
             put_side(&g, b, side);
     }
     const struct param_row *param = param_at(scene, g.last->param[0]);
-    const bool plane = g.last->params == 2;
-    const struct param_row *second = plane ? param_at(scene, g.last->param[1]) : NULL;
     const struct variable *variable = &scene->model->variable[g.variable];
+    const char *name = variable->name;
+    enum quantity quantity = variable->quantity;
+    if (g.last->params == 2) {
+        name = param_at(scene, g.last->param[1])->row.name;
+        quantity = param_at(scene, g.last->param[1])->quantity;
+    }
     *figure = (struct figure){.title = "branches",
                               .plane = true,
                               .curve = d->curve,
                               .curves = d->curves,
                               .x = quantity_axis(param->row.name, param->quantity, g.size[0]),
-                              .y = quantity_axis(plane ? second->row.name : variable->name,
-                                                 plane ? second->quantity : variable->quantity,
-                                                 g.size[1])};
+                              .y = quantity_axis(name, quantity, g.size[1])};
     return true;
 }

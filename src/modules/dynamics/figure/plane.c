@@ -80,3 +80,16 @@ static void say_equilibrium(const struct session *session, const struct plot_pla
 
 const struct plane_row portrait_plane = {
     .drawn = plane_drawn, .next = next_equilibrium, .say = say_equilibrium};
+
+/* ---- when it is offered ---- */
+
+bool portrait_fits(const struct model *model)
+{
+    return model->n > 1;
+}
+
+bool portrait_offered(const struct session *session)
+{
+    const int n = session->setup.scene.model->n;
+    return n > 1 && n <= STARTS_VARIABLES;
+}

@@ -25,19 +25,6 @@
 #define RUN_ROWS 20000                /* most rows of the run that are drawn */
 #define BOX_MARGIN_FRACTION 0.25      /* extension of a box on each side */
 
-/* ---- when it is offered ---- */
-
-bool portrait_fits(const struct model *model)
-{
-    return model->n > 1;
-}
-
-bool portrait_offered(const struct session *session)
-{
-    const int n = session->setup.scene.model->n;
-    return n > 1 && n <= STARTS_VARIABLES;
-}
-
 /* ---- what is shown ---- */
 
 static bool choose_variables(struct drawing *d, const struct system *system,
@@ -127,11 +114,10 @@ static bool choose(struct drawing *d, struct system *system, struct portrait_req
     const bool present = run && run->scene.model == scene->model;
     if (!choose_variables(d, system, wanted))
         return false;
-    for (int i = 0; i < system->n; i++)
-        wanted->state[i] = i == wanted->variable[0] || i == wanted->variable[1] ? 0
-                           : present                                            ? run->y[i]
-                                                                                : system->start[i];
-    wanted->t = system->autonomous ? 0 : present ? run->t : system->t0;
+    memcpy(wanted->state, present ? run->y : system->start, (size_t)system->n * sizeof(double));
+    wanted->state[wanted->variable[0]] = wanted->state[wanted->variable[1]] = 0;
+    if (!system->autonomous)
+        wanted->t = present ? run->t : system->t0;
     /* text has no room for lines that nothing follows */
     wanted->energy =
         system->conservative || (system->energy && d->request->width == PICTURE_COLUMNS);
@@ -313,12 +299,12 @@ static bool add_directions(struct drawing *d, const struct system *system,
                            const struct portrait_request *wanted)
 {
     const bool picture = d->request->width == PICTURE_COLUMNS, pane = d->request->follow;
-    const int columns = pane ? PANE_COLUMNS : ARROW_COLUMNS,
-              width = d->request->width > 30 ? d->request->width : 30,
-              column_count = picture ? PICTURE_ARROWS : width / columns,
-              row_count = picture ? PICTURE_ARROWS * 2 / 3
-                          : pane  ? PANE_ARROWS
-                                  : TEXT_ARROWS;
+    int column_count = int_max(d->request->width, 30) / (pane ? PANE_COLUMNS : ARROW_COLUMNS);
+    int row_count = pane ? PANE_ARROWS : TEXT_ARROWS;
+    if (picture) {
+        column_count = PICTURE_ARROWS;
+        row_count = PICTURE_ARROWS * 2 / 3;
+    }
     const size_t n = 6 * (size_t)column_count * (size_t)row_count;
     double *x = arena_array(d->arena, 2 * n, sizeof *x), *y = x ? x + n : NULL;
     if (!x)
@@ -387,8 +373,10 @@ static void put_words(struct buffer *output, const struct system *system,
                portrait->found.count ? TEXT(".") : TEXT(" No equilibrium was found in it."));
     for (int i = 0; i < portrait->separatrices; i++) {
         const struct separatrix *s = &portrait->separatrix[i];
-        buffer_format(output, " A separatrix %s equilibrium %d%s", s->stable ? "ends at" : "leaves",
-                      s->equilibrium + 1, s->stable ? ", from " : " for ");
+        buffer_format(output,
+                      s->stable ? " A separatrix ends at equilibrium %d, from "
+                                : " A separatrix leaves equilibrium %d for ",
+                      s->equilibrium + 1);
         if (s->target >= 0)
             buffer_format(output, "equilibrium %d.", s->target + 1);
         else

@@ -177,9 +177,8 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *p
     const int before_that = next->corrections;
     curve_problem_aim(problem, true);
     const bool fine = correct(problem, next->u, current->tangent, !problem->aim, next);
-    next->corrections = problem->aim
-                            ? (before_that > next->corrections ? before_that : next->corrections)
-                            : before_that;
+    if (!problem->aim || before_that > next->corrections)
+        next->corrections = before_that;
     return fine;
 }
 
@@ -237,9 +236,10 @@ static double test_at(void *context, double share)
         return c->value(c->context, &c->point);
     const double value = c->point.test[c->test],
                  size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
-    const bool fold = value == c->point.tangent[c->problem->n];
-    return fabs(value) <= fmax(TEST_ROUNDING_RELATIVE * size, fold ? TANGENT_ROUNDING : 0) ? 0
-                                                                                           : value;
+    double rounding = TEST_ROUNDING_RELATIVE * size;
+    if (value == c->point.tangent[c->problem->n]) /* the test of a fold */
+        rounding = fmax(rounding, TANGENT_ROUNDING);
+    return fabs(value) <= rounding ? 0 : value;
 }
 
 static void chord_init(struct chord *c, const struct curve_problem *problem,

@@ -13,12 +13,13 @@ static double entry(int n, const double *a, int i, int j)
 /* Returns the entry of the matrix of pair sums in the row of p > q and the column of r > s. */
 static double pair_sum(int n, const double *a, int p, int q, int r, int s)
 {
-    return r == q             ? -entry(n, a, p, s)
-           : r != p && s == q ? entry(n, a, p, r)
-           : r == p && s == q ? entry(n, a, p, p) + entry(n, a, q, q)
-           : r == p           ? entry(n, a, q, s)
-           : s == p           ? -entry(n, a, q, r)
-                              : 0;
+    if (r == q)
+        return -entry(n, a, p, s);
+    if (r == p)
+        return s == q ? entry(n, a, p, p) + entry(n, a, q, q) : entry(n, a, q, s);
+    if (s == q)
+        return entry(n, a, p, r);
+    return s == p ? -entry(n, a, q, r) : 0;
 }
 
 void matrix_pair_sums(int n, const double *jacobian, double *pairs)

@@ -51,7 +51,9 @@ static void report_exponents(const struct exponents_search *s, double fraction)
 static double round_down(double x)
 {
     const double power = pow(10, floor(log10(x) + 1e-9)), digit = x / power;
-    return power * (digit >= 5 * (1 - 1e-9) ? 5 : digit >= 2 * (1 - 1e-9) ? 2 : 1);
+    if (digit >= 5 * (1 - 1e-9))
+        return power * 5;
+    return digit >= 2 * (1 - 1e-9) ? power * 2 : power;
 }
 
 /* ---- before: until the motion is where it stays ---- */
@@ -81,9 +83,11 @@ static bool go_unasked(struct exponents_search *s)
 
 static bool go_before(struct exponents_search *s, double skip)
 {
-    const bool drive = s->period > 0;
-    const double pieces = drive ? ceil(skip / s->period * (1 - 1e-12)) : 32,
-                 span = drive ? s->period : skip / pieces;
+    double pieces = 32, span = skip / pieces;
+    if (s->period > 0) {
+        pieces = ceil(skip / s->period * (1 - 1e-12));
+        span = s->period;
+    }
     for (double i = 0; i < pieces && skip > 0; i++) {
         if (!advance_tangents(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
             return false;
@@ -120,8 +124,9 @@ static bool begin_exponents(struct exponents_search *s)
 {
     const struct lyapunov_request *r = s->request;
     double duration = r->duration;
+    const double skip = r->skip >= 0 ? r->skip : duration / 10;
     const bool unasked = duration == 0 && r->skip < 0;
-    if (unasked ? !go_unasked(s) : !go_before(s, r->skip >= 0 ? r->skip : duration / 10))
+    if (!(unasked ? go_unasked(s) : go_before(s, skip)))
         return false;
     s->found->skip = s->t.elapsed;
     if (duration == 0 && !unasked && !go_unasked(s))
@@ -146,9 +151,10 @@ static bool go_bin(struct exponents_search *s, size_t b)
     t->divergence = 0;
     for (int k = 0; fine && k < s->times; k++) {
         const double part = (double)(b % (size_t)s->parts);
-        fine = s->period > 0
-                   ? advance_tangents(s, s->t0 + part * s->period / s->parts, s->period / s->parts)
-                   : advance_tangents(s, s->timed ? s->t0 + t->elapsed : s->t0, s->bin);
+        if (s->period > 0)
+            fine = advance_tangents(s, s->t0 + part * s->period / s->parts, s->period / s->parts);
+        else
+            fine = advance_tangents(s, s->timed ? s->t0 + t->elapsed : s->t0, s->bin);
     }
     for (int j = 0; fine && j < t->count; j++)
         s->series[(size_t)j * s->bins + b] = t->growth[j] / s->bin;

@@ -395,11 +395,15 @@ bool orbit_find(const struct orbit_request *request, struct found_orbit *found, 
     for (int i = 0; i < s.field.n; i++)
         s.field.size[i] = fmax(s.field.size[i], fabs(s.state[i]));
     const double drive = field_drive(&s.field);
-    bool fine = isnan(drive)
-                    ? error_set(error, ERROR_COMMAND, "forces depend on time, but not periodically")
-                : drive > 0           ? find_driven(&s, drive, error)
-                : request->period > 0 ? find_of_period(&s, request->period, error)
-                                      : find_own(&s, error);
+    bool fine;
+    if (isnan(drive))
+        fine = error_set(error, ERROR_COMMAND, "forces depend on time, but not periodically");
+    else if (drive > 0)
+        fine = find_driven(&s, drive, error);
+    else if (request->period > 0)
+        fine = find_of_period(&s, request->period, error);
+    else
+        fine = find_own(&s, error);
     fine = fine && finish(&s, error);
     if (fine && cancelled(request->cancel))
         fine = error_set(error, ERROR_CANCELLED, "cancelled");

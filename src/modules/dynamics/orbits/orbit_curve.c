@@ -31,8 +31,9 @@ static void state_of(const struct vector_field *field, const double *u, double *
 
 double orbit_curve_period(const struct orbit_curve *c, const double *u)
 {
-    return c->forced ? c->multiple * (c->drive > 0 ? c->drive : field_drive(c->field))
-                     : u[c->segments * c->field->n] * c->tsize;
+    if (!c->forced)
+        return u[c->segments * c->field->n] * c->tsize;
+    return c->multiple * (c->drive > 0 ? c->drive : field_drive(c->field));
 }
 
 /* [s] since the orbit's beginning */

@@ -237,14 +237,19 @@ static bool has_turned(const struct solution *s)
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution)
 {
-    if (path->kind == SOLUTION_EQUILIBRIUM)
-        return test == EQUILIBRIUM_FOLD       ? SPECIAL_FOLD
-               : test == EQUILIBRIUM_CROSSING ? SPECIAL_CROSSING
-               : has_pair(solution, false)    ? SPECIAL_HOPF
-                                              : SPECIAL_NONE;
-    return test == ORBIT_FOLD         ? SPECIAL_FOLD
-           : test == ORBIT_CROSSING   ? SPECIAL_CROSSING
-           : test == ORBIT_DOUBLING   ? (has_turned(solution) ? SPECIAL_DOUBLING : SPECIAL_NONE)
-           : has_pair(solution, true) ? SPECIAL_TORUS
-                                      : SPECIAL_NONE;
+    static const enum special equilibrium[] = {[EQUILIBRIUM_FOLD] = SPECIAL_FOLD,
+                                               [EQUILIBRIUM_CROSSING] = SPECIAL_CROSSING,
+                                               [EQUILIBRIUM_HOPF] = SPECIAL_HOPF},
+                              orbit[] = {[ORBIT_FOLD] = SPECIAL_FOLD,
+                                         [ORBIT_CROSSING] = SPECIAL_CROSSING,
+                                         [ORBIT_DOUBLING] = SPECIAL_DOUBLING,
+                                         [ORBIT_TORUS] = SPECIAL_TORUS};
+    const bool is_map = path->kind != SOLUTION_EQUILIBRIUM;
+    const enum special special = (is_map ? orbit : equilibrium)[test];
+    bool is_real = true;
+    if (special == SPECIAL_HOPF || special == SPECIAL_TORUS)
+        is_real = has_pair(solution, is_map);
+    else if (special == SPECIAL_DOUBLING)
+        is_real = has_turned(solution);
+    return is_real ? special : SPECIAL_NONE;
 }

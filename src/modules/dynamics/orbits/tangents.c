@@ -167,10 +167,10 @@ enum tangents_end tangents_advance(struct tangents *t, double t_begin, double sp
         if (switches && jumps(t, branch))
             return TANGENTS_JUMP;
         hopeless = fabs(t->step.h) < HOPELESS_STEP_FRACTION * span ? hopeless + 1 : 0;
+        if (hopeless > HOPELESS_STEPS_MAX && is_beyond(t, STALLED_ESCAPE_SIZES))
+            return TANGENTS_LEAVE;
         if (hopeless > HOPELESS_STEPS_MAX)
-            return is_beyond(t, STALLED_ESCAPE_SIZES) ? TANGENTS_LEAVE
-                   : switches                         ? TANGENTS_JUMP
-                                                      : TANGENTS_STALL;
+            return switches ? TANGENTS_JUMP : TANGENTS_STALL;
         straighten(t, t->step.t == end);
         if ((++t->steps & 63) == 0 && cancelled(t->field.cancel))
             return TANGENTS_CANCELLED;

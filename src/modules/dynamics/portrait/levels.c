@@ -92,9 +92,9 @@ static void march(struct marching *m, double corner[4][3])
     } else if (count == 4) { /* a saddle of f: what its middle says */
         const double middle =
             value_at(m, (corner[0][0] + corner[2][0]) / 2, (corner[0][1] + corner[2][1]) / 2);
-        const bool same = (middle < 0) == (corner[0][2] < 0);
-        add_level_segment(m, crossings[same ? 0 : 3], crossings[same ? 1 : 0]);
-        add_level_segment(m, crossings[same ? 2 : 1], crossings[same ? 3 : 2]);
+        const int first = (middle < 0) == (corner[0][2] < 0) ? 0 : 3;
+        add_level_segment(m, crossings[first], crossings[(first + 1) % 4]);
+        add_level_segment(m, crossings[(first + 2) % 4], crossings[(first + 3) % 4]);
     }
 }
 

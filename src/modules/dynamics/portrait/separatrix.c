@@ -213,7 +213,9 @@ static bool follow_separatrix(struct portrait_work *work, int e, int value, int 
         end = advance(&w, stride(&w), away ? -1 : e);
         away = away || distance(&w, equilibrium->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
     }
-    s->end = end == WALK_FRAME ? "frame" : end == WALK_REST ? "equilibrium" : "goes on";
+    s->end = "goes on";
+    if (end == WALK_FRAME || end == WALK_REST)
+        s->end = end == WALK_FRAME ? "frame" : "equilibrium";
     return end != WALK_MEMORY && polyline_gap(w.line);
 }
 

@@ -44,7 +44,9 @@ static double log_across(const struct delay_space *s, size_t i, size_t centre, s
             projection += apart * v;
             speed += v * v;
         }
-        const size_t next = projection > speed / 2 ? *j - 1 : projection < -speed / 2 ? *j + 1 : *j;
+        size_t next = *j;
+        if (fabs(projection) > speed / 2)
+            next = projection > 0 ? *j - 1 : *j + 1;
         if (next != *j && *j > 0 && next <= most && pass < 2 &&
             (next > centre ? next - centre : centre - next) <= (size_t)s->delay) {
             *j = next;

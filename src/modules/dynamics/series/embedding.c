@@ -64,9 +64,9 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
             high = middle;
     }
     while (low > 0 || high < s->n) {
-        const double lower_distance = low > 0 ? y - s->y[s->order[low - 1]] : HUGE_VAL,
-                     upper_distance = high < s->n ? s->y[s->order[high]] - y : HUGE_VAL,
-                     distance = fmin(lower_distance, upper_distance);
+        const double lower_distance = low > 0 ? y - s->y[s->order[low - 1]] : HUGE_VAL;
+        const double upper_distance = high < s->n ? s->y[s->order[high]] - y : HUGE_VAL;
+        const double distance = fmin(lower_distance, upper_distance);
         const size_t j = s->order[lower_distance < upper_distance ? --low : high++];
         if (found->count == wanted && distance * distance >= found->square[wanted - 1])
             return;

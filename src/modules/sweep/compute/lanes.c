@@ -188,11 +188,6 @@ static int64_t opening_step(const struct sweep_job *job, double t0, const struct
     return i < clock->whole ? i : clock->whole;
 }
 
-static int64_t min_steps(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
 /* Prepares the watches before the first step. */
 static void begin_watching(struct sweep_worker *worker, struct stretch_watch *stretch)
 {
@@ -226,9 +221,9 @@ static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *o
     for (int lane = 0; lane < worker->used; lane++) {
         const struct lane_clock *clock = &worker->clock[lane];
         if (clock->opening > i)
-            next = min_steps(next, clock->opening);
+            next = int64_min(next, clock->opening);
         if (clock->whole > i)
-            next = min_steps(next, clock->whole);
+            next = int64_min(next, clock->whole);
         *open |= clock->opening <= i && clock->whole > i;
     }
     return next;
@@ -260,7 +255,7 @@ static bool march(struct sweep_worker *worker)
     for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
         const bool watching = job->replays || job->tops || (job->watches && open);
         const int64_t count =
-            min_steps(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
+            int64_min(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
             lanes_row(worker->lanes, previous);
         for (int lane = 0; lane < LANE_COUNT; lane++) {
@@ -318,8 +313,8 @@ static void finish_watch(struct sweep_worker *worker, int lane, const double *wa
     if (!watch->open && (clock->rest == 0 ? end : t_begin) >= system->t0 + worker->job->opens)
         watch_open(watch, was[0]);
     const bool stepped = clock->rest != 0;
-    const double speed0 = stepped ? watch_speed(system, 0, t_begin, was) : 0,
-                 speed1 = stepped ? watch_speed(system, 0, end, y) : 0;
+    const double speed0 = stepped ? watch_speed(system, 0, t_begin, was) : 0;
+    const double speed1 = stepped ? watch_speed(system, 0, end, y) : 0;
     if (watch_turns(speed0, speed1))
         watch_turn(watch, t_begin, was[0], speed0, end, y[0], speed1);
     watch->area = worker->area[lane];
@@ -360,8 +355,10 @@ static void finish_lanes(struct sweep_worker *worker)
 static int lanes_points_min(const struct sweep_worker *worker)
 {
     const struct model *model = worker->system[0].model;
-    const int points = model->typed ? 5 : model == &oscillator_model ? SWEEP_FEW : 20;
-    return worker->job->adapts && points < SWEEP_FEW_ADAPTIVE ? SWEEP_FEW_ADAPTIVE : points;
+    int points = model == &oscillator_model ? SWEEP_FEW : 20;
+    if (model->typed)
+        points = 5;
+    return worker->job->adapts ? int_max(points, SWEEP_FEW_ADAPTIVE) : points;
 }
 
 void sweep_flush(struct sweep_worker *worker)

@@ -255,9 +255,9 @@ int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
     const int64_t axis_count = sweep->axis[job->lane_axis].count,
                   last = sweep->axes > 1 ? sweep->axis[1].count : 1;
     for (int64_t k = block * job->width; k < axis_count && k < (block + 1) * job->width; k++) {
-        const int64_t number = sweep->axes < 2       ? k
-                               : job->lane_axis == 1 ? line * last + k
-                                                     : k * last + line;
+        int64_t number = k;
+        if (sweep->axes > 1)
+            number = job->lane_axis == 1 ? line * last + k : k * last + line;
         const int64_t i = number - sweep->first;
         if (i < 0 || i >= sweep->count || sweep->status[i] != SWEEP_MISSING)
             continue;

@@ -2,14 +2,10 @@
 /* Points whose measures need a whole run: it is given the states that the lanes come to. Short runs
  * get them all at once, one run after another; of long ones there is one for each lane, which goes
  * on by so many steps at a time as there is room for. */
+#include <hooke/base/numeric.h>
 #include "modules/sweep/compute/worker.h"
 
 #include <string.h>
-
-static int64_t min_replay_steps(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
 
 void replay_begin(struct sweep_worker *worker)
 {
@@ -22,9 +18,8 @@ static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, in
 {
     const struct sweep_request *request = worker->job->request;
     struct run *run = worker->run[lane];
-    const struct run_target target = {
-        .t = worker->system[lane].t0 + request->duration,
-        .steps = min_replay_steps(count, worker->clock[lane].whole - first)};
+    const struct run_target target = {.t = worker->system[lane].t0 + request->duration,
+                                      .steps = int64_min(count, worker->clock[lane].whole - first)};
     if (!run || run->steps != first || target.steps <= 0) /* it ended before */
         return;
     run_give(run, worker->replay + lane * worker->job->room * 2, target.steps);

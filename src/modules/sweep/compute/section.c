@@ -269,10 +269,14 @@ static void advance_events(const struct sweep_request *request, struct crossings
         while (run_advance(run, &target, 0, request->cancel)) {
         }
         const size_t count = run_event_records(run);
-        const struct event_record *last = count > 0 ? run_event_record(run, count - 1) : NULL;
+        int64_t last_step = 0;
+        double last_t = run->system.t0;
+        if (count > 0) {
+            last_step = run_event_record(run, count - 1)->step;
+            last_t = run_event_record(run, count - 1)->t;
+        }
         if (run->stop != STOP_END || count >= wanted ||
-            crossings_end(request, run, run->steps - (last ? last->step : 0),
-                          run->t - (last ? last->t : run->system.t0)))
+            crossings_end(request, run, run->steps - last_step, run->t - last_t))
             return;
     }
 }

@@ -23,9 +23,9 @@ int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
 
 const char *sweep_status_name(int status)
 {
-    return status == SWEEP_MISSING   ? "missing"
-           : status == SWEEP_REFUSED ? "refused"
-                                     : stop_name((enum stop)status);
+    if (status == SWEEP_MISSING)
+        return "missing";
+    return status == SWEEP_REFUSED ? "refused" : stop_name((enum stop)status);
 }
 
 void sweep_free(struct sweep *sweep)
@@ -42,7 +42,9 @@ void sweep_free(struct sweep *sweep)
 int64_t sweep_cell(int64_t total)
 {
     const int64_t cell = total / PROGRESS_CELLS;
-    return cell < 1 ? 1 : cell < CELL_MOST ? cell : CELL_MOST;
+    if (cell < 1)
+        return 1;
+    return cell < CELL_MOST ? cell : CELL_MOST;
 }
 
 /* Multiplied in double: cells * shards may be more than an int64_t holds. */
@@ -225,8 +227,8 @@ static void lay_out(struct sweep_job *job)
         job->blocks = (row + rows - 1) / job->width - job->block + 1;
         return;
     }
-    const int64_t first_column = rows > 1 ? 0 : sweep->first % last,
-                  last_column = rows > 1 ? last - 1 : (sweep->first + sweep->count - 1) % last;
+    const int64_t first_column = rows > 1 ? 0 : sweep->first % last;
+    const int64_t last_column = rows > 1 ? last - 1 : (sweep->first + sweep->count - 1) % last;
     job->line = row;
     job->lines = rows;
     job->block = first_column / job->width;
@@ -402,9 +404,10 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
         plan.steps *= more_steps(request);
     }
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(&job);
-    const double each = lanes && !job.replays ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9
-                        : lanes               ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9
-                                              : plan.seconds + NS_ALONE * 1e-9;
+    double each = plan.seconds + NS_ALONE * 1e-9;
+    if (lanes)
+        each = job.replays ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9
+                           : plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9;
     *steps = plan.steps * (double)sweep.count;
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }

@@ -59,7 +59,9 @@ double watch_value(const struct extremes *watch, enum sweep_kind kind)
     case SWEEP_PERIOD:
         return watch->maxima > 1 ? (watch->last - watch->first) / (double)(watch->maxima - 1) : NAN;
     case SWEEP_MEAN:
-        return watch->span > 0 ? watch->area / watch->span : watch->open ? watch->high : NAN;
+        if (watch->span > 0)
+            return watch->area / watch->span;
+        return watch->open ? watch->high : NAN;
     case SWEEP_MAX:
         return watch->top;
     case SWEEP_MIN:
@@ -80,19 +82,20 @@ double watch_speed(const struct system *system, int variable, double t, const do
     return dydt[variable];
 }
 
-/* The parabola through a row and both beside it. */
+/* Returns the slope in row i of the parabola through it and its neighbours. */
 static double column_speed(const struct trace *trace, const double *column, size_t n, size_t i)
 {
-    const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
-    const double left_step = trace_time(trace, i) - trace_time(trace, a),
-                 right_step = trace_time(trace, b) - trace_time(trace, i);
-    const double rise = i > a ? (column[i] - column[a]) / left_step : 0,
-                 next = b > i ? (column[b] - column[i]) / right_step : 0;
-    return left_step + right_step > 0
-               ? i == a   ? next
-                 : i == b ? rise
-                          : (rise * right_step + next * left_step) / (left_step + right_step)
-               : 0;
+    const size_t left = i > 0 ? i - 1 : 0;
+    const size_t right = i + 1 < n ? i + 1 : n - 1;
+    const double left_step = trace_time(trace, i) - trace_time(trace, left),
+                 right_step = trace_time(trace, right) - trace_time(trace, i),
+                 rise = (column[i] - column[left]) / left_step,
+                 next = (column[right] - column[i]) / right_step;
+    if (!(left_step + right_step > 0))
+        return 0;
+    if (i == left || i == right)
+        return i == left ? next : rise;
+    return (rise * right_step + next * left_step) / (left_step + right_step);
 }
 
 /* Sets *column, which the caller frees, to the values at all rows of what is no state variable, or
