@@ -91,14 +91,13 @@ struct module_stopped {
 
 /* Functions of the module for the prompt. Each may be NULL. */
 struct module_prompt {
-    /* Is called after a typed line was executed. */
+    /* Is called after a typed line was executed, and after each statement of a script. */
     void (*typed)(struct session *session, struct reply *reply);
     /*
      * Appends the line to be offered next, which an empty Enter at the prompt executes. Returns
-     * false if the module has none, so that the next module is asked. Sets *insists, which is false
-     * before, if the line is offered again after something else was typed.
+     * false if the module has none, so that the next module is asked.
      */
-    bool (*next)(const struct session *session, struct buffer *line, bool *insists);
+    bool (*next)(const struct session *session, struct buffer *line);
     /* Appends the module's current activity to the state line, instead of the simulated scene.
      * counts: with numbers of what was done; blanks: between numbers and units. Returns false if
      * the module is doing nothing. */

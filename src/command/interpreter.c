@@ -308,6 +308,17 @@ static void give_back(struct session *session, struct arena *arena)
     arena_give_back(&session->execution.leftover, session->front.cancel);
 }
 
+/* Lets modules continue with what a statement of a script did; at a prompt they do after the line.
+ */
+static void continue_modules(struct session *session, struct reply *reply)
+{
+    if (session->front.interactive || session->execution.restoring || session->execution.reacting)
+        return;
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->prompt.typed)
+            module_list[i]->prompt.typed(session, reply);
+}
+
 static bool exec_line(struct session *session, struct text line, const struct source *where,
                       struct reply *reply)
 {
@@ -328,6 +339,8 @@ static bool exec_line(struct session *session, struct text line, const struct so
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 ||
               exec_statement(session, line, entry, statement, where, reply, &arena, &error));
+        if (ok && statement.len > 0)
+            continue_modules(session, reply);
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;

@@ -119,6 +119,9 @@ static void on_line(struct panes *panes, char *typed)
         history_keep(typed, panes->program->reply);
         panes->screen_stale = true;
         panes_enqueue(panes, text_of(typed), LINE_TYPED);
+    } else if (!panes->running) {
+        offer_again(panes->program, input_pending(&panes->input));
+        panes->screen_stale = true;
     }
     free(typed);
 }

@@ -134,32 +134,47 @@ static size_t whole_statements(struct text line, int room)
     return fits;
 }
 
-void offer_next(struct front_program *program, int room)
+/* Returns the number of bytes of the first statement, or 0 if it is too wide. */
+static size_t first_statement(struct text line, int room)
+{
+    const char *end = memchr(line.data ? line.data : "", ';', line.len);
+    const size_t len = end ? (size_t)(end - line.data) : line.len;
+    return text_width((struct text){line.data, len}) <= room ? len : 0;
+}
+
+void offer_next(struct front_program *program, bool typed_ahead)
 {
     struct buffer *offer = &program->offer;
     buffer_clear(offer);
     struct session *session = program->session;
     struct buffer *later = &program->later;
+    program->withheld = program->taken;
+    program->taken = false;
     for (size_t i = 0; module_list[i]; i++)
         if (module_list[i]->prompt.typed)
             module_list[i]->prompt.typed(session, program->reply);
     if (session->execution.quit || program->reply->quiet ||
-        session->setup.settings.format != FORMAT_TEXT) {
+        session->setup.settings.format != FORMAT_TEXT || program->withheld) {
         return;
     }
-    bool insists = false, is_found = later->len > 0;
+    bool is_found = later->len > 0;
     buffer_put(offer, buffer_text(later));
     for (size_t i = 0; module_list[i] && !is_found; i++)
-        is_found =
-            module_list[i]->prompt.next && module_list[i]->prompt.next(session, offer, &insists);
+        is_found = module_list[i]->prompt.next && module_list[i]->prompt.next(session, offer);
     buffer_clear(later);
-    if (!insists && text_is(buffer_text(offer), buffer_view(&program->passed))) {
+    if (offer->len > 0 && text_is(buffer_text(offer), buffer_view(&program->passed))) {
         buffer_clear(offer); /* it was shown, and something else was typed */
+        program->withheld = true;
         return;
     }
     buffer_clear(&program->passed);
     buffer_put(&program->passed, buffer_text(offer));
-    const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER_LABEL)));
+    const int label = text_width(TEXT(OFFER_LABEL));
+    const int width = session->front.width ? session->front.width : 80;
+    const int room = typed_ahead ? 0 : width;
+    size_t fits = whole_statements(buffer_text(offer), room - label);
+    if (fits == 0) /* one that is longer than a line takes two, on the smallest of screens */
+        fits = first_statement(buffer_text(offer), 2 * room - label);
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
         buffer_put(later, text_trim((struct text){whole.data + fits + 1, whole.len - fits - 1}));
@@ -176,6 +191,14 @@ void offer_next(struct front_program *program, int room)
     }
 }
 
+void offer_again(struct front_program *program, bool typed_ahead)
+{
+    if (!program->withheld)
+        return;
+    buffer_clear(&program->passed);
+    offer_next(program, typed_ahead);
+}
+
 char *offer_take(struct front_program *program, char *typed)
 {
     struct buffer *offer = &program->offer;
@@ -186,7 +209,8 @@ char *offer_take(struct front_program *program, char *typed)
             typed = taken;
         }
         buffer_clear(&program->passed);
-    } else {
+        program->taken = true;
+    } else if (text_trim(text_of(typed)).len > 0) {
         buffer_clear(&program->later);
     }
     buffer_clear(offer);

@@ -172,9 +172,12 @@ static void say_enter(const struct press *press, struct buffer *line)
 {
     struct front_program *program = panes_active->program;
     if (press->session->view.scroll > 0 || program->offer.len == 0) {
+        if (press->session->view.scroll == 0)
+            offer_again(program, input_pending(&panes_active->input));
         buffer_put(line, TEXT(NEXT_ROW));
         return;
     }
+    program->taken = true;
     buffer_put(line, buffer_text(&program->offer));
     buffer_clear(&program->offer);
     buffer_clear(&program->passed);

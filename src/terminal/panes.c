@@ -300,14 +300,6 @@ void panes_wait(struct panes *panes, int64_t deadline)
 
 /* ---- executing ---- */
 
-/* [cell] of the log; lines are broken at words, which leaves up to a quarter of a row empty. */
-static int room_for_offer(const struct session *session)
-{
-    const int width = session->front.width;
-    const int rows = screen_log_rows(session, width, session->front.height);
-    return rows > 1 ? rows * width * 3 / 4 : rows * width;
-}
-
 /* A line typed during a run is executed inside the command that runs: it speaks through a reply of
  * its own. */
 static void execute_line(struct panes *panes)
@@ -353,7 +345,7 @@ static void execute_line(struct panes *panes)
         if (poll(&ahead, 1, 0) > 0) {
             input_read(&panes->input, (ahead.revents & POLL_CLOSED) != 0);
         }
-        offer_next(program, input_pending(&panes->input) ? 0 : room_for_offer(session));
+        offer_next(program, input_pending(&panes->input));
     }
     if (nested) {
         program->reply = outer;

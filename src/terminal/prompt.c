@@ -186,9 +186,16 @@ static char *read_line(struct front_program *program)
     return typed;
 }
 
+static bool is_typed_ahead(void)
+{
+    struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
+    return poll(&ahead, 1, 0) > 0;
+}
+
 static void execute(struct front_program *program, const char *typed)
 {
     if (text_trim(text_of(typed)).len == 0) {
+        offer_again(program, is_typed_ahead());
         return;
     }
     history_keep(typed, program->reply);
@@ -199,10 +206,8 @@ static void execute(struct front_program *program, const char *typed)
     if (program->streams->holding)
         streams_page(program->streams, session->front.width, session->front.height);
     atomic_store(&interrupt.requested, signals_ending() != 0);
-    struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
-    if (ok) {
-        offer_next(program, poll(&ahead, 1, 0) > 0 ? 0 : INT_MAX);
-    }
+    if (ok)
+        offer_next(program, is_typed_ahead());
 }
 
 void prompt_explain(void)

@@ -156,6 +156,8 @@ struct front_program {
     struct buffer offer;  /* the line that an empty Enter takes: it is shown */
     struct buffer later;  /* rest that did not fit, offered after the first part was taken */
     struct buffer passed; /* the last offer, as long as it is not taken: it is shown once */
+    bool taken;           /* the line that is executed is an offer */
+    bool withheld;        /* there may be an offer, which an empty Enter shows */
 };
 
 /* Takes the locale of the environment: character widths come from it; numbers, messages and the
@@ -172,11 +174,13 @@ void batch_run(struct session *session, const struct options *options, bool inpu
  */
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
-/* Shows, after a typed line, the next command that a module suggests, which an empty Enter then
- * runs. It must be visible as a whole, so that only the first statements that fit into `room` cells
- * are offered. `room` is 0 also if something was typed before it could be seen. Shows nothing if
- * the suggestion has not changed since the previous line. */
-void offer_next(struct front_program *program, int room);
+/* Shows, after a typed line, in one line the next command that a module suggests, which an empty
+ * Enter then runs: the first statements of it, as many as fit. Shows nothing if something was typed
+ * before it could be seen, if the suggestion has not changed since the previous line, and after a
+ * suggestion that was taken. */
+void offer_next(struct front_program *program, bool typed_ahead);
+/* Shows, after an empty line that has taken nothing, the suggestion that was held back. */
+void offer_again(struct front_program *program, bool typed_ahead);
 /* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
  * malloc()ed, and so is the result, in its place. */
 char *offer_take(struct front_program *program, char *typed);

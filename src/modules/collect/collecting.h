@@ -42,4 +42,4 @@ struct collecting *session_collecting(const struct session *session);
  * collected. */
 bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *output);
 /* Appends "calibrate take" where a calibration waits for a point. */
-bool collect_next(const struct session *session, struct buffer *line, bool *insists);
+bool collect_next(const struct session *session, struct buffer *line);

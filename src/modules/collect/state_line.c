@@ -79,9 +79,8 @@ bool collect_state(const struct session *session, bool counts, bool blanks, stru
     return session_collecting(session) != NULL;
 }
 
-bool collect_next(const struct session *session, struct buffer *line, bool *insists)
+bool collect_next(const struct session *session, struct buffer *line)
 {
-    (void)insists;
     const bool waits = session_collecting(session) && session_collecting(session)->aim.waits;
     buffer_put(line, waits ? TEXT("calibrate take") : TEXT(""));
     return waits;

@@ -31,11 +31,13 @@ void check_differs(struct check *check, const char *file, const char *what, stru
         buffer_put(&safe, TEXT(" ..."));
     check->differences++;
     reply_line(reply, "differs: %s: %s%s%s", file, what, safe.len ? ": " : "", buffer_view(&safe));
-    reply_object(reply, NULL);
-    reply_string(reply, "file", file);
-    reply_string(reply, "what", what);
-    reply_string(reply, "detail", buffer_view(&safe));
-    reply_close(reply);
+    if (reply->format != FORMAT_CSV) {
+        reply_object(reply, NULL);
+        reply_string(reply, "file", file);
+        reply_string(reply, "what", what);
+        reply_string(reply, "detail", buffer_view(&safe));
+        reply_close(reply);
+    }
     buffer_free(&safe);
 }
 
@@ -103,6 +105,7 @@ static bool ends_in(const char *name, const char *end)
 /* Reads a file of the folder; reports a file that is missing, a folder, a pipe or not readable. */
 static bool read_handed(struct check *check, const char *name, struct buffer *content)
 {
+    const int differences = check->differences;
     struct buffer path = {0};
     struct error error = {0};
     struct stat st;
@@ -116,6 +119,7 @@ static bool read_handed(struct check *check, const char *name, struct buffer *co
                       TEXT(""));
     else if (!(read = file_read(buffer_view(&path), HANDED_MAX, content, &error)))
         check_differs(check, name, "it cannot be read", text_of(error.text));
+    check->missing_files += check->differences - differences;
     buffer_free(&path);
     return read;
 }
@@ -146,6 +150,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
         buffer_free(&handed);
         return true;
     }
+    const int differences = check->differences;
     check->files++;
     check->figures += figure && !ends_in(name, ".txt");
     if (copy && !text_equal(buffer_text(&handed), again))
@@ -160,6 +165,10 @@ static bool compare_file(void *context, const char *name, struct text again, str
         check_data(check, name, buffer_text(&handed), again);
     else if (!text_equal(buffer_text(&handed), again))
         check_differs(check, name, "it is not the figure that the session gives", TEXT(""));
+    const int added = check->differences - differences;
+    check->wrong_values += strcmp(name, "values.csv") == 0 ? added : 0;
+    check->wrong_figures += figure ? added : 0;
+    check->changed_lines += prose ? added : 0;
     buffer_free(&handed);
     return true;
 }
@@ -233,6 +242,49 @@ static bool tell_taken(struct check *check, int index)
     return true;
 }
 
+/* Reads what the student wrote; a file that is missing was reported before. */
+static void read_answers(struct check *check)
+{
+    static const char *const names[] = {"report.md", "report.html"};
+    struct buffer content[2] = {{0}};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        struct buffer path = {0};
+        struct error ignored = {0};
+        buffer_format(&path, "%s/%s", check->folder, names[i]);
+        if (!path.failed && !file_read(path.data, HANDED_MAX, &content[i], &ignored))
+            buffer_clear(&content[i]);
+        buffer_free(&path);
+    }
+    check_answers(check, buffer_text(&content[0]), buffer_text(&content[1]));
+    buffer_free(&content[0]);
+    buffer_free(&content[1]);
+}
+
+static void put_record(struct check *check, struct text folder, int taken)
+{
+    struct reply *reply = check->reply;
+    struct buffer safe = {0};
+    safe_text(&safe, buffer_text(&check->name), false);
+    reply_string(reply, "folder", folder.data ? folder.data : "");
+    reply_bool(reply, "agrees", check->differences == 0);
+    reply_int(reply, "values", check->values);
+    reply_int(reply, "figures", check->figures);
+    reply_int(reply, "files", check->files);
+    reply_int(reply, "moved", taken);
+    reply_string(reply, "name", buffer_view(&safe));
+    reply_bool(reply, "complete", check->missing_files == 0 && check->empty_answers == 0);
+    reply_int(reply, "values_right",
+              check->values > check->wrong_values ? check->values - check->wrong_values : 0);
+    reply_int(reply, "figures_agree",
+              check->figures > check->wrong_figures ? check->figures - check->wrong_figures : 0);
+    reply_int(reply, "changed", check->changed_lines);
+    reply_int(reply, "answers", check->answers);
+    reply_string(reply, "empty", buffer_view(&check->empty));
+    reply_string(reply, "copy", check->copy ? check->copy : "");
+    reply_end(reply);
+    buffer_free(&safe);
+}
+
 static void conclude(struct check *check)
 {
     struct reply *reply = check->reply;
@@ -247,74 +299,124 @@ static void conclude(struct check *check)
         buffer_format(&verdict, "%d difference%s from what session.hk gives", n, n == 1 ? "" : "s");
     else
         buffer_put(&verdict, TEXT("they agree with session.hk"));
+    if (check->empty_answers > 0)
+        reply_line(reply, "%s: %d answer%s empty: %s", buffer_view(&safe), check->empty_answers,
+                   check->empty_answers == 1 ? " is" : "s are", buffer_view(&check->empty));
+    if (check->copy)
+        reply_line(reply, "%s: but for name and answers its report is that of %s",
+                   buffer_view(&safe), check->copy);
     reply_line(reply, "%s: %d values, %d figures, %d files: %s", buffer_view(&safe), check->values,
                check->figures, check->files, buffer_view(&verdict));
-    reply_close(reply);
-    reply_string(reply, "folder", buffer_view(&safe));
-    reply_bool(reply, "agrees", n == 0);
-    reply_int(reply, "values", check->values);
-    reply_int(reply, "figures", check->figures);
-    reply_int(reply, "files", check->files);
-    reply_int(reply, "moved", taken);
-    reply_end(reply);
+    if (reply->format != FORMAT_CSV)
+        reply_close(reply);
+    put_record(check, buffer_text(&safe), taken);
     buffer_free(&safe);
     buffer_free(&verdict);
 }
 
-static int check_folder(struct session *session, const char *folder, struct reply *reply)
+/* Compares the report that the session gives with the files of the folder. */
+static void compare_folder(struct check *check, struct session *session, struct session *view)
+{
+    struct error error = {0};
+    if (check->failure.len > 0)
+        check_differs(check, "session.hk", "it ends in an error", buffer_text(&check->failure));
+    *view = *session;
+    check->report = (struct report){.session = session,
+                                    .view = view,
+                                    .arena = &check->arena,
+                                    .put = compare_file,
+                                    .context = check};
+    if (session->runs.count == 0 && session->recordings == 0)
+        check_differs(check, "session.hk", "it gives neither a run nor a recording", TEXT(""));
+    else if (!report_write(&check->report, &error))
+        check_differs(check, "session.hk", "it gives no report", text_of(error.text));
+    document_free(&check->report.document);
+}
+
+static void check_free(struct check *check)
+{
+    buffer_free(&check->failure);
+    buffer_free(&check->empty);
+    buffer_free(&check->name);
+    arena_reset(&check->arena);
+    free(check);
+}
+
+/* Checks a folder; `checked` holds those before it. Returns its exit status. */
+static int check_folder(struct session *session, struct checked *checked, int index,
+                        struct reply *reply)
 {
     struct check *check = calloc(1, sizeof *check);
     struct session *view = malloc(sizeof *view);
-    struct error error = {0};
     int status = ERROR_USAGE;
     if (check && view) {
-        check->folder = folder;
+        check->folder = checked[index].folder;
         check->reply = reply;
-        if (run_again(check, session)) {
-            reply_command_begin(reply, (enum output_format)session->setup.settings.format);
-            reply_begin(reply, "check");
+        const bool runs = run_again(check, session);
+        reply_command_begin(reply, (enum output_format)session->setup.settings.format);
+        reply_begin(reply, "check");
+        if (reply->format != FORMAT_CSV)
             reply_array(reply, "differences");
-            if (check->failure.len > 0)
-                check_differs(check, "session.hk", "it ends in an error",
-                              buffer_text(&check->failure));
-            *view = *session;
-            check->report = (struct report){.session = session,
-                                            .view = view,
-                                            .arena = &check->arena,
-                                            .put = compare_file,
-                                            .context = check};
-            if (session->runs.count == 0 && session->recordings == 0)
-                check_differs(check, "session.hk", "it gives neither a run nor a recording",
-                              TEXT(""));
-            else if (!report_write(&check->report, &error))
-                check_differs(check, "session.hk", "it gives no report", text_of(error.text));
-            document_free(&check->report.document);
-            conclude(check);
-            reply_command_end(reply, "check");
+        check->report.session = session;
+        if (runs)
+            compare_folder(check, session, view);
+        else
+            check_differs(check, "session.hk", "it cannot be read", TEXT(""));
+        check->missing_files += !runs;
+        read_answers(check);
+        checked[index].sum = check->sum;
+        for (int i = 0; i < index && check->sum != 0 && !check->copy; i++)
+            check->copy = checked[i].sum == check->sum ? checked[i].folder : NULL;
+        conclude(check);
+        reply_command_end(reply, "check");
+        if (runs)
             status = check->differences ? ERROR_COMMAND : 0;
-        }
-        buffer_free(&check->failure);
-        arena_reset(&check->arena);
     }
     free(view);
-    free(check);
+    if (check)
+        check_free(check);
     return status;
+}
+
+/* Copies the names of the folders, without slashes at their ends, into the arena. */
+static struct checked *copy_folders(struct arena *arena, const char *const *folder, int folders)
+{
+    struct checked *checked = arena_alloc(arena, (size_t)folders * sizeof *checked);
+    for (int i = 0; checked && i < folders; i++) {
+        struct text name = text_of(folder[i]);
+        while (name.len > 1 && name.data[name.len - 1] == '/')
+            name.len--;
+        checked[i] = (struct checked){.folder = arena_text(arena, name)};
+        if (!checked[i].folder)
+            return NULL;
+    }
+    return checked;
 }
 
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply)
 {
-    int status = 0;
-    for (int i = 0; i < folders && !cancelled(session->front.cancel); i++) {
+    struct arena arena = {0};
+    int failing = 0, status = 0;
+    struct checked *checked = copy_folders(&arena, folder, folders);
+    int count = 0;
+    for (; checked && count < folders && !cancelled(session->front.cancel); count++) {
         struct session *own = session_create(&session->front);
         if (!own)
-            return ERROR_COMMAND;
+            break;
         own->options.safe = session->options.safe;
         own->options.verbose = session->options.verbose;
         own->setup.settings.format = session->setup.settings.format;
-        const int one = check_folder(own, folder[i], reply);
-        status = one > status ? one : status;
+        status = check_folder(own, checked, count, reply);
+        failing += status != 0;
         session_destroy(own);
     }
+    arena_reset(&arena);
+    if (folders > 1 && count == folders)
+        reply_line(reply, "%d hand-ins: %d agree, %d differ", folders, folders - failing, failing);
+    if (count < folders)
+        return ERROR_COMMAND;
+    if (folders > 1)
+        status = failing < CHECK_STATUS_MAX ? failing : CHECK_STATUS_MAX;
     return status;
 }

@@ -12,6 +12,18 @@ struct check {
     struct reply *reply;
     struct buffer failure; /* the first error of the session */
     int values, figures, files, differences;
+    int wrong_values, wrong_figures, changed_lines, missing_files;
+    int answers, empty_answers; /* questions of report.md with and without an answer */
+    struct buffer empty;        /* those without: "Q1 Q3" */
+    struct buffer name;         /* text behind "Name:" */
+    uint64_t sum;     /* checksum of report.md without name, date and answers; 0 if it is missing */
+    const char *copy; /* folder before this one with the same report, or NULL */
+};
+
+/* Hand-ins that were checked before, for what is the same in another. */
+struct checked {
+    const char *folder;
+    uint64_t sum;
 };
 
 /*
@@ -19,12 +31,18 @@ struct check {
  * and reports which values, figures and files of the folder are not what it gives. Values are
  * compared within their uncertainty (those without one in six digits), data number by number,
  * figures byte by byte, and of documents the lines that hold digits. Adds the record `check` of
- * each: differences [{file, what, detail}], folder, agrees, values, figures, files, moved. Returns
- * the largest exit status: 0 if all agree, ERROR_COMMAND if some differ, ERROR_USAGE if a folder
- * has no session to run.
+ * each: differences [{file, what, detail}], folder, agrees, values, figures, files, moved, name,
+ * complete, values_right, figures_agree, changed, answers, empty, copy. In CSV it is one row for
+ * each folder. Returns the exit status: how many differ, at most CHECK_STATUS_MAX; ERROR_USAGE if
+ * the only folder has no session to run.
  */
+#define CHECK_STATUS_MAX 100
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply);
+
+/* Finds in report.md and report.html who wrote it, which answers are empty, and a sum by which a
+ * copy is known. */
+void check_answers(struct check *check, struct text report, struct text page);
 
 /* Reports one difference: the file, what is wrong with it, and a detail that is cut where it is
  * long. */

@@ -4,16 +4,20 @@
 #include <hooke/command/handler.h>
 #include "modules/report/lesson.h"
 
+#include <hooke/base/numeric.h>
+
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- taking part ---- */
 
+/* Tells the step. Its command is left out at a prompt, where it is offered below. */
 static void say_step(const struct session *session, struct reply *reply)
 {
     const struct lesson *lesson = session_lesson(session);
     struct lesson_step step;
-    struct buffer text = {0};
+    struct buffer text = {0}, command = {0};
     int width, height;
     session_size(session, &width, &height);
     const bool there = lesson_step(lesson, lesson->step, &step);
@@ -21,9 +25,11 @@ static void say_step(const struct session *session, struct reply *reply)
         reply_line(reply, "the lesson is over: 'lab seed=N' gives other numbers");
     } else {
         buffer_format(&text, "%d/%d: ", lesson->step + 1, lesson->steps);
-        buffer_put(&text, step.says);
+        lesson_expand(session, step.says, false, &text);
+        lesson_expand(session, step.command, true, &command);
         reply_paragraph(reply, buffer_text(&text), width);
-        reply_line(reply, "  type: %.*s", (int)step.command.len, step.command.data);
+        if (!session->front.interactive || strstr(buffer_view(&command), "MASS"))
+            reply_line(reply, "  type: %s", buffer_view(&command));
         if (!step.done)
             reply_line(reply, "  then: check VALUE   (or hint, skip)");
     }
@@ -33,15 +39,18 @@ static void say_step(const struct session *session, struct reply *reply)
     reply_string(reply, "state", there ? "waits" : "over");
     reply_end(reply);
     buffer_free(&text);
+    buffer_free(&command);
 }
 
 static bool go_to(struct session *session, int step, struct reply *reply, struct error *error)
 {
     struct lesson *lesson = session_lesson(session);
+    if (step > lesson->step)
+        lesson->passed[lesson->step] = session->history.count;
     lesson->step = step;
     lesson->begun = session->history.count;
     session_changed(session);
-    if (!lesson_files(session, error))
+    if (!lesson_files(session, reply, error))
         return false;
     say_step(session, reply);
     return true;
@@ -74,6 +83,18 @@ static bool need_lesson(const struct session *session, struct error *error)
     return error_hint(error, "lab begins one");
 }
 
+/* Returns true, and says so, if the first step wants a recording and one was loaded before. */
+static bool is_loaded(const struct session *session, struct reply *reply)
+{
+    struct lesson_step step;
+    const struct recording *recording = session_recording(session);
+    if (!recording || !lesson_step(session_lesson(session), 0, &step) || !step.done ||
+        !text_is(step.wanted, "load"))
+        return false;
+    reply_line(reply, "the recording is %s, which is loaded", recording->name);
+    return true;
+}
+
 HANDLER(lab)
 {
     const struct argument_value *name = argument_value(args, "NAME"),
@@ -86,17 +107,68 @@ HANDLER(lab)
         reply_line(reply, "no lesson");
         return true;
     }
+    struct lesson *waiting = session_lesson(session);
+    const bool is_waiting = waiting && waiting->step < waiting->steps;
+    if (is_waiting && !name->count && !seed->count) {
+        reply_line(reply, "the lesson waits here; 'lab off' ends it");
+        return go_to(session, waiting->step, reply, error);
+    }
+    if (is_waiting && waiting->step > 0) {
+        error_set(error, ERROR_COMMAND, "a lesson waits at step %d of %d", waiting->step + 1,
+                  waiting->steps);
+        return error_hint(error, "'lab off' ends it, 'lab' alone repeats its step");
+    }
     const long number = seed->count ? (long)seed->item->value.value : 1;
     return lesson_open(session, name->count ? name->item->text : TEXT("lab"), number, args,
                        error) &&
-           go_to(session, 0, reply, error);
+           go_to(session, is_loaded(session, reply), reply, error);
 }
 
-/* A bare number is in the SI unit. */
+/* ---- checks ---- */
+
+/* A bare number is in the SI unit; 1/s is that of each kind of frequency. */
 static bool fits_unit(const struct item *item, enum quantity quantity)
 {
     return item->quantity == QUANTITY_OTHER || item->quantity == QUANTITY_NUMBER ||
-           quantity == QUANTITY_OTHER || item->quantity == quantity;
+           quantity == QUANTITY_OTHER || item->quantity == quantity ||
+           (item->quantity == QUANTITY_RATE &&
+            (quantity == QUANTITY_FREQUENCY || quantity == QUANTITY_ANGULAR_FREQUENCY));
+}
+
+/* Finds in what other ways the value may be said, and what it is in each: a period as a frequency,
+ * a decay as the time in which the amplitude falls to 1/e, a growth as a factor. Returns their
+ * number with that of the value itself, which is the first. */
+static int values_said(const struct lesson_step *step, struct named_value value[3])
+{
+    const double x = value[0].value, relative = value[0].uncertainty / x;
+    int count = 1;
+    if (step->done || !step->measured)
+        return count;
+    if (text_is(step->wanted, "decay"))
+        value[count++] = (struct named_value){
+            .value = 2 / x, .uncertainty = 2 / x * relative, .quantity = QUANTITY_TIME};
+    if (text_is(step->wanted, "period")) {
+        value[count++] = (struct named_value){
+            .value = 1 / x, .uncertainty = relative / x, .quantity = QUANTITY_FREQUENCY};
+        value[count++] = (struct named_value){.value = 2 * PI / x,
+                                              .uncertainty = 2 * PI * relative / x,
+                                              .quantity = QUANTITY_ANGULAR_FREQUENCY};
+    }
+    if (text_is(step->wanted, "drift"))
+        value[count++] =
+            (struct named_value){.value = x + 1, .uncertainty = NAN, .quantity = QUANTITY_NUMBER};
+    return count;
+}
+
+/* Returns true if the value is within three uncertainties, that of the wanted one and the stated
+ * one, or, without a stated one, within its first digits. */
+static bool is_right(const struct item *item, const struct named_value *wanted)
+{
+    const double stated = item->value.uncertainty;
+    const double own = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
+    const double rounding = stated > 0 ? 0 : LESSON_DIGITS * fabs(wanted->value);
+    return fits_unit(item, wanted->quantity) &&
+           fabs(item->value.value - wanted->value) <= fmax(3 * hypot(own, stated), rounding);
 }
 
 /* Nothing of the value that is wanted is told. */
@@ -104,20 +176,31 @@ HANDLER(check)
 {
     const struct argument_value *value = argument_value(args, "VALUE");
     struct lesson_step step;
-    struct named_value found = {.error_floor = 0};
+    struct named_value found[3] = {{.error_floor = 0}};
     if (!need_lesson(session, error) ||
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
-    if (step.done ? !lesson_done(session, step.wanted) : !lesson_found(session, &step, &found)) {
-        error_set(error, ERROR_COMMAND, "not yet: that was not done since the step began");
-        return error_hint(error, "type: %.*s", (int)step.command.len, step.command.data);
+    if (step.done ? !lesson_done(session, step.wanted) : !lesson_found(session, &step, found)) {
+        struct buffer command = {0};
+        lesson_expand(session, step.command, true, &command);
+        error_set(error, ERROR_COMMAND,
+                  "not yet: that was not done since the step began, or a parameter has changed");
+        error_hint(error, "type: %s", buffer_view(&command));
+        buffer_free(&command);
+        return false;
     }
     if (!step.done && !value->count)
         return error_set(error, ERROR_COMMAND, "check takes the value that you read");
-    const double u = isfinite(found.uncertainty) ? 3 * found.uncertainty : 0;
-    const double room = fmax(u, LESSON_DIGITS * fabs(found.value));
-    if (!step.done && (!fits_unit(value->item, found.quantity) ||
-                       !(fabs(value->item->value.value - found.value) <= room))) {
+    if (!step.done &&
+        value->item->value.uncertainty > LESSON_VAGUE * fabs(value->item->value.value))
+        return error_set(error, ERROR_COMMAND,
+                         "its uncertainty is larger than %g %%: that tells no value",
+                         100 * LESSON_VAGUE);
+    bool right = step.done;
+    const int ways = values_said(&step, found);
+    for (int i = 0; i < ways && !right; i++)
+        right = is_right(value->item, &found[i]);
+    if (!right) {
         reply_line(reply, "not that: it is farther off than the uncertainty ('hint' helps, 'again' "
                           "repeats what is to be done)");
         reply_begin(reply, "lesson");
@@ -138,8 +221,10 @@ HANDLER(hint)
     if (!need_lesson(session, error) ||
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
-    const struct text hint = step.hint.len ? step.hint : step.command;
-    reply_line(reply, "%s%.*s", step.hint.len ? "" : "type: ", (int)hint.len, hint.data);
+    struct buffer hint = {0};
+    lesson_expand(session, step.hint.len ? step.hint : step.command, !step.hint.len, &hint);
+    reply_line(reply, "%s%s", step.hint.len ? "" : "type: ", buffer_view(&hint));
+    buffer_free(&hint);
     return true;
 }
 
@@ -153,8 +238,10 @@ HANDLER(skip)
 HANDLER(again)
 {
     UNUSED(args);
-    return need_lesson(session, error) &&
-           go_to(session, session_lesson(session)->step, reply, error);
+    if (!need_lesson(session, error))
+        return false;
+    session_lesson(session)->counted = session->history.count;
+    return go_to(session, session_lesson(session)->step, reply, error);
 }
 #endif
 

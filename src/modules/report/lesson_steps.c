@@ -66,18 +66,21 @@ static void put_recording(long seed, bool disk, struct buffer *output)
     }
 }
 
-static void put_expanded(struct text text, long seed, struct buffer *output)
+double lesson_mass(long seed, bool disk)
 {
     double v[TRUTHS];
     truths(seed, v);
+    return v[disk ? DISK_MASS : BARE_MASS];
+}
+
+/* Puts values that are the same in the whole lesson. */
+static void put_expanded(struct text text, long seed, struct buffer *output)
+{
     while (text.len > 0) {
         size_t len = 1;
         if (text_starts(text, TEXT("$seed"))) {
             buffer_format(output, "%ld", seed);
             len = 5;
-        } else if (text_starts(text, TEXT("$bare_mass")) || text_starts(text, TEXT("$disk_mass"))) {
-            buffer_format(output, "%.1f", v[text.data[1] == 'b' ? BARE_MASS : DISK_MASS]);
-            len = 10;
         } else if (text_starts(text, TEXT("$bare_file")) || text_starts(text, TEXT("$disk_file"))) {
             buffer_format(output, "%.4s-%ld.txt", text.data + 1, seed);
             len = 10;
@@ -122,6 +125,11 @@ bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *st
     return index >= number;
 }
 
+static size_t size_max(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
+
 struct lesson *session_lesson(const struct session *session)
 {
     struct lesson *lesson = session_part_if_made(session, &report_module);
@@ -141,6 +149,26 @@ bool lesson_done(const struct session *session, struct text command)
     return done;
 }
 
+/* Returns the statement after which a measurement has to be made to count for the step. */
+static size_t measured_since(const struct session *session, const struct lesson_step *step,
+                             const struct measurement *m)
+{
+    const struct lesson *lesson = session_lesson(session);
+    size_t last_change = lesson->counted;
+    struct lesson_step earlier;
+    for (int i = lesson->step - 1; i >= 0 && lesson_step(lesson, i, &earlier); i--)
+        if (text_equal(earlier.wanted, step->wanted) && lesson->passed[i] > last_change)
+            last_change = lesson->passed[i];
+    if (session->recordings > 0 && text_starts(text_of(m->source), TEXT("data ")))
+        last_change =
+            size_max(last_change, session->recording[session->current_recording]->statement);
+    const bool by_scene = !text_starts(text_of(m->source), TEXT("data ")) ||
+                          text_is(step->wanted, "k") || text_is(step->wanted, "reynolds");
+    for (size_t i = 0; by_scene && i < scene_params(&session->setup.scene)->count; i++)
+        last_change = size_max(last_change, session->setup.origin[i]);
+    return last_change;
+}
+
 bool lesson_found(const struct session *session, const struct lesson_step *step,
                   struct named_value *value)
 {
@@ -148,7 +176,7 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
         return names_value(session, step->wanted, value);
     for (int i = session->measurements - 1; i >= 0; i--) {
         const struct measurement *m = &session->measurement[i];
-        if (!text_is(step->wanted, m->quantity) || m->statement <= session_lesson(session)->begun)
+        if (!text_is(step->wanted, m->quantity) || m->statement <= measured_since(session, step, m))
             continue;
         *value = (struct named_value){
             .value = m->value.value, .uncertainty = m->value.uncertainty, .quantity = m->unit};
@@ -157,7 +185,7 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
     return false;
 }
 
-bool lesson_files(struct session *session, struct error *error)
+bool lesson_files(struct session *session, struct reply *reply, struct error *error)
 {
     struct lesson_step step;
     const struct lesson *lesson = session_lesson(session);
@@ -170,8 +198,11 @@ bool lesson_files(struct session *session, struct error *error)
     put_recording(lesson->seed, step.disk, &wanted);
     bool ok = !wanted.failed || error_memory(error);
     if (ok && (!file_read(name, 1u << 24, &there, &missing) ||
-               !text_equal(buffer_text(&there), buffer_text(&wanted))))
+               !text_equal(buffer_text(&there), buffer_text(&wanted)))) {
         ok = file_write(name, buffer_text(&wanted), session_policy(session, false), error);
+        if (ok)
+            reply_line(reply, "%s written: a generated recording", name);
+    }
     buffer_free(&wanted);
     buffer_free(&there);
     return ok;
@@ -182,6 +213,34 @@ void lesson_free(void *part)
     struct lesson *lesson = part;
     buffer_free(&lesson->text);
     *lesson = (struct lesson){.waits = false};
+}
+
+/* Refuses lines of a lesson that say what no lesson can do. */
+static bool check_lines(struct text rest, struct error *error)
+{
+    struct text line;
+    int steps = 0;
+    for (int number = 1; rest.len > 0 && text_split(&rest, '\n', &line); number++) {
+        const struct text body =
+            line.len > 2 ? text_trim((struct text){line.data + 2, line.len - 2}) : TEXT("");
+        const struct text kind = peek_word(body, "");
+        const int len = (int)(line.len < 60 ? line.len : 60);
+        if (text_starts(line, TEXT("#:")) && ++steps > LESSON_STEPS)
+            return error_set(error, ERROR_COMMAND, "a lesson has at most %d steps", LESSON_STEPS);
+        if (text_starts(line, TEXT("#@")) && !text_is(body, "bare") && !text_is(body, "disk")) {
+            error_set(error, ERROR_COMMAND, "line %d of the lesson: '%.*s' is no recording", number,
+                      len, line.data);
+            return error_hint(error, "the recordings are bare, disk");
+        }
+        if (text_starts(line, TEXT("#?")) &&
+            ((!text_is(kind, "done") && !text_is(kind, "measured") && !text_is(kind, "value")) ||
+             kind.len == body.len)) {
+            error_set(error, ERROR_COMMAND, "line %d of the lesson: '%.*s' waits for nothing known",
+                      number, len, line.data);
+            return error_hint(error, "#? done COMMAND, #? measured NAME or #? value NAME");
+        }
+    }
+    return true;
 }
 
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
@@ -212,8 +271,13 @@ bool lesson_open(struct session *session, struct text name, long seed, const str
         buffer_free(&safe);
         buffer_free(&raw);
     }
+    if (!text.failed && !check_lines(buffer_text(&text), error)) {
+        buffer_free(&text);
+        return false;
+    }
     struct lesson *lesson = text.failed ? NULL : session_part(session, &report_module);
-    struct lesson opened = {.waits = true, .text = text, .seed = seed};
+    struct lesson opened = {
+        .waits = true, .text = text, .seed = seed, .counted = session->history.count};
     while (lesson && lesson_step(&opened, opened.steps, &step))
         opened.steps++;
     if (lesson && opened.steps > 0) {
@@ -230,10 +294,9 @@ bool lesson_open(struct session *session, struct text name, long seed, const str
 /* ---- in a session's file ---- */
 
 static const struct field fields[] = {
-    FIELD_OF(struct lesson, step),
-    FIELD_OF(struct lesson, steps),
-    FIELD_OF(struct lesson, begun),
-    FIELD_OF(struct lesson, seed),
+    FIELD_OF(struct lesson, step),   FIELD_OF(struct lesson, steps),
+    FIELD_OF(struct lesson, begun),  FIELD_OF(struct lesson, counted),
+    FIELD_OF(struct lesson, passed), FIELD_OF(struct lesson, seed),
 };
 
 void lesson_put(const void *part, struct buffer *output)
@@ -256,7 +319,7 @@ void lesson_read(struct reader *reader)
     struct lesson *kept = session_part(reader->session, &report_module);
     const bool ok = kept && field_find(stored, "text", &text) &&
                     fields_get(stored, fields, COUNT_OF(fields), &lesson) && lesson.step >= 0 &&
-                    lesson.step <= lesson.steps;
+                    lesson.step <= lesson.steps && lesson.steps <= LESSON_STEPS;
     if (ok)
         buffer_put(&lesson.text, text);
     if (!ok || lesson.text.failed) {

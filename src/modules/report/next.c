@@ -87,10 +87,8 @@ static void put_measuring(const struct lab *lab, struct buffer *line)
         return;
     }
     /* six readings, as the sheet asks, the first and the last away from the ends */
-    const double t_begin = lab->recording->window[0], gap = recording_span(lab->recording) / 6;
     buffer_put(line, TEXT("measure amplitude at="));
-    for (int i = 0; i < 6; i++)
-        buffer_format(line, "%s%.0f", i ? "," : "", floor(t_begin + (i + 0.25) * gap));
+    lesson_readings(lab->recording, line);
     buffer_put(line, TEXT("; measure decay"));
 }
 
@@ -146,12 +144,21 @@ static void put_step(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);
     struct lesson_step step;
-    if (!lesson_step(lesson, lesson->step, &step))
+    struct named_value found;
+    struct buffer command = {0};
+    if (!lesson_step(lesson, lesson->step, &step) ||
+        (step.measured && lesson_found(session, &step, &found)))
         return;
-    struct text rest = step.command, first = TEXT("");
-    text_split(&rest, ';', &first);
-    if (first.len > 0 && !lesson_done(session, text_trim(first)))
-        buffer_put(line, step.command);
+    lesson_expand(session, step.command, true, &command);
+    lesson_remaining(session, buffer_text(&command), lesson->begun, lesson_set_since, line);
+    buffer_free(&command);
+}
+
+/* Returns the place in the log at which the recording in use was loaded. */
+static size_t loaded_since(const struct session *session, struct text name)
+{
+    (void)name;
+    return session->recording[session->current_recording]->statement;
 }
 
 /* Suggests what is due by what exists: measurements, fits, parameters that were set, runs. */
@@ -176,11 +183,10 @@ static void put_due(const struct lab *lab, struct buffer *line)
         buffer_put(line, TEXT("report " REPORT_FOLDER));
 }
 
-bool report_next(const struct session *session, struct buffer *line, bool *insists)
+bool report_next(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);
     struct lab lab = {session, session_recording(session), "", 0, false};
-    *insists = lesson != NULL;
     if (lesson && lesson->step < lesson->steps) {
         put_step(session, line);
         return true;
@@ -189,7 +195,10 @@ bool report_next(const struct session *session, struct buffer *line, bool *insis
         snprintf(lab.name, sizeof lab.name, "data %s", lab.recording->name);
         lab.loaded = session->recording[session->current_recording]->statement;
         lab.decays = recording_span(lab.recording) > LONG_S;
-        put_due(&lab, line);
+        struct buffer due = {0};
+        put_due(&lab, &due);
+        lesson_remaining(session, buffer_text(&due), session->history.count, loaded_since, line);
+        buffer_free(&due);
     }
     return line->len > 0;
 }

@@ -161,6 +161,35 @@ sed -i 's/data:image/data: image/' bad/report.html
 checks bad 1 'report.html: this line is not there' && ! grep -q '.\{300\}' out
 ok "a long line is quoted in part" $?
 
+# ---- a class ----
+mkdir class
+for name in a b c d e; do cp -r good class/$name; done
+sed -i 's/^Name:/Name: B. Bee/; 0,/^Answer:/s//Answer: F = -k y/' class/b/report.md
+rm class/c/report.html
+rm class/d/session.hk && mkfifo class/d/session.hk
+sed -i 's/^# Num/# My num/' class/e/report.md
+sed -i 's/<div class="answer"><\/div>/<div class="answer">written<\/div>/' class/e/report.html
+awk -F, -v OFS=, '/^period,/ {$2 += 0.001} {print}' good/values.csv >class/e/values.csv
+"$hooke" -n --check class/*/ >out 2>&1
+[ $? -eq 3 ] && grep -q '^5 hand-ins: 2 agree, 3 differ' out && [ "$(grep -c '^class/.: [0-9]* values' out)" -eq 5 ]
+ok "a class: each folder is checked, the status says how many differ" $?
+grep -q '^class/a: 10 answers are empty: Q1 Q3 .*Q10$' out && grep -q '^class/b: 9 answers are empty: Q3 ' out && ! grep -q '^class/e:.*empty' out
+ok "empty answers are named" $?
+grep -q '^class/b: but for name and answers its report is that of class/a' out && ! grep -q '^class/e: but for' out
+ok "a copy is named, under another name, too" $?
+"$hooke" -n --format csv --check class/*/ >out 2>&1
+python3 -c 'import csv, sys
+rows = {r["folder"]: r for r in csv.DictReader(line for line in open("out") if "," in line and not line.startswith(("error", " ")))}
+a, b, c, d, e = (rows["class/" + x] for x in "abcde")
+ok = b["name"] == "B. Bee" and b["copy"] == "class/a" and b["answers"] == "1" and a["agrees"] == "true" and a["values"] == a["values_right"]
+ok &= c["agrees"] == "false" and c["complete"] == "false" and d["agrees"] == "false" and e["complete"] == "true" and int(e["values"]) - int(e["values_right"]) == 2
+sys.exit(not ok)'
+ok "a class as CSV: a row for each" $?
+changed
+: >big && truncate -s 300M big && mv big bad/report.html
+checks bad 1 'report.html: it cannot be read'
+ok "a file that is too large" $?
+
 # ---- honest hand-ins, away from their recordings: units, digits, zeros ----
 honest=8
 [ "${LONG:-}" ] && honest=100

@@ -206,8 +206,9 @@ static void test_passed_over(void **state)
 }
 
 /* What is long is read on the whole screen: to its end, where the offer stands. A page is turned
- * once: a blank too many would be typed ahead, and then nothing is offered. */
-static void await_offer(struct person *p, const char *offer)
+ * once: a blank too many would be typed ahead, and then nothing is offered. `asks`: an Enter at the
+ * end asks for the offer, once. */
+static void read_to_offer(struct person *p, const char *offer, bool asks)
 {
     const int64_t deadline = clock_ns() + PATIENCE_NS;
     struct buffer row = {0}, last = {0}, turned = {0};
@@ -216,18 +217,34 @@ static void await_offer(struct person *p, const char *offer)
         prompt_row(p, &row);
         /* on a slow machine a page comes in pieces: what stands still is all of it */
         const bool still = text_is(buffer_text(&last), row.data);
+        const bool pages = strstr(row.data, "% (space") && !text_is(buffer_text(&turned), row.data);
         buffer_clear(&last);
         buffer_put(&last, text_of(row.data));
-        if (still && strstr(row.data, "% (space") && !text_is(buffer_text(&turned), row.data)) {
+        if (still && pages) {
             buffer_clear(&turned);
             buffer_put(&turned, text_of(row.data));
             type(p, " ");
+        } else if (still && asks && !shows(p, offer)) {
+            asks = false;
+            type(p, "\r");
         }
     }
     buffer_free(&row);
     buffer_free(&last);
     buffer_free(&turned);
     expect(p, offer);
+}
+
+static void await_offer(struct person *p, const char *offer)
+{
+    read_to_offer(p, offer, false);
+}
+
+/* Takes what is offered; what is next is offered after another Enter. */
+static void take_offer(struct person *p, const char *next)
+{
+    type(p, "\r");
+    read_to_offer(p, next, true);
 }
 
 static void test_panes(void **state)
@@ -239,14 +256,12 @@ static void test_panes(void **state)
     start_panes(&p, (struct start){.width = 80, .height = 24});
     enter(&p, "load bare.txt");
     await_offer(&p, "next (Enter): plot position");
-    type(&p, "\r");
-    await_offer(&p, "next (Enter): fit damped");
+    take_offer(&p, "next (Enter): measure amplitude");
+    take_offer(&p, "next (Enter): fit damped");
     type(&p, "m = 200.0(1) g\r");
     await_offer(&p, "next (Enter): fit damped; measure k");
-    type(&p, "\r");
-    await_offer(&p, "next (Enter): adopt");
-    type(&p, "\r");
-    await_offer(&p, "next (Enter): method euler dt=10 ms; run 10 s");
+    take_offer(&p, "next (Enter): adopt");
+    take_offer(&p, "next (Enter): method euler dt=10 ms; run 10 s");
     type(&p, "abc");
     expect_prompt(&p, EMPTY_PROMPT " abc");
     type(&p, "\x03"); /* leaves nothing behind */
@@ -270,11 +285,9 @@ static void test_small(void **state)
     type(&p, "load bare.txt\r");
     await_offer(&p, "next (Enter): plot position data bare");
     assert_false(shows(&p, "bare;"));
-    type(&p, "\r");
-    await_offer(&p, "next (Enter): measure period");
+    take_offer(&p, "next (Enter): measure period");
     assert_false(shows(&p, "13 periods")); /* not yet */
-    type(&p, "\r");
-    await_offer(&p, "next (Enter): measure frequency");
+    take_offer(&p, "next (Enter): measure frequency");
     enter(&p, "print 7*13");
     await_offer(&p, "next (Enter): fit damped");
     assert_false(shows(&p, "measure amplitude"));
@@ -320,7 +333,12 @@ static void test_lesson(void **state)
     type(&p, "abc\x03");
     expect(&p, "^C");
     enter_lesson(&p, "again\r", "lab 1/13> ");
+    enter_lesson(&p, "\r", "lab 1/13> ");
+    assert_true(shows(&p, "next (Enter): load bare-7.txt"));
     enter_lesson(&p, "\r", "lab 2/13> ");
+    assert_false(shows(&p, "next (Enter): measure period"));
+    enter_lesson(&p, "\r", "lab 2/13> "); /* a second one executes nothing */
+    assert_false(shows(&p, "13 periods"));
     assert_true(shows(&p, "next (Enter): measure period"));
     enter_lesson(&p, "\r", "lab 2/13> ");
     assert_true(shows(&p, "13 periods"));
@@ -391,6 +409,7 @@ static void test_whole_lesson(void **state)
             enter_lesson(&p, "skip\r", next);
             continue;
         }
+        enter_lesson(&p, "\r", here); /* it was offered before */
         enter_lesson(&p, "\r", steps[i].name ? here : next);
         if (!steps[i].name) {
             continue;

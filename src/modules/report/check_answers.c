@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Name and answers of a hand-in, as far as the student has written them. */
+#define _GNU_SOURCE /* memmem */
+#include "modules/report/check.h"
+#include <hooke/base/fields.h>
+
+#include <string.h>
+
+/* Appends the text behind `label` at the start of a line, which the report leaves empty. */
+static void put_field(struct text report, struct text label, struct buffer *output)
+{
+    struct text line;
+    while (report.len > 0 && text_split(&report, '\n', &line))
+        if (text_starts(line, label)) {
+            buffer_put(output,
+                       text_trim((struct text){line.data + label.len, line.len - label.len}));
+            return;
+        }
+}
+
+/* Returns true if a line of report.md holds something that the report does not leave there. */
+static bool is_written(struct text line)
+{
+    line = text_trim(line);
+    return line.len > 0 && !text_is(line, "&nbsp;");
+}
+
+/* Returns true if the answer with that number, counted from 0, holds something in report.html. */
+static bool is_written_in_page(struct text page, int number)
+{
+    static const char begin[] = "<div class=\"answer\">", end[] = "</div>";
+    const char *found = NULL;
+    for (int i = 0; i <= number; i++) {
+        found = page.len ? memmem(page.data, page.len, begin, sizeof begin - 1) : NULL;
+        if (!found)
+            return false;
+        found += sizeof begin - 1;
+        page = (struct text){found, page.len - (size_t)(found - page.data)};
+    }
+    const char *stop = memmem(page.data, page.len, end, sizeof end - 1);
+    return stop && text_trim((struct text){found, (size_t)(stop - found)}).len > 0;
+}
+
+static void end_answer(struct check *check, struct text question, bool written, struct text page)
+{
+    if (question.len == 0)
+        return;
+    written = written || is_written_in_page(page, check->answers + check->empty_answers);
+    check->answers += written;
+    check->empty_answers += !written;
+    if (!written)
+        buffer_format(&check->empty, "%s%.*s", check->empty.len ? " " : "", (int)question.len,
+                      question.data);
+}
+
+void check_answers(struct check *check, struct text report, struct text page)
+{
+    static const struct text name = {"Name:", 5}, date = {"Date:", 5}, answer = {"Answer:", 7};
+    struct text rest = report, line, question = TEXT("");
+    struct buffer own = {0};
+    bool written = false, is_answer = false;
+    put_field(report, name, &check->name);
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        if (text_starts(line, TEXT("#")) && (is_answer || memmem(line.data, line.len, " Q", 2))) {
+            end_answer(check, question, written, page);
+            const char *number = memmem(line.data, line.len, " Q", 2);
+            const char *point =
+                number ? memchr(number, '.', line.len - (size_t)(number - line.data)) : NULL;
+            question = point ? (struct text){number + 1, (size_t)(point - number - 1)} : TEXT("");
+            written = is_answer = false;
+        } else if (text_starts(line, answer) && question.len > 0) {
+            is_answer = true;
+            written = is_written((struct text){line.data + answer.len, line.len - answer.len});
+        } else if (is_answer) {
+            written |= is_written(line);
+        }
+        if (!is_answer && !text_starts(line, name) && !text_starts(line, date)) {
+            buffer_put(&own, line);
+            buffer_char(&own, '\n');
+        }
+    }
+    end_answer(check, question, written, page);
+    check->sum = own.len ? bytes_sum(buffer_text(&own)) : 0;
+    buffer_free(&own);
+}
