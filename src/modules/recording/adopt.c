@@ -360,16 +360,20 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
 static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
                       enum quantity quantity, struct reply *reply)
 {
-    if (a->unscaled && a->left > 0)
-        reply_warning(reply, "the scene cannot represent %s%s%s", a->left_out[0],
-                      a->left > 1 ? ", " : "", a->left > 1 ? a->left_out[1] : "");
-    if (!starts)
+    if (a->unscaled && a->left > 1)
+        reply_warning(reply, "the scene cannot represent %s, %s", a->left_out[0], a->left_out[1]);
+    else if (a->unscaled && a->left > 0)
+        reply_warning(reply, "the scene cannot represent %s", a->left_out[0]);
+    if (!starts && scaled)
         reply_warning(reply,
-                      scaled ? "y0, v0 and t0 are unchanged: the scene is at rest and the size of "
-                               "1 %s is unknown ('adopt scale=..' sets it)"
-                             : "y0, v0 and t0 are unchanged: the fitted quantity (%s) is not a "
-                               "position, velocity or acceleration",
-                      scaled ? quantity_unit(quantity) : quantity_name(quantity));
+                      "y0, v0 and t0 are unchanged: the scene is at rest and the size of 1 %s is "
+                      "unknown ('adopt scale=..' sets it)",
+                      quantity_unit(quantity));
+    else if (!starts)
+        reply_warning(reply,
+                      "y0, v0 and t0 are unchanged: the fitted quantity (%s) is not a position, "
+                      "velocity or acceleration",
+                      quantity_name(quantity));
     if (a->pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
         reply_warning(
             reply,

@@ -51,8 +51,9 @@ static bool set_window(struct recording *recording, const struct argument_value 
                        struct error *error)
 {
     const double *range = window->item->range;
-    if (recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
-                         isnan(range[1]) ? recording->t[recording->rows - 1] : range[1], error))
+    const double t_begin = isnan(range[0]) ? recording->t[0] : range[0];
+    const double t_end = isnan(range[1]) ? recording->t[recording->rows - 1] : range[1];
+    if (recording_window(recording, t_begin, t_end, error))
         return true;
     error->where = window->item->text;
     return false;

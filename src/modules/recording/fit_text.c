@@ -154,7 +154,10 @@ static void law_cells(const struct drag_candidate *c, struct text_table *table)
     cell_text(table, drag_law_name(c->law));
     for (int k = 0; k < DRAG_RATES; k++)
         cell_rate(table, c->rate[k]);
-    cell_format(table, !c->converged ? "no fit" : isfinite(c->bic) ? "%.1f" : "-", c->bic);
+    if (!c->converged)
+        cell_text(table, "no fit");
+    else
+        cell_format(table, isfinite(c->bic) ? "%.1f" : "-", c->bic);
 }
 
 /* Sets rank [candidates] to their places by BIC, the preferred one first. */

@@ -110,9 +110,9 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
                                           .gamma = parameter(summary, "gamma"),
                                           .offset = parameter(summary, "offset"),
                                           .halves = {none, none}},
-                                  .k = curve            ? parameter(summary, "k")
-                                       : summary->modes ? none
-                                                        : summary->k};
+                                  .k = summary->modes ? none : summary->k};
+    if (curve)
+        record->k = parameter(summary, "k");
     if (summary->motion)
         record->fit = *summary->motion;
     assert(summary->motion || curve);

@@ -119,9 +119,11 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 {
     const struct column *value = &recording->column[recording->value];
     struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
-    reply_line(reply, "format %s%s%s: %s", recording->format, recording->container ? ", from " : "",
-               recording->container ? recording->container : "",
-               catalog_find(&format_catalog, text_of(recording->format))->brief);
+    const char *brief = catalog_find(&format_catalog, text_of(recording->format))->brief;
+    if (recording->container)
+        reply_line(reply, "format %s, from %s: %s", recording->format, recording->container, brief);
+    else
+        reply_line(reply, "format %s: %s", recording->format, brief);
     cell_text(&table, "line");
     cell_text(&table, "t [s]");
     cell_format(&table, "%s [%s]", value->name,

@@ -279,9 +279,10 @@ static bool measure_drift(struct measuring *m)
         return false;
     struct buffer text = {0};
     const bool balanced = m->subject.run->plan.ledger;
-    buffer_format(&text, "%s = %s at the end, max %s   ((E - E0%s)/E0)",
-                  balanced ? "energy balance" : "dE/E0", SHOWN_SHORT(ledger.error, 4),
-                  SHOWN_SHORT(ledger.error_max, 4), balanced ? " - work" : "");
+    buffer_format(&text,
+                  balanced ? "energy balance = %s at the end, max %s   ((E - E0 - work)/E0)"
+                           : "dE/E0 = %s at the end, max %s   ((E - E0)/E0)",
+                  SHOWN_SHORT(ledger.error, 4), SHOWN_SHORT(ledger.error_max, 4));
     begin_measure_record(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
@@ -360,8 +361,8 @@ static bool measure_k(struct measuring *m)
     const int index = scene_param(scene, "m");
     const struct recording *recording = m->subject.recording;
     const bool own = recording && recording->mass.value > 0;
-    const double mass = own ? recording->mass.value : scene->value[index],
-                 u = own ? recording->mass.uncertainty : scene->uncertainty[index];
+    const double mass = own ? recording->mass.value : scene->value[index];
+    const double u = own ? recording->mass.uncertainty : scene->uncertainty[index];
     if (!read_period(m, &p))
         return false;
     const bool decays = series_decay(&m->subject.series, m->args->arena, NULL, 0, &d, &ignored);

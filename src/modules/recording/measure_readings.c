@@ -98,17 +98,18 @@ static bool reading_times(struct measuring *m, double **reading_time, int *count
     const struct argument_value *times = argument_value(m->args, "at"),
                                 *windows = argument_value(m->args, "windows");
     const struct series *s = &m->subject.series;
-    *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
+    const int parts = windows->count ? (int)windows->item->value.value : 1;
+    *count = times->count ? times->count : parts;
     if (*count > LIMIT_TOKENS)
         return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
     *reading_time = arena_array(m->args->arena, (size_t)*count, sizeof **reading_time);
     if (!*reading_time)
         return error_memory(m->error);
     const double t_begin = s->t[0], width = s->t[s->n - 1] - t_begin;
-    for (int i = 0; i < *count; i++)
-        (*reading_time)[i] = times->count
-                                 ? times->item[i].value.value
-                                 : t_begin + (windows->count ? (i + 0.5) / *count : 0) * width;
+    for (int i = 0; i < *count; i++) {
+        const double part = windows->count ? (i + 0.5) / *count : 0;
+        (*reading_time)[i] = times->count ? times->item[i].value.value : t_begin + part * width;
+    }
     return true;
 }
 

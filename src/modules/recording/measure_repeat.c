@@ -75,11 +75,18 @@ static bool repeated_add(struct measuring *m, struct repeated *r, const struct r
 
 static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 {
-    return what == MEASURE_PERIOD      ? QUANTITY_TIME
-           : what == MEASURE_FREQUENCY ? QUANTITY_FREQUENCY
-           : what == MEASURE_DECAY     ? QUANTITY_RATE
-           : what == MEASURE_K         ? QUANTITY_STIFFNESS
-                                       : of_series;
+    switch (what) {
+    case MEASURE_PERIOD:
+        return QUANTITY_TIME;
+    case MEASURE_FREQUENCY:
+        return QUANTITY_FREQUENCY;
+    case MEASURE_DECAY:
+        return QUANTITY_RATE;
+    case MEASURE_K:
+        return QUANTITY_STIFFNESS;
+    default:
+        return of_series;
+    }
 }
 
 /* ---- all of them ---- */

@@ -229,9 +229,8 @@ static void find_ends(struct cleaning *c)
     if (leading + trailing >= c->locals)
         return;
     const size_t begin = leading > 0 ? c->local[leading].begin : 0;
-    const size_t end = rest < c->n && rest > begin ? rest
-                       : trailing > 0              ? c->local[c->locals - 1 - trailing].end
-                                                   : c->n;
+    const size_t last = trailing > 0 ? c->local[c->locals - 1 - trailing].end : c->n;
+    const size_t end = rest < c->n && rest > begin ? rest : last;
     c->findings->rests = end == rest && rest < c->n ? c->t[rest] : NAN;
     c->findings->window[0] = c->t[begin];
     c->findings->window[1] = c->t[end - 1];
@@ -317,9 +316,9 @@ static void count_masked(struct cleaning *c)
         const bool outside = c->t[begin] < f->window[0] || c->t[end - 1] > f->window[1];
         if (kind == 0)
             continue;
-        const enum finding_kind found = kind != any ? (enum finding_kind)(kind - 1)
-                                        : end - begin >= SHOULDER_MIN ? FINDING_SHOULDERS
-                                                                      : FINDING_SPIKES;
+        const bool is_shoulder = end - begin >= SHOULDER_MIN;
+        const enum finding_kind own = is_shoulder ? FINDING_SHOULDERS : FINDING_SPIKES;
+        const enum finding_kind found = kind != any ? (enum finding_kind)(kind - 1) : own;
         for (size_t i = begin; i < end; i++) {
             f->mask[i] = outside ? 0 : (unsigned char)(1 + found);
             if (!outside && found != FINDING_STUCK)

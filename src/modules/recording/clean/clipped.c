@@ -28,8 +28,8 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
     size_t first = 0, last = 0, lower_count = 0, upper_count = 0;
     layer->count = 0;
     /* All of it lies beyond the middle: a wider one would hold most of any noise. */
-    const double margin = fmax(far - 0.5 * width, 0), low = upper ? middle + margin : -HUGE_VAL,
-                 high = upper ? HUGE_VAL : middle - width - margin;
+    const double margin = fmax(far - 0.5 * width, 0), low = upper ? middle + margin : -HUGE_VAL;
+    const double high = upper ? HUGE_VAL : middle - width - margin;
     for (size_t i = first_from(sorted, n, low), end = i; i < n && sorted[i] <= high; i++) {
         while (end < n && sorted[end] <= sorted[i] + width)
             end++;
@@ -45,7 +45,8 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
         lower_count++;
     for (size_t i = last; i < n && sorted[i] <= layer->high + reach; i++)
         upper_count++;
-    const size_t inside = upper ? lower_count : upper_count, outside = upper ? n - last : first;
+    const size_t inside = upper ? lower_count : upper_count;
+    const size_t outside = upper ? n - last : first;
     const double n_in = (double)layer->count, n_beside = (double)inside;
     const bool by_chance =
         n_in - SINE_MAX * n_beside < 3 * sqrt(n_in + SINE_MAX * SINE_MAX * n_beside);

@@ -88,10 +88,9 @@ static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
             high = unit;
             continue;
         }
-        const bool pair = high && unit >= 0xDC00 && unit < 0xE000;
-        buffer_codepoint(output, pair ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
-                                 : unit >= 0xDC00 && unit < 0xE000 ? 0xFFFD
-                                                                   : unit);
+        const bool is_low = unit >= 0xDC00 && unit < 0xE000;
+        const uint32_t pair = high ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00) : 0xFFFD;
+        buffer_codepoint(output, is_low ? pair : unit);
         high = 0;
     }
     buffer_put(output, TEXT(""));

@@ -34,15 +34,18 @@ enum {
 enum packing packing_of(struct text bytes)
 {
     const struct text head = {bytes.data, bytes.len < HEAD ? bytes.len : HEAD};
-    return text_starts(head, TEXT("\x1F\x8B"))           ? PACKING_GZIP
-           : text_starts(head, TEXT("PK\x03\x04"))       ? PACKING_ZIP
-           : text_starts(head, TEXT("\xD0\xCF\x11\xE0")) ? PACKING_XLS
-           : text_starts(head, TEXT("\xFF\xFE")) || text_starts(head, TEXT("\xFE\xFF"))
-               ? PACKING_UTF16
-           : is_xml(head)                                   ? PACKING_XML
-           : text_starts(head, TEXT("# Created by Octave")) ? PACKING_OCTAVE
-           : table_recognise(head) && head.data[0] == '{'   ? PACKING_JSON
-                                                            : PACKING_NONE;
+    static const struct {
+        const char *start;
+        enum packing packing;
+    } signatures[] = {{"\x1F\x8B", PACKING_GZIP},        {"PK\x03\x04", PACKING_ZIP},
+                      {"\xD0\xCF\x11\xE0", PACKING_XLS}, {"\xFF\xFE", PACKING_UTF16},
+                      {"\xFE\xFF", PACKING_UTF16},       {"# Created by Octave", PACKING_OCTAVE}};
+    for (size_t i = 0; i < COUNT_OF(signatures); i++)
+        if (text_starts(head, text_of(signatures[i].start)))
+            return signatures[i].packing;
+    if (is_xml(head))
+        return PACKING_XML;
+    return table_recognise(head) && head.data[0] == '{' ? PACKING_JSON : PACKING_NONE;
 }
 
 /* ---- refusals ---- */

@@ -32,8 +32,8 @@ static const char *const blanks = " \t\r\n";
 /* Takes the next number or word off the text. Returns an empty text at its end. */
 static struct text next_word(struct text *rest)
 {
-    const size_t gap = rest->len > 0 ? strspn(rest->data, blanks) : 0,
-                 skipped = gap < rest->len ? gap : rest->len;
+    const size_t gap = rest->len > 0 ? strspn(rest->data, blanks) : 0;
+    const size_t skipped = gap < rest->len ? gap : rest->len;
     *rest = (struct text){rest->data + skipped, rest->len - skipped};
     const size_t used = rest->len > 0 ? strcspn(rest->data, blanks) : 0;
     const struct text word = {rest->data, used < rest->len ? used : rest->len};

@@ -137,7 +137,9 @@ static enum cell_style style_of_code(const char *code)
             time |= strchr("hHsS", *code) != NULL;
         }
     }
-    return date ? STYLE_DATE : time ? STYLE_TIME : STYLE_NUMBER;
+    if (date)
+        return STYLE_DATE;
+    return time ? STYLE_TIME : STYLE_NUMBER;
 }
 
 /* ECMA-376, 18.8.30: 14 to 17 and 22 are dates, 18 to 21 and 45 to 47 times. */

@@ -73,7 +73,9 @@ static struct buffer *target_of(struct tables *tables, const char *name)
         return &column->name;
     if (is_one_of(name, tables->cassy ? "unit" : "ColumnUnits"))
         return &column->unit;
-    return is_one_of(name, tables->cassy ? "value" : "ColumnCells") ? &column->cells : NULL;
+    if (is_one_of(name, tables->cassy ? "value" : "ColumnCells"))
+        return &column->cells;
+    return NULL;
 }
 
 static bool refuse_strange(const struct tables *tables)

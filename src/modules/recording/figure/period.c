@@ -46,8 +46,9 @@ static bool add_series(struct drawing *d, struct series series, const char *labe
     struct curve *curve = &d->curve[d->curves];
     if (series.n < SAMPLES_MIN)
         return error_set(d->error, ERROR_COMMAND, "fewer than %d samples", SAMPLES_MIN);
-    series = series_window(series, isnan(window[0]) ? series.t[0] : window[0],
-                           isnan(window[1]) ? series.t[series.n - 1] : window[1]);
+    const double t_begin = isnan(window[0]) ? series.t[0] : window[0];
+    const double t_end = isnan(window[1]) ? series.t[series.n - 1] : window[1];
+    series = series_window(series, t_begin, t_end);
     *curve = (struct curve){.label = label};
     if (!label)
         return error_memory(d->error);

@@ -206,8 +206,8 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
         /* A start between an earlier one and its result would lead to the same result. */
         if (!last && side * trial->level >= settled)
             continue;
-        if (!isfinite(trial->level) ||
-            !settle_level(last ? m : some, side, last ? &start : h, trial))
+        const struct motion *motion = last ? m : some;
+        if (!isfinite(trial->level) || !settle_level(motion, side, last ? &start : h, trial))
             continue;
         settled = side * trial->level;
         if (!all && !last) {

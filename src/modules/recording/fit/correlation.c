@@ -115,10 +115,9 @@ CLONES static void add_products(const double *x, const double *y, size_t n, doub
 static double correlation(const struct blocks *b, size_t shift)
 {
     const double most = (double)(b->length - 1 - shift),
-                 whole = floor(most / b->period) * b->period,
-                 used = b->whole > 0 && b->whole <= most ? b->whole
-                        : whole > 0                      ? whole
-                                                         : most;
+                 whole = floor(most / b->period) * b->period;
+    const double periods = whole > 0 ? whole : most;
+    const double used = b->whole > 0 && b->whole <= most ? b->whole : periods;
     const size_t n = (size_t)used;
     double sum[3] = {0};
     for (const double *y = b->y + b->begin; y < b->y + b->count * b->length; y += b->length) {
@@ -139,8 +138,8 @@ static bool climb(const struct blocks *b, size_t low, size_t high, size_t *shift
         *shift = is_rising ? *shift + 1 : *shift - 1;
         if (*shift <= low || *shift >= high || cancelled(b->cancel))
             return false;
-        memmove(is_rising ? v : v + 1, is_rising ? v + 1 : v, 2 * sizeof *v);
-        v[is_rising ? 2 : 0] = correlation(b, is_rising ? *shift + 1 : *shift - 1);
+        memmove(&v[!is_rising], &v[is_rising], 2 * sizeof *v);
+        v[2 * is_rising] = correlation(b, is_rising ? *shift + 1 : *shift - 1);
     }
     return true;
 }

@@ -168,11 +168,10 @@ static bool go_down(struct curve_problem *p, double *x, enum manner manner, int 
 {
     static const double rounding = 32 * 2.2e-16;
     struct descent d = {.iterations = 0};
+    const double exact = p->costly ? LENGTH_COSTLY : LENGTH_EXACT;
     const struct descent_options options = {.trust = TRUST_ROUGH,
                                             .rounding = rounding * p->size * rounding * p->size,
-                                            .exact = manner == ROUGHLY ? 0
-                                                     : p->costly       ? LENGTH_COSTLY
-                                                                       : LENGTH_EXACT,
+                                            .exact = manner == ROUGHLY ? 0 : exact,
                                             .accelerated = manner >= ACCELERATED,
                                             .rescaled = manner == RESCALED || p->model.linears > 0,
                                             .damping = DAMPING_FIRST,
@@ -215,9 +214,8 @@ static double set_weights(struct curve_problem *p, bool soft)
         const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE_TUNING);
         for (size_t i = begin; i < end; i++) {
             double z = p->residual[i] / width;
-            double left = 1 - z * z, weight = soft       ? 1 / sqrt(1 + z * z)
-                                              : left > 0 ? left * left
-                                                         : 0;
+            const double left = fmax(1 - z * z, 0);
+            const double weight = soft ? 1 / sqrt(1 + z * z) : left * left;
             change = fmax(change, fabs(weight - p->weight[i]));
             p->weight[i] = weight;
         }
@@ -302,7 +300,8 @@ static void set_units(struct curve_problem *p, const struct curve_options *o, co
 {
     const double *low = o->low, *high = o->high;
     for (int j = 0; j < p->curve->parameters; j++) {
-        double bound = low && isfinite(low[j]) ? low[j] : high && isfinite(high[j]) ? high[j] : 0;
+        const double upper = high && isfinite(high[j]) ? high[j] : 0;
+        const double bound = low && isfinite(low[j]) ? low[j] : upper;
         p->unit[j] = fmax(fabs(start[j] - bound), 1e-3 * fabs(bound));
         p->unit[j] = p->unit[j] > 0 ? p->unit[j] : 1;
     }

@@ -48,10 +48,13 @@ bool triangle_of_products(struct triangle *t, int n, int width, const double *pr
             for (int k = 0; k < i; k++)
                 sum -= t->r[k][i] * t->r[k][j];
             if (j == i) {
-                pivot = sum > (i < n ? independent : 0) ? sqrt(sum) : 0;
+                const double min = i < n ? independent : 0;
+                pivot = sum > min ? sqrt(sum) : 0;
                 all = all && (pivot > 0 || i == n);
+                t->r[i][i] = pivot;
+            } else {
+                t->r[i][j] = pivot > 0 ? sum / pivot : 0;
             }
-            t->r[i][j] = j == i ? pivot : pivot > 0 ? sum / pivot : 0;
         }
     }
     for (int i = 0; i < n; i++)

@@ -100,12 +100,12 @@ static bool find_spring(const struct session *session, const struct recording *r
         own ? recording->mass : (struct measured){scene->value[m], scene->uncertainty[m]};
     motion->k = fit ? fit_stiffness(&fits_of(session)->fit, motion->mass)
                     : (struct measured){scene->value[k], scene->uncertainty[k]};
-    snprintf(motion->how_k, sizeof motion->how_k, "m = %s%s, k = %s of the %s",
-             SHOWN_MEASURED(motion->mass, QUANTITY_MASS, 5),
-             own   ? " of the recording"
-             : fit ? " of the scene"
-                   : "",
-             SHOWN_MEASURED(motion->k, QUANTITY_STIFFNESS, 5), fit ? "fit" : "scene");
+    const char *of_scene = fit ? " of the scene" : "";
+    const char *source = own ? " of the recording" : of_scene;
+    snprintf(motion->how_k, sizeof motion->how_k,
+             fit ? "m = %s%s, k = %s of the fit" : "m = %s%s, k = %s of the scene",
+             SHOWN_MEASURED(motion->mass, QUANTITY_MASS, 5), source,
+             SHOWN_MEASURED(motion->k, QUANTITY_STIFFNESS, 5));
     return true;
 }
 

@@ -164,18 +164,16 @@ static const struct findings *thinned_findings(const struct subject *subject, do
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
-    const double t_begin = start ? f->window[0] : series->t[0],
-                 t_end = end ? f->window[1] : series->t[series->n - 1];
+    const double t_begin = start ? f->window[0] : series->t[0];
+    const double t_end = end ? f->window[1] : series->t[series->n - 1];
+    const char *side = start ? "start of the window is" : "end of the window is";
     if (end && !start && isfinite(f->rests))
         snprintf(advice->text, sizeof advice->text,
                  "it is at rest from %.6g s on; try window=%.6g:%.6g", f->rests, t_begin, t_end);
     else
         snprintf(advice->text, sizeof advice->text,
                  "the %s not a free oscillation (rest, hand or release); try window=%.6g:%.6g",
-                 start && end ? "start and the end of the window are"
-                 : start      ? "start of the window is"
-                              : "end of the window is",
-                 t_begin, t_end);
+                 start && end ? "start and the end of the window are" : side, t_begin, t_end);
 }
 
 void advise_window(const struct subject *subject, enum window_law law, double period,
@@ -249,9 +247,8 @@ static void put_size(struct buffer *text, const struct recording *recording, siz
             buffer_format(text, " every %.3g s", recording->findings->sway_period);
         return;
     }
-    buffer_put(text, kind == FINDING_CLIPPED     ? TEXT("at ")
-                     : kind == FINDING_QUANTISED ? TEXT("of ")
-                                                 : TEXT("up to "));
+    const struct text bound = kind == FINDING_QUANTISED ? TEXT("of ") : TEXT("up to ");
+    buffer_put(text, kind == FINDING_CLIPPED ? TEXT("at ") : bound);
     buffer_quantity(text, finding->size, kind == FINDING_GAPS ? QUANTITY_TIME : quantity, 3);
 }
 

@@ -87,12 +87,10 @@ struct measured inputs_widen(const struct inputs *inputs, struct measured value)
 void inputs_put(const struct inputs *inputs, struct buffer *text)
 {
     const int n = inputs->exacts;
-    for (int i = 0; i < n; i++)
-        buffer_format(text, "%s%s",
-                      i == 0      ? "\n  ("
-                      : i + 1 < n ? ", "
-                                  : " and ",
-                      inputs->exact[i]);
+    for (int i = 0; i < n; i++) {
+        const char *separator = i + 1 < n ? ", " : " and ";
+        buffer_format(text, "%s%s", i > 0 ? separator : "\n  (", inputs->exact[i]);
+    }
     if (n > 0)
         buffer_format(text, " %s taken as exact; '%s = VALUE +- UNCERTAINTY' sets an uncertainty)",
                       n > 1 ? "are" : "is", inputs->exact[0]);

@@ -219,10 +219,8 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
                                         law_formal(fit, fit->parameters - 1) * worse};
     double deviation[LAW_PARAMETERS];
     for (int j = 0; j < fit->parameters; j++)
-        deviation[j] = j < OMEGA                        ? worse
-                       : j == OMEGA                     ? phase_widening
-                       : fit->index[j] < EQUATION_CUBIC ? widen
-                                                        : worse;
+        deviation[j] = j > OMEGA && fit->index[j] < EQUATION_CUBIC ? widen : worse;
+    deviation[OMEGA] = phase_widening;
     cover(fit, deviation, &result->covariance);
     fit_covariance_widen(&result->covariance, EQUATION_OMEGA, result->omega.uncertainty);
     result->rms = drag->candidate[i].rms;

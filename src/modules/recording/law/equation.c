@@ -67,9 +67,9 @@ static double restore(const struct equation_walk *s, int k, struct restoring *r)
 
 static double restoring_at(const struct equation_walk *s, double y)
 {
-    return s->force == RESTORING_LINEAR ? y
-           : s->force == RESTORING_SINE ? sin(y)
-                                        : y + s->cubic * y * y * y;
+    if (s->force == RESTORING_LINEAR)
+        return y;
+    return s->force == RESTORING_SINE ? sin(y) : y + s->cubic * y * y * y;
 }
 
 /* Taylor coefficients from those of orders 0 and 1. */
@@ -132,6 +132,14 @@ static void expand(struct equation_walk *s)
         expand_values(s);
 }
 
+/* Returns the factor of the derivative of x^k of order 0, 1 or 2. */
+static inline double power_factor(int k, int order)
+{
+    if (order == 0)
+        return 1;
+    return order == 1 ? k : k * (k - 1);
+}
+
 /* Computes the derivative by time of the given order, of the first column or of all, at x after the
  * start of the step. */
 static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
@@ -140,15 +148,13 @@ static void evaluate_series(const struct equation_walk *s, double x, int order, 
     if (columns == 1) {
         double sum = 0;
         for (int k = ORDER; k >= order; k--)
-            sum = sum * x + (order == 0 ? 1 : order == 1 ? k : k * (k - 1)) * s->c[k][0];
+            sum = sum * x + power_factor(k, order) * s->c[k][0];
         result[0] = sum;
         return;
     }
     row sum = {0};
-    for (int k = ORDER; k >= order; k--) {
-        const double factor = order == 0 ? 1 : order == 1 ? k : k * (k - 1);
-        sum = sum * x + factor * *(const row *)s->c[k];
-    }
+    for (int k = ORDER; k >= order; k--)
+        sum = sum * x + power_factor(k, order) * *(const row *)s->c[k];
     *(row *)result = sum;
 }
 
@@ -235,9 +241,8 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
 static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t first,
                           size_t n, double *value, double *derivative)
 {
-    const double inverse_omega = 1 / s->omega, grow = s->order == 0   ? 1
-                                                      : s->order == 1 ? s->omega
-                                                                      : s->omega * s->omega;
+    const double inverse_omega = 1 / s->omega, square = s->omega * s->omega;
+    const double grow = ((const double[]){1, s->omega, square})[s->order];
     const double unit[COLUMNS] = {1,
                                   1,
                                   inverse_omega,

@@ -43,9 +43,9 @@ const struct drag_rate drag_rates[DRAG_RATES] = {
 
 const char *drag_law_name(enum drag_law law)
 {
-    return law == LAW_NONE        ? NULL
-           : law >= LAW_UNDECIDED ? "not distinguishable"
-                                  : rows[law - 1].row.name;
+    if (law == LAW_NONE)
+        return NULL;
+    return law >= LAW_UNDECIDED ? "not distinguishable" : rows[law - 1].row.name;
 }
 
 static enum drag_law law_at(int i)
@@ -265,9 +265,11 @@ int law_choose(const struct law_evidence *e, struct fit *result)
     drag->remaining = simple < 0 ? 1u << best : remaining(e, drag, simple);
     const int next = next_best(drag, best, false), part = next_best(drag, best, true);
     drag->delta = next < 0 ? INFINITY : drag->candidate[next].bic - c->bic;
-    drag->p_value = part >= 0                                     ? chance(e, part, best)
-                    : next >= 0 && contains(law_at(next), c->law) ? chance(e, best, next)
-                                                                  : NAN;
+    drag->p_value = NAN;
+    if (part >= 0)
+        drag->p_value = chance(e, part, best);
+    else if (next >= 0 && contains(law_at(next), c->law))
+        drag->p_value = chance(e, best, next);
     const bool decided = drag->remaining == 1u << best;
     result->preferred = decided ? c->law : LAW_UNDECIDED;
     if (simple < 0)

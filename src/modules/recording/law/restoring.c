@@ -89,13 +89,10 @@ static bool restoring_fit_grow(const struct law_samples *x, size_t first_length,
         first_samples_take(x, length, &part);
         fit->omega = fit->motion.value[EQUATION_OMEGA];
         const struct law_fit previous = *fit;
-        const bool found = law_descend(
-            length < n ? &part.law : x,
-            length < n ? SEARCH_PROMISE_VARIANCES : FINAL_PROMISE_VARIANCES, rounding, fit);
         if (length == n)
-            return found;
-        if (!found) /* too few periods may not hold every parameter: more of them from where it was
-                     */
+            return law_descend(x, FINAL_PROMISE_VARIANCES, rounding, fit);
+        /* Too few periods may not hold every parameter: more are tried from the same start. */
+        if (!law_descend(&part.law, SEARCH_PROMISE_VARIANCES, rounding, fit))
             *fit = previous;
     }
 }
@@ -209,9 +206,8 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
     const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];
     const size_t n = x->samples->n,
                  span_length = samples_index(x->samples, x->samples->t[0] + first_span);
-    const size_t first_length = span_length < LEAST ? (n < LEAST ? n : LEAST)
-                                : span_length < n   ? span_length
-                                                    : n;
+    const size_t wanted = span_length < LEAST ? LEAST : span_length;
+    const size_t first_length = wanted < n ? wanted : n;
     struct law_fit first;
     struct force_fits all = {.variance = 1, .freedom = 1};
     struct first_samples part;

@@ -100,8 +100,9 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
     const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
     size_t each = x->n / wanted;
     const double max = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
-    each = each < 1 || !(max >= 2) ? 1 : (double)each < max ? each : (size_t)max;
-    return samples_average(x, each, arena, thin);
+    if ((double)each >= max)
+        each = (size_t)max;
+    return samples_average(x, max >= 2 && each > 1 ? each : 1, arena, thin);
 }
 
 /* ---- trials ---- */

@@ -57,7 +57,8 @@ static double above_level(void *context, double t)
 static bool place_exact(const struct context *c, size_t i, struct crossing *crossing)
 {
     const struct series *s = c->series;
-    const size_t count = s->n < 6 ? s->n : 6, first = i < 3 ? 0 : i - 3;
+    const size_t count = s->n < 6 ? s->n : 6;
+    const size_t first = i < 3 ? 0 : i - 3;
     struct polynomial p = {c, first + count > s->n ? s->n - count : first, count};
     const double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level;
     crossing->t =
@@ -144,7 +145,7 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
     int side = 0;
     for (size_t i = 0; i < s->n; i++) {
         double deviation = s->y[i] - level;
-        int now = deviation > hysteresis ? 1 : deviation < -hysteresis ? -1 : 0;
+        const int now = level_side(deviation, hysteresis);
         if (now == 0) {
             continue;
         }

@@ -77,7 +77,8 @@ static bool place_cycle(const struct cycles *c, double expected, double reach, s
     for (int k = 0; k <= 2 * most + 2; k++)
         r[k] = fit_cycle(c, expected + (k - most - 1) * step, &row, &trial);
     for (int k = 1; k <= 2 * most + 1; k++)
-        top = r[k] > (top ? *top : 0) ? r + k : top;
+        if (r[k] > 0 && (!top || r[k] > *top))
+            top = &r[k];
     if (!top)
         return false;
     const double bend = top[-1] - 2 * top[0] + top[1];

@@ -209,12 +209,18 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     for (int i = 0; i <= STEPS; i++)
         for (int j = 0; j <= STEPS; j++) {
             struct times_model *m = &model[i][j];
-            *m = (struct times_model){
-                .scatter = i == 0 ? 0 : spread * first_scatter * pow(step, i - 1),
-                .walk = j == 0 ? 0 : spread * first_walk / (double)n * pow(step, j - 1)};
+            *m = (struct times_model){.scatter = 0};
+            double prior = 1;
+            if (i > 0) {
+                m->scatter = spread * first_scatter * pow(step, i - 1);
+                prior *= 1.0 / STEPS;
+            }
+            if (j > 0) {
+                m->walk = spread * first_walk / (double)n * pow(step, j - 1);
+                prior *= 1.0 / STEPS;
+            }
             follow_times(time, n, spread, m);
-            const double prior = (i == 0 ? 1 : 1.0 / STEPS) * (j == 0 ? 1 : 1.0 / STEPS),
-                         w = prior * exp(fmin(m->likelihood - none->likelihood, 600));
+            const double w = prior * exp(fmin(m->likelihood - none->likelihood, 600));
             weight += w;
             value += w * m->period.value;
             square += w * m->period.value * m->period.value;

@@ -48,8 +48,11 @@ static double envelope_value(const struct envelope_rates *rates, double s, doubl
  * A0, gamma, q. */
 static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
 {
-    struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
-                                   .q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0};
+    struct envelope_rates rates = {0};
+    if (e->gamma)
+        rates.gamma = gsl_vector_get(x, 1);
+    if (e->quadratic)
+        rates.q = gsl_vector_get(x, 1 + (size_t)e->gamma);
     double gradient[2], a0 = exp(gsl_vector_get(x, 0)),
                         value = a0 * envelope_value(&rates, s, gradient);
     d[0] = value;
@@ -95,7 +98,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
                     struct envelope_fit *result)
 {
     size_t p = 1 + (size_t)gamma + (size_t)quadratic;
-    double x0[3] = {log(e->a[0]), gamma ? (quadratic ? 0.5 : 1) * start : start / 2, start / 4};
+    double x0[3] = {log(e->a[0]), gamma && !quadratic ? start : start / 2, start / 4};
     e->gamma = gamma;
     e->quadratic = quadratic;
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();

@@ -228,8 +228,8 @@ static bool other_period(const struct series *series, const struct series *rows,
     const bool exact = overview_is_exact(&m->overview);
     if (wave_period(series, exact ? WAVE_EXACT : WAVE_NOISY, arena, period))
         return true;
-    const double guess = lags->correlation ? lags_period(lags) : NAN,
-                 multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
+    const double guess = lags->correlation ? lags_period(lags) : NAN;
+    const double multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
     /* Two lines, and nothing else, that are so near that their sum waxes and wanes, have no part
      * that swings alone, and no cycles. */
     const bool lines = two_lines(&m->samples, &pair),
@@ -241,9 +241,10 @@ static bool other_period(const struct series *series, const struct series *rows,
         (!beats && isfinite(guess) && cycle_period(rows, multiple * guess, arena, period)) ||
         (!exact && wave_period(series, WAVE_FEW, arena, period)))
         return true;
+    const struct swing *swinging = swings ? &swing : NULL;
     if (!m->overview.oscillates)
         return (!lines && !swings && waves_period(series, arena, period)) ||
-               motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
+               motion_refuse_known(m, lines ? &pair : NULL, swinging, error);
     if ((exact || !whole_period(m, period)) &&
         !crossing_period(exact ? series : rows, &m->overview, arena, period, error))
         return false;

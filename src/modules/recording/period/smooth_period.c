@@ -110,9 +110,9 @@ static double quintic_root(double d[INTERPOLATED], double x, double *slope)
 static bool place_crossing(const struct smooth_wave *w, size_t step, struct smooth_crossing *c)
 {
     const size_t half = INTERPOLATED / 2 * step, previous = c->row - 1,
-                 window_begin = previous + step < half ? 0 : previous + step - half,
-                 last = w->n - 1 - (INTERPOLATED - 1) * step,
-                 first = window_begin < last ? window_begin : last;
+                 last = w->n - 1 - (INTERPOLATED - 1) * step;
+    const size_t window_begin = previous + step < half ? 0 : previous + step - half;
+    const size_t first = window_begin < last ? window_begin : last;
     double d[INTERPOLATED];
     for (size_t i = 0; i < INTERPOLATED; i++)
         d[i] = w->y[first + i * step] - w->level;
@@ -136,7 +136,7 @@ static bool find_crossings(struct smooth_wave *w, double share_min)
         const double deviation = w->y[i] - w->level;
         if (i > 0 && (deviation > 0) != (w->y[i - 1] - w->level > 0))
             crossed = i;
-        const int now = deviation > height_min ? 1 : deviation < -height_min ? -1 : 0;
+        const int now = level_side(deviation, height_min);
         if (now == 0 || now == side)
             continue;
         if (side != 0) {

@@ -221,9 +221,9 @@ static void conclude_track(struct track *track)
     track->coherence = weight > 0 ? cosine / weight : 0;
     track->explained = explained;
     track->fraction = explained > 0 ? explained / (explained + rss) : 0;
-    track->omega = first && last > first ? (last->phase - first->phase) / (last->t - first->t)
-                   : first               ? first->omega
-                                         : NAN;
+    track->omega = first ? first->omega : NAN;
+    if (last > first)
+        track->omega = (last->phase - first->phase) / (last->t - first->t);
 }
 
 /* Width of the windows [s]. */
@@ -404,13 +404,15 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
         return false;
     }
     const double half = 0.5 * values_variance(x->y, x->n);
+    const struct samples *rows_of[2] = {&part, &coarse};
+    struct track *found[2] = {&fast, &slow};
     const bool is_slow = values_variance(coarse.y, coarse.n) > half;
     fast = slow = (struct track){.omega = NAN};
-    if (!track_find(is_slow ? &coarse : &part, arena, is_slow ? &slow : &fast)) {
+    if (!track_find(rows_of[is_slow], arena, found[is_slow])) {
         return false;
     }
-    const bool enough = window_power(&fast, &part) > half || window_power(&slow, &coarse) > half;
-    if (!enough && !track_find(is_slow ? &part : &coarse, arena, is_slow ? &fast : &slow)) {
+    const bool enough = window_power(found[is_slow], rows_of[is_slow]) > half;
+    if (!enough && !track_find(rows_of[!is_slow], arena, found[!is_slow])) {
         return false;
     }
     const struct track *best =

@@ -36,8 +36,8 @@ struct waves {
 static bool find_levels(const struct series *s, double *middle, double *hysteresis, double *noise)
 {
     double value[LEVEL_ROWS], scratch[NOISE_ROWS];
-    const size_t rows = s->n < LEVEL_ROWS ? s->n : LEVEL_ROWS,
-                 part = s->n < NOISE_ROWS ? s->n : NOISE_ROWS;
+    const size_t rows = s->n < LEVEL_ROWS ? s->n : LEVEL_ROWS;
+    const size_t part = s->n < NOISE_ROWS ? s->n : NOISE_ROWS;
     for (size_t i = 0; i < rows; i++)
         value[i] = s->y[s->n * i / rows];
     const double low = values_quantile(value, rows, low_share),
@@ -68,8 +68,8 @@ static double find_waves(const struct series *s, double middle, double hysteresi
         const double deviation = s->y[i] - middle;
         if ((deviation > 0) != (s->y[i - 1] - middle > 0))
             crossed = i;
-        const int now = deviation > hysteresis ? 1 : deviation < -hysteresis ? -1 : side;
-        if (now == side)
+        const int now = level_side(deviation, hysteresis);
+        if (now == 0 || now == side)
             continue;
         if (side != 0 && crossed > 0) {
             const double t = passes_level(s, crossed, middle);

@@ -97,7 +97,8 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
     value[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
     value[ADOPTED_LENGTH] = (struct measured){
         length, length * hypot(square.uncertainty / square.value, g.uncertainty / g.value)};
-    value[ADOPTED_DRY] = law ? times(law->rate[2], is_pendulum(scene) ? m * length : m) : none;
+    const double inertia = is_pendulum(scene) ? m * length : m;
+    value[ADOPTED_DRY] = law ? times(law->rate[2], inertia) : none;
     value[ADOPTED_POSITION] = value[ADOPTED_ANGLE] = start[0];
     value[ADOPTED_POSITION].value += -m * g.value / value[ADOPTED_STIFFNESS].value;
     value[ADOPTED_VELOCITY] = value[ADOPTED_TURNING] = start[1];
@@ -106,11 +107,13 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
 double adopted_scale_of(const struct scene *scene, const struct fit *fit)
 {
     const bool pendulum = is_pendulum(scene);
-    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
-                 m = param_value(scene, "m"), g = param_value(scene, "g"),
-                 middle = pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value,
-                 y = param_value(scene, pendulum ? "theta0" : "y0") - middle,
-                 v = param_value(scene, pendulum ? "rate0" : "v0");
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
+    double y = param_value(scene, pendulum ? "theta0" : "y0");
+    const double v = param_value(scene, pendulum ? "rate0" : "v0");
+    if (!pendulum) { /* gravity moves the middle of the motion to -m g/k */
+        const double m = param_value(scene, "m"), g = param_value(scene, "g");
+        y += m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
+    }
     return hypot(y, (v + half * y) / fit->omega.value) / fit->amplitude.value;
 }
 

@@ -155,7 +155,11 @@ bool scene_curve_evaluate(void *context, const double *parameter, const double *
     const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
     const bool dry =
         c->variation->base.dry && c->variation->base.switches == 1 && c->variation->base.n == 2;
-    if (!(c->linear ? follow_linear : dry ? scene_dry_march : march_curve)(c, system, &sampling))
+    bool (*follow)(const struct scene_curve *, const struct system *, const struct sampling *) =
+        dry ? scene_dry_march : march_curve;
+    if (c->linear)
+        follow = follow_linear;
+    if (!follow(c, system, &sampling))
         return false;
     for (size_t i = 0; i < n; i++)
         if (!isfinite(value[i]))
@@ -235,10 +239,11 @@ bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const stru
         meshing = try_mesh(c, &system, "rodas5p", fmax(c->tol, TOLERANCE_STIFF), STEPS_MOST, end);
     if (meshing == MESH_DONE)
         return true;
-    return meshing == MESH_MEMORY ? error_memory(error)
-           : cancelled(c->cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped")
-                                  : error_set(error, ERROR_COMMAND,
-                                              "the scene cannot be integrated from %g to %g s "
-                                              "with its present parameters",
-                                              system.t0, end);
+    if (meshing == MESH_MEMORY)
+        return error_memory(error);
+    if (cancelled(c->cancel))
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    return error_set(error, ERROR_COMMAND,
+                     "the scene cannot be integrated from %g to %g s with its present parameters",
+                     system.t0, end);
 }

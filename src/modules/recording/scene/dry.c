@@ -62,7 +62,9 @@ static void accelerations(const struct dry_walk *w, double t, const double *y, d
 /* The branch on which it goes on from v = 0. */
 static int onward(const double a[2])
 {
-    return a[1] > 0 ? 1 : a[0] < 0 ? -1 : 0;
+    if (a[1] > 0)
+        return 1;
+    return a[0] < 0 ? -1 : 0;
 }
 
 static void dry_walk_turn(struct dry_walk *w)
@@ -72,8 +74,8 @@ static void dry_walk_turn(struct dry_walk *w)
     accelerations(w, step->t, step->y, a);
     const double old_acceleration = a[w->branch > 0];
     const int next = onward(a);
-    const double new_acceleration = next == 0 ? 0 : a[next > 0],
-                 factor = old_acceleration != 0 ? new_acceleration / old_acceleration : 1;
+    const double new_acceleration = next == 0 ? 0 : a[next > 0];
+    const double factor = old_acceleration != 0 ? new_acceleration / old_acceleration : 1;
     step->y[1] = 0;
     for (int k = 3; k < step->system->n; k += 2)
         step->y[k] *= factor;
@@ -204,7 +206,10 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system,
     if (!scene_curve_first(c, system, s, &w.i))
         return false;
     accelerations(&w, step.t, y, a);
-    go_on_branch(&w, y[1] > 0 ? 1 : y[1] < 0 ? -1 : onward(a));
+    int branch = onward(a);
+    if (y[1] != 0)
+        branch = y[1] > 0 ? 1 : -1;
+    go_on_branch(&w, branch);
     for (size_t k = 0; w.i < s->n; k++) {
         if (k == c->points || ((k & 63) == 0 && cancelled(c->cancel)))
             return false;

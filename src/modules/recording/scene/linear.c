@@ -119,8 +119,8 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
 static void prepare_linear_step(struct linear_motion *m, struct linear_propagator *p)
 {
     double *x = m->scratch[0];
-    const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
-              all = m->directions > 0 ? 2 * n + 1 : n + 1;
+    const int n = m->n, blocks = m->directions > 0 ? m->directions : 1;
+    const int all = m->directions > 0 ? 2 * n + 1 : n + 1;
     for (int block = 0; block < blocks; block++) {
         memset(x, 0, sizeof m->scratch[0]);
         for (int i = 0; i < n; i++) {

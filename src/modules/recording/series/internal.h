@@ -271,6 +271,14 @@ double power_share_of_peaks(const struct samples *samples, int peaks, double rat
 
 /* ---- crossing.c ---- */
 
+/* Returns 1 or -1 if the value is above or below a level by more than the hysteresis, else 0. */
+static inline int level_side(double deviation, double hysteresis)
+{
+    if (deviation > hysteresis)
+        return 1;
+    return deviation < -hysteresis ? -1 : 0;
+}
+
 /* Returns true if there is so little noise that interpolation is better than averaging. */
 bool overview_is_exact(const struct overview *overview);
 

@@ -205,6 +205,8 @@ static void rounding_doubts(const struct curve_problem *p, const struct curve_fi
 static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit)
 {
     const char *undetermined = NULL;
+    const char *reason =
+        fit->small_step ? "the gradient does not vanish" : "neither step nor gradient vanish";
     for (int j = 0; j < fit->parameters && !undetermined; j++)
         undetermined = fit->determined[j] || fit->bound[j] ? NULL : p->curve->name[j];
     if (fit_discards_much(fit->rejected, p->n))
@@ -218,10 +220,7 @@ static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit
                  "did not converge: parameter %s is not determined by the data", undetermined);
     else
         snprintf(fit->said, sizeof fit->said, "did not converge in %d iterations: %s",
-                 fit->iterations,
-                 fit->small_gradient ? "the steps do not become small"
-                 : fit->small_step   ? "the gradient does not vanish"
-                                     : "neither step nor gradient vanish");
+                 fit->iterations, fit->small_gradient ? "the steps do not become small" : reason);
 }
 
 void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
@@ -246,9 +245,8 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
         for (int i = 0; i < fit->parameters; i++) {
             fit->covariance[j][i] *= factor;
             double both = fit->formal[i] * fit->formal[j];
-            fit->correlation[j][i] = i == j     ? 1
-                                     : both > 0 ? fit->covariance[j][i] / factor / both
-                                                : 0;
+            const double correlation = both > 0 ? fit->covariance[j][i] / factor / both : 0;
+            fit->correlation[j][i] = i == j ? 1 : correlation;
         }
     }
     curve_fit_judge(p, fit);

@@ -223,8 +223,7 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
         refuse(o, "its spectrum has no peak besides drift");
         return true;
     }
-    /* The start is good enough to find outliers after two periods, unless the amplitude changes
-     * much in that time. */
+    /* The start shows outliers after two periods, unless the amplitude changes much by then. */
     bool found = start_gamma(m, omega);
     if (found && hope == SINE_TRIED_IF_NEAR && is_hopeless(m)) {
         refuse(o, "one damped sine explains less than half of it");
@@ -475,8 +474,9 @@ static bool motion_refuse(const struct motion *m, const struct series *series, s
     struct swing swing;
     if (overview_is_constant(&m->overview) || m->buried)
         return motion_refuse_known(m, NULL, NULL, error);
-    const bool lines = two_lines(&m->samples, &pair), swings = !lines && find_swing(series, &swing);
-    return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
+    if (two_lines(&m->samples, &pair))
+        return motion_refuse_known(m, &pair, NULL, error);
+    return motion_refuse_known(m, NULL, find_swing(series, &swing) ? &swing : NULL, error);
 }
 
 bool motion_require(struct motion *m, const struct series *series, struct arena *arena,

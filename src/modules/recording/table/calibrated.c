@@ -19,9 +19,10 @@ bool recording_calibrate(struct recording *recording, const struct calibration *
     if (!calibration->known || recording->calibration.known)
         return true;
     if (quantity_of(source_unit) != column->quantity) {
+        static const char no_unit[] = "numbers without a unit";
+        const char *source = source_unit ? source_unit->row.name : no_unit;
         error_set(error, ERROR_COMMAND, "%s was calibrated in %s but is now in %s", column->name,
-                  source_unit ? source_unit->row.name : "numbers without a unit",
-                  column->unit[0] ? column->unit : "numbers without a unit");
+                  source, column->unit[0] ? column->unit : no_unit);
         return error_hint(error,
                           "set its unit with unit=, or use it uncalibrated with 'calibrate off'");
     }

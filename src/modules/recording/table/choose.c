@@ -31,8 +31,7 @@ struct profile {
     bool whole;
 };
 
-/* Rows of a long recording that are examined: stretches of STRETCH_ROWS rows, because a profile is
- * only a guess. */
+/* A profile is only a guess, and taken from stretches of STRETCH_ROWS rows of a long recording. */
 #define STRETCH_ROWS 1024u
 #define STRETCHES_MAX 256u
 
@@ -131,8 +130,7 @@ static void list_columns(const struct recording *recording, struct error *error)
     struct buffer names = {0};
     for (int i = 0; i < recording->columns && names.len < 200; i++)
         buffer_format(&names, "%s%d %s", i ? ", " : "", i + 1, recording->column[i].name);
-    error_hint(error, "columns: %.*s%s", (int)names.len, names.data ? names.data : "",
-               names.len >= 200 ? ", …" : "");
+    error_hint(error, "columns: %s%s", buffer_view(&names), names.len >= 200 ? ", …" : "");
     buffer_free(&names);
 }
 

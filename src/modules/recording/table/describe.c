@@ -1,23 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
+#include <hooke/result.h>
 #include "modules/recording/table/table.h"
 
 #define COLUMNS_SHOWN 8
 
 static const char *separator_name(const struct recording *recording)
 {
-    return recording->columns == 1        ? "one column"
-           : recording->separator == '\t' ? "tab"
-           : recording->separator == ';'  ? "semicolon"
-           : recording->separator == ','  ? "comma"
-                                          : "blanks";
+    if (recording->columns == 1)
+        return "one column";
+    switch (recording->separator) {
+    case '\t':
+        return "tab";
+    case ';':
+        return "semicolon";
+    case ',':
+        return "comma";
+    default:
+        return "blanks";
+    }
 }
 
 static void put_column(struct buffer *text, const struct column *column)
 {
-    buffer_format(text, "%s%s%s%s", column->name, column->unit[0] ? " [" : "", column->unit,
-                  column->unit[0] ? "]" : "");
+    buffer_format(text, column->unit[0] ? "%s [%s]" : "%s%s", column->name, column->unit);
 }
 
 static void put_columns(struct buffer *text, const struct recording *recording)
@@ -26,9 +33,10 @@ static void put_columns(struct buffer *text, const struct recording *recording)
     for (int i = 0; i < recording->columns && i < COLUMNS_SHOWN; i++) {
         buffer_format(text, "%s%d ", i ? ", " : "", i + 1);
         put_column(text, &recording->column[i]);
-        buffer_put(text, i == recording->time    ? TEXT(" = t")
-                         : i == recording->value ? TEXT(" = y")
-                                                 : TEXT(""));
+        if (i == recording->time)
+            buffer_put(text, TEXT(" = t"));
+        else if (i == recording->value)
+            buffer_put(text, TEXT(" = y"));
     }
     if (recording->columns > COLUMNS_SHOWN)
         buffer_format(text, " and %d more", recording->columns - COLUMNS_SHOWN);
@@ -48,9 +56,9 @@ void recording_describe(const struct recording *recording, struct buffer *text)
     buffer_short(text, recording->t[recording->rows - 1], 6);
     buffer_put(text, TEXT(" s, "));
     buffer_short(text, recording->rate, 4);
-    buffer_format(text, " Hz; %s%s, %d header %s", separator_name(recording),
+    buffer_format(text, " Hz; %s%s, %d header line%s", separator_name(recording),
                   recording->decimal == ',' ? ", decimal comma" : "", recording->header_lines,
-                  recording->header_lines == 1 ? "line" : "lines");
+                  plural_s(recording->header_lines));
     if (recording->dropped > 0)
         buffer_format(text, ", %zu %s dropped", recording->dropped,
                       recording->dropped == 1 ? "row" : "rows");

@@ -57,9 +57,9 @@ bool header_field(struct text *rest, char separator, struct text *field)
                 next;
     const char *start = field->data;
     while (table_field(&ahead, separator, &next) && strchr("([/", next.data[0])) {
-        bool open = next.data[0] == '/'
-                        ? next.len == 1
-                        : !memchr(next.data, next.data[0] == '(' ? ')' : ']', next.len);
+        const char closing = next.data[0] == '(' ? ')' : ']';
+        const bool open =
+            next.data[0] == '/' ? next.len == 1 : !memchr(next.data, closing, next.len);
         if (open && !table_field(&ahead, separator, &next))
             break;
         *field = (struct text){start, (size_t)(next.data + next.len - start)};
@@ -214,8 +214,8 @@ static bool find_spoken(struct text text, struct text *stem, struct text *unit)
         if (!starts_with_in && (!text_starts(rest, TEXT(", ")) || index == 0))
             continue;
         *stem = text_trim((struct text){text.data, index});
-        *unit = text_trim((struct text){rest.data + (starts_with_in ? 3 : 2),
-                                        rest.len - (starts_with_in ? 3 : 2)});
+        const size_t skipped = starts_with_in ? 3 : 2;
+        *unit = text_trim((struct text){rest.data + skipped, rest.len - skipped});
         return unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor);
     }
     return false;
@@ -302,8 +302,12 @@ static bool name_column(struct column *column, struct text field, struct text un
         suffix = none;
         has_unit = true;
     }
-    set_name(column, has_unit ? stem : whole, has_unit ? suffix : none);
-    column_unit(column, has_unit ? unit : none);
+    if (!has_unit) {
+        stem = whole;
+        suffix = unit = none;
+    }
+    set_name(column, stem, suffix);
+    column_unit(column, unit);
     if (unit_field.len == 0)
         return true;
     if (!clean(unit_field, scratch))

@@ -61,7 +61,11 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
  * words are wanted, or as many. */
 static bool is_row(struct shape shape, char separator, int min, bool words)
 {
-    const int more = separator == ' ' ? 1 : separator == ',' ? 0 : -shape.fields;
+    int more = -shape.fields;
+    if (separator == ' ')
+        more = 1;
+    else if (separator == ',')
+        more = 0;
     return shape.fields >= min && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
            (shape.words == 0 ||
             (words && shape.numbers >= 2 && shape.numbers >= shape.words + more));

@@ -5,6 +5,7 @@
 #include "modules/recording/table/table.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -32,9 +33,11 @@ bool table_line(struct text *rest, struct text *line)
         return false;
     *line = (struct text){rest->data, line_length(*rest)};
     struct text end = {rest->data + line->len, rest->len - line->len};
-    size_t used = text_starts(end, TEXT("\r\r\n")) ? 3
-                  : text_starts(end, TEXT("\r\n")) ? 2
-                                                   : end.len > 0;
+    size_t used = end.len > 0;
+    if (text_starts(end, TEXT("\r\r\n")))
+        used = 3;
+    else if (text_starts(end, TEXT("\r\n")))
+        used = 2;
     *rest = (struct text){end.data + used, end.len - used};
     return true;
 }
@@ -295,11 +298,9 @@ const char *short_name(struct text text, char output[SHORT_NAME])
     struct buffer shown = {0};
     safe_text(&shown, (struct text){text.data, text_fitting(text, SHORT_NAME)}, false);
     const bool cut = shown.len >= SHORT_NAME;
-    const size_t len =
-        shown.failed ? 0 : text_fitting(buffer_text(&shown), cut ? SHORT_NAME - 4 : SHORT_NAME - 1);
-    if (len > 0)
-        memcpy(output, shown.data, len);
-    memcpy(output + len, cut ? "..." : "", cut ? 4 : 1);
+    const size_t max = cut ? SHORT_NAME - 4 : SHORT_NAME - 1;
+    const size_t len = shown.failed ? 0 : text_fitting(buffer_text(&shown), max);
+    snprintf(output, SHORT_NAME, "%.*s%s", (int)len, buffer_view(&shown), cut ? "..." : "");
     buffer_free(&shown);
     return output;
 }

@@ -207,10 +207,12 @@ static bool recording_load_file(const char *path, const struct load_options *opt
                      options->name.data);
         else
             name_recording(recording, file);
-        done = !recording->path      ? error_memory(error)
-               : contents.parts == 1 ? read_part(buffer_text(&contents.part[0].text), shown,
-                                                 options, recording, error)
-                                     : read_parts(&contents, shown, options, recording, error);
+        if (!recording->path)
+            done = error_memory(error);
+        else if (contents.parts == 1)
+            done = read_part(buffer_text(&contents.part[0].text), shown, options, recording, error);
+        else
+            done = read_parts(&contents, shown, options, recording, error);
     }
     const bool grew = contents.grew;
     contents_free(&contents); /* the search below needs as much memory */

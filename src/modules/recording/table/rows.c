@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The rows of a table into columns, in one pass over the file. What cannot be read is counted and
- * said.
- */
+/* Reads the rows of a table into columns, in one pass over the file. Unreadable rows are counted
+ * and reported. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
+#include <hooke/result.h>
 #include "modules/recording/table/plain_number.h"
 #include "modules/recording/table/stamp.h"
 #include "modules/recording/table/table.h"
@@ -340,6 +339,8 @@ static void name_columns(struct recording *recording, const struct table_layout 
 static void warn_rows(struct row_reader *reader)
 {
     struct recording *recording = reader->recording;
+    const struct row_problem *ragged = &reader->ragged;
+    const char mark = reader->layout->decimal == '.' ? ',' : '.';
     if (reader->layout->ambiguous)
         recording_warn(recording,
                        "commas are read as separators (%d columns of whole numbers); give "
@@ -349,8 +350,7 @@ static void warn_rows(struct row_reader *reader)
         recording_warn(recording,
                        "'%c' is read as a separator of thousands, because the numbers continue "
                        "from 999 with it; give decimal=%s if it is not",
-                       reader->layout->decimal == '.' ? ',' : '.',
-                       reader->layout->decimal == '.' ? "comma" : "point");
+                       mark, mark == ',' ? "comma" : "point");
     if (reader->layout->unpadded)
         recording_warn(recording,
                        "%s: the digits after the mark seem to be unpadded, because the numbers "
@@ -358,11 +358,11 @@ static void warn_rows(struct row_reader *reader)
                        recording->column[reader->layout->unpadded - 1].name,
                        log10(reader->layout->unpadded_parts), reader->layout->decimal,
                        reader->layout->unpadded_parts);
-    if (reader->ragged.count > 0)
-        recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')",
-                       reader->ragged.count, reader->ragged.count == 1 ? "line" : "lines",
-                       reader->ragged.count == 1 ? "is" : "are", recording->columns,
-                       reader->ragged.first, reader->ragged.example);
+    if (ragged->count > 0)
+        recording_warn(
+            recording, "%zu line%s dropped that %s not %d numbers (first: line %zu, '%s')",
+            ragged->count, plural_s((int64_t)ragged->count), ragged->count == 1 ? "is" : "are",
+            recording->columns, ragged->first, ragged->example);
     if (reader->shorter.count > 0)
         recording_warn(recording,
                        "%zu rows have fewer than %d columns; their last values are missing (first: "

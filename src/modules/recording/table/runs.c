@@ -69,18 +69,20 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
     struct buffer names = {0};
     run_list(recording, &names);
     error_at(error, wanted, "there is no run '%s' in this file", short_name(name, shown));
-    error_hint(error,
-               recording->runs > 0 ? "runs: %s" : "it contains only one recording; omit run=",
-               names.data ? names.data : "");
+    if (recording->runs > 0)
+        error_hint(error, "runs: %s", buffer_view(&names));
+    else
+        error_hint(error, "it contains only one recording; omit run=");
     buffer_free(&names);
     return false;
 }
 
 void run_list(const struct recording *recording, struct buffer *text)
 {
+    static const char *const separator[] = {"", ", "};
     for (int i = 0; i < recording->runs && i < LISTED_RUNS_MAX; i++)
-        buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name,
-                      i == recording->taken ? " = used" : "");
+        buffer_format(text, i == recording->taken ? "%s%s = used" : "%s%s", separator[i > 0],
+                      recording->run[i].name);
     if (recording->runs > LISTED_RUNS_MAX)
         buffer_format(text, " and %d more", recording->runs - LISTED_RUNS_MAX);
 }
@@ -161,11 +163,14 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
     struct table_text part;
     struct table_block *block = calloc(TABLE_BLOCKS_MAX, sizeof *block);
     const int blocks = block ? find(text, block, &own) : 0;
-    const bool done =
-        !block        ? error_memory(error)
-        : blocks == 0 ? table_read(text, options, recording, error)
-                      : choose_block(text, block, blocks, &own, recording, &arena, &part, error) &&
-                            read(&part, &block[recording->taken], recording, error);
+    bool done;
+    if (!block)
+        done = error_memory(error);
+    else if (blocks == 0)
+        done = table_read(text, options, recording, error);
+    else
+        done = choose_block(text, block, blocks, &own, recording, &arena, &part, error) &&
+               read(&part, &block[recording->taken], recording, error);
     arena_reset(&arena);
     free(block);
     return done;

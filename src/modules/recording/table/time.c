@@ -203,13 +203,13 @@ static void spread_stamps(struct recording *recording)
     } else {
         return;
     }
+    const char *times = even.even ? "at even times (a straight line through the time stamps)"
+                                  : "spread between the time stamps";
     if (repeated > 0)
         recording_warn(
             recording,
             "%zu %s the previous time, which was rounded to %.3g s; all rows are kept, %s",
-            repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution,
-            even.even ? "at even times (a straight line through the time stamps)"
-                      : "spread between the time stamps");
+            repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution, times);
 }
 
 /*
@@ -365,9 +365,10 @@ bool recording_time(struct recording *recording, const struct load_options *opti
     if (time && recording->source == TIME_COLUMN)
         to_si(time->value, recording->rows, time->factor, recording->t);
     else
-        for (size_t i = 0; i < recording->rows; i++)
-            recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) +
-                              (time ? time->value[i] : recording->t[i]) / rate;
+        for (size_t i = 0; i < recording->rows; i++) {
+            const double index = time ? time->value[i] : recording->t[i];
+            recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) + index / rate;
+        }
     if (!goes_on(recording, error) || !take_run_below(recording, options, error))
         return false;
     mend_clock_jumps(recording);
