@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module comparison: methods against each other, and against what is known of them. */
+#include <hooke/base/statement.h>
+#include <hooke/command/complete.h>
+#include <hooke/plot.h>
 #include "modules/comparison/comparison.h"
 
 #include <hooke/base/safe_text.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 struct references *session_references(const struct session *session)
 {
@@ -122,6 +126,23 @@ static void comparison_plan(const struct session *session, struct buffer *text)
     buffer_put(text, TEXT(": found before, for precision, compare and order\n"));
 }
 
+/* Offers methods behind the name of a study's plot, unless an option or a file is begun. */
+static bool complete_study_methods(struct completion *c, const struct command *command,
+                                   struct text preceding)
+{
+    text_skip_blanks(&preceding);
+    const struct row *plot = catalog_find(&plot_catalog, peek_name(preceding));
+    const bool draws =
+        strcmp(command->row.name, "plot") == 0 || strcmp(command->row.name, "describe") == 0;
+    struct text key;
+    if (!draws || !plot || !plot_row((enum plot_kind)catalog_index(&plot_catalog, plot))->study ||
+        text_starts(c->word, TEXT("-")) || text_is(last_word(preceding), ">") ||
+        complete_is_item(preceding, &key))
+        return false;
+    complete_catalog(c, &method_catalog);
+    return true;
+}
+
 const struct module comparison_module = {
     .row = {"comparison", "", "methods compared: error, run time, order, stability", "", NULL},
     .needs = "solving",
@@ -129,4 +150,5 @@ const struct module comparison_module = {
     .part_free = free_part,
     .part_uses = part_uses,
     .plan = comparison_plan,
+    .complete = complete_study_methods,
 };

@@ -475,6 +475,39 @@ static void test_screens_are_where_their_axes_put_them(void **state)
     }
 }
 
+static void count_offer(void *context, const char *candidate, const char *brief)
+{
+    int *const count = context;
+    (void)brief;
+    count[0]++;
+    count[1] += method_by_name(text_of(candidate)) != NULL;
+}
+
+/* Behind the name of a study's plot stand methods, and nothing else; elsewhere none. */
+static void test_methods_are_offered_behind_plots_of_studies(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        bool methods;
+    } lines[] = {{"plot order ", true},
+                 {"plot stability euler rk", true},
+                 {"describe region ", true},
+                 {"plot position ", false},
+                 {"plot order --", false}};
+    struct bench bench;
+    bench_open(&bench, false);
+    for (size_t i = 0; i < COUNT_OF(lines); i++) {
+        int count[2] = {0, 0};
+        size_t start;
+        const struct text line = text_of(lines[i].line);
+        command_complete(bench.session, line, line.len, &start, count_offer, count);
+        if (count[0] == 0 || (lines[i].methods ? count[1] != count[0] : count[1] > 1))
+            fail_msg("'%s': %d words, %d methods", lines[i].line, count[0], count[1]);
+    }
+    bench_close(&bench);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -483,6 +516,7 @@ int main(void)
         cmocka_unit_test(test_regions_of_damped_oscillators_are_those_of_closed_forms),
         cmocka_unit_test(test_lines_of_orders_have_their_slopes),
         cmocka_unit_test(test_errors_along_the_run_are_those_of_closed_forms),
+        cmocka_unit_test(test_methods_are_offered_behind_plots_of_studies),
         cmocka_unit_test(test_pictures_are_where_their_axes_put_them),
         cmocka_unit_test(test_screens_are_where_their_axes_put_them),
     };
