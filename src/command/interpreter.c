@@ -74,6 +74,13 @@ static bool find_command(struct session *session, struct parser *parser,
     const struct text word = peek_word(parser->rest, "");
     *command =
         (const struct command *)(const void *)catalog_choose(session, &command_catalog, word);
+    struct named_value value;
+    if (!*command && text_trim(parser->rest).len == word.len &&
+        names_value(session, word, &value)) {
+        *command =
+            (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("print"));
+        return *command;
+    }
     parser->rest = (struct text){word.data + word.len, parser->rest.len - word.len};
     return *command || unknown_command(session, word, error);
 }

@@ -108,6 +108,8 @@ static bool read_into(struct argument_progress *progress, int index, const char 
 
 static int find_argument(const struct command *command, enum argument_form form, struct text name)
 {
+    if (form == FORM_WORD && text_is(name, "vs"))
+        name = TEXT("against");
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form && text_is(name, command->argument[i].name))
             return i;

@@ -33,7 +33,7 @@ static int shown_length(struct text text)
 
 static bool starts_uncertainty(struct text text)
 {
-    return text_starts(text, TEXT("+-"));
+    return text_starts(text, TEXT("+-")) || text_starts(text, TEXT("\u00b1"));
 }
 
 struct text before_option(struct text text)

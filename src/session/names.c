@@ -97,6 +97,25 @@ static bool lacks_energy(const struct run *run, const struct observable *observa
            !run->system.energy;
 }
 
+/* Finds a result by the letter under which it is printed, such as T. */
+static bool in_results(const struct session *session, struct text name, int *index)
+{
+    static const struct {
+        const char *letter, *result;
+    } printed[] = {
+        {"T", "fit_period"},         {"T", "measured_period"}, {"A", "fit_amplitude"},
+        {"A", "measured_amplitude"}, {"tau", "measured_tau"},  {"Q", "measured_Q"},
+    };
+    if (in_values(session->results.value, session->results.count, name, index))
+        return true;
+    for (size_t i = 0; i < COUNT_OF(printed); i++)
+        if (text_is(name, printed[i].letter) &&
+            in_values(session->results.value, session->results.count, text_of(printed[i].result),
+                      index))
+            return true;
+    return false;
+}
+
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
@@ -125,8 +144,7 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_SETTING;
     else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &index))
         kind = NAME_LET;
-    else if (!names->saved_only &&
-             in_values(session->results.value, session->results.count, name, &index))
+    else if (!names->saved_only && in_results(session, name, &index))
         kind = NAME_RESULT;
     else
         return false;

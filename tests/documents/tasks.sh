@@ -19,7 +19,7 @@ what is E                      | print E               | print energy          |
 period of the oscillation      | period                | measure period        | run; measure period
 frequency of it                | frequency             | measure frequency     | run; measure frequency
 how fast does it die out       | help damping          | measure decay         | scene damped; method rk4; run; measure decay
-add friction                   | friction              | friction = VALUE      | friction = 10 mN; run
+add friction                   | friction 10 mN        | friction = 10 mN      | friction = 10 mN; run
 add air drag                   | apropos resistance    | C = 1                 | scene drag; C = 1; run
 a damped spring                | apropos damped        | damped scene          | scene damped; run
 a pendulum                     | apropos pendulum      | pendulum scene        | scene pendulum; run
@@ -69,7 +69,7 @@ what the run leaves out        | apropos residual      | residual plot         |
 what is in the file            | preview               | load FILE --preview   | load swing.csv --preview
 how the amplitude falls        | apropos envelope      | envelope plot         | load swing.csv; plot envelope data swing
 axes in print                  | xlabel                | xlabel=TEXT           | run; plot y ylabel=height > p.svg
-velocity against position      | plot y vs v           | against COLUMN        | run; plot v against y
+velocity against position      | plot y over v         | against COLUMN        | run; plot v against y
 error against run time         | efficiency            | precision euler       | duration = 1 s; precision euler rk4
 error against the step         | convergence           | order rk4             | duration = 1 s; order rk4
 stability limit                | apropos limit         | stability command     | stability euler

@@ -200,6 +200,10 @@ HANDLER(export)
         return export_scene(session, args, reply, error);
     if (has_argument(args, "method"))
         return export_method(session, args, reply, error);
+    if (catalog_find(&table_format_catalog, file->text)) {
+        error_at(error, file->text, "'%s' is a format; export needs the name of a file", path);
+        return error_hint(error, "export run.%s", path);
+    }
     if (!choose_format(args, file->text, &format, error))
         return false;
     if (!fill_table(session, args, &export, error))
