@@ -69,9 +69,8 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     }
     buffer_format(
         output,
-        "(!) timed by the general code: %s\n"
-        "The others have code made for the method and these forces: do not rank by time what is "
-        "marked against what is not.\n",
+        "(!) timed with general code: %s\n"
+        "The others have specialised code, so times marked (!) are not comparable with theirs.\n",
         buffer_view(&names));
     buffer_free(&names);
 }
@@ -101,7 +100,7 @@ static void put_reference(const struct comparison *first, struct buffer *text)
     buffer_format(text, "errors against %s and %s, which agree to %s",
                   first->reference[0]->row.name, first->reference[1]->row.name,
                   SHOWN_SHORT(first->errors.floor, 2));
-    buffer_put(text, first->reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
+    buffer_put(text, first->reference_stored ? TEXT(", computed earlier\n") : TEXT("\n"));
 }
 
 /* `compared` are the `count` that were run; left_out more rows stand behind them. */
@@ -130,7 +129,7 @@ static void reply_table(const struct session *session, const struct comparison *
         answer_rows(session) > ANSWER_ROWS_MIN ? answer_rows(session) : ANSWER_ROWS_MIN;
     if (brief && text.len > table_end && text_rows(buffer_text(&text), width) > rows_max - BELOW) {
         text.len = table_end;
-        buffer_put(&text, TEXT("... what each does in words: --full\n"));
+        buffer_put(&text, TEXT("... a description of each run: --full\n"));
     }
     put_reference(&compared[0], &lines);
     put_folded_lines(&lines, width, &text);
@@ -241,9 +240,10 @@ static void reply_machine(const struct session *session, const struct comparison
             continue;
         others = time->others;
         if (!timing_is_sound(time))
-            buffer_format(&lines,
-                          "the time of %s is uncertain: its shortest samples differ by %.0f %%\n",
-                          rows[i].run->method->row.name, 100 * time->spread);
+            buffer_format(
+                &lines,
+                "the time of %s is uncertain because its shortest samples differ by %.0f %%\n",
+                rows[i].run->method->row.name, 100 * time->spread);
     }
     timing_put_machine(others, &lines);
     put_folded_lines(&lines, width, &text);
@@ -327,8 +327,8 @@ HANDLER(compare)
         dts[0] = settings->dt;
     if (tol->count && dt->count > 1)
         return error_at(error, dt->where,
-                        "with tol= at most one dt is given: the first step, and the step of "
-                        "methods that do not adapt");
+                        "with tol= only one dt is allowed: the first step, and the step of methods "
+                        "that are not adaptive");
     if (!choose_compared(session, args, choice, &choices, reply, error))
         return false;
     const int max = choices * (tol->count ? tol->count : dt->count ? dt->count : 1);
@@ -339,8 +339,8 @@ HANDLER(compare)
     if (!rows || !compared || !omitted)
         return error_memory(error);
     if (session->runs.count + max > LIMIT_RUNS) {
-        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", max,
-                  session->runs.count, LIMIT_RUNS);
+        error_set(error, ERROR_COMMAND, "this would make %d runs, but %d exist and %d is the limit",
+                  max, session->runs.count, LIMIT_RUNS);
         return error_hint(error, "drop some: drop N.. or drop all");
     }
     struct compare_request request = {.scene = &session->setup.scene,

@@ -35,7 +35,7 @@ bool choose_methods(const struct arguments *args, enum drag usual, struct method
     *count = methods->count ? methods->count : *count;
     if (drag->count > 1 && drag->count != *count)
         return error_at(error, drag->where,
-                        "drag= takes one variant for all methods or one for each");
+                        "drag= needs one variant for all methods, or one for each");
     for (int i = 0; i < *count && drag->count; i++) {
         const enum drag wanted = (enum drag)(drag->item[drag->count > 1 ? i : 0].index + 1);
         if (*count == 1 || drag->count > 1 || choice[i].method->drags & (1u << wanted))
@@ -123,7 +123,7 @@ static void comparison_plan(const struct session *session, struct buffer *text)
         return;
     buffer_put(text, TEXT("reference "));
     reference_describe(known, text);
-    buffer_put(text, TEXT(": found before, for precision, compare and order\n"));
+    buffer_put(text, TEXT(": reference solution, shared by precision, compare and order\n"));
 }
 
 /* Offers methods behind the name of a study's plot, unless an option or a file is begun. */

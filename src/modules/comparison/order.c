@@ -20,12 +20,12 @@ static void put_order(const struct session *session, const struct order *order, 
     struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
     buffer_format(output,
                   "%s%s%s, %s of the scene in fixed steps with compensated sums; root mean square "
-                  "error of the whole state at four times, good to %s",
+                  "error of the whole state at four times, accurate to %s",
                   order->choice.method->row.name, drag ? " drag=" : "", drag ? drag : "",
                   SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
                   SHOWN_SHORT(order->floor, 2));
-    buffer_put(output,
-               order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
+    buffer_put(output, order->reference_stored ? TEXT(", with an earlier reference solution\n")
+                                               : TEXT("\n"));
     columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
     text_table_put(&table, output);
     int64_t turns = 0;
@@ -34,7 +34,7 @@ static void put_order(const struct session *session, const struct order *order, 
     if (turns > 0)
         buffer_format(
             output,
-            "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
+            "steps end at %s (up to %lld extra steps per run); 'set turning off' steps across\n",
             order->switches ? "switches" : "turning points", (long long)turns);
     const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     if (order->fitted)
@@ -42,7 +42,7 @@ static void put_order(const struct session *session, const struct order *order, 
                       order->slope, order->guard, order->fitted, order->r2, order->claimed,
                       verdict);
     else if (order->verdict == ORDER_EXACT)
-        buffer_put(output, TEXT("exact: every step size gives the solution to rounding\n"));
+        buffer_put(output, TEXT("exact: every step size gives the solution up to rounding\n"));
     else
         buffer_format(output, "no order can be measured here (claimed %d)\n", order->claimed);
     if (order->words[0])
@@ -237,7 +237,7 @@ HANDLER(selftest)
                   failures);
     if (session->setup.settings.timing != TIMING_OFF)
         buffer_format(&text, "; %.1f s", clock_seconds(begin));
-    buffer_put(&text, full ? TEXT("\n") : TEXT("; what was measured: --full\n"));
+    buffer_put(&text, full ? TEXT("\n") : TEXT("; all measurements: --full\n"));
     for (size_t i = 0; i < SELFTEST_CHECKS; i++)
         buffer_format(&text, "%s: %s\n", catalog_row(&selftest_catalog, i)->name,
                       catalog_row(&selftest_catalog, i)->brief);
@@ -247,8 +247,9 @@ HANDLER(selftest)
     if (cancelled(session->front.cancel))
         ok = error_set(error, ERROR_CANCELLED, "stopped after %d methods", finished);
     else if (!ok)
-        error_set(error, ERROR_NUMERICAL, "%d of %d methods are not what their rows claim: %.300s",
-                  failures, finished, buffer_view(&failed));
+        error_set(error, ERROR_NUMERICAL,
+                  "%d of %d methods do not have their claimed properties: %.300s", failures,
+                  finished, buffer_view(&failed));
     buffer_free(&failed);
     return ok;
 }

@@ -48,14 +48,14 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         const char *words;
     } mark[] = {
         {false, "*  in the fit of the slope\n"},
-        {false, "<  below the accuracy of the reference: no better than the others there\n"},
-        {false, "~  the shortest times differ by more than 10 %: not ranked\n"},
-        {false, "!  fewer samples than of the others\n"},
-        {false, resolved ? "lost: the error is as large as the motion\n"
-                         : "apart: as far from the reference as the motion is large; which is "
-                           "right is not resolved\n"},
-        {false, "probe: lost in the 1/256 of the time where most happens; no more was solved\n"},
-        {false, "+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"}};
+        {false, "<  below the accuracy of the reference, so not better than the others there\n"},
+        {false, "~  not ranked: the shortest times differ by more than 10 %\n"},
+        {false, "!  fewer samples than the others\n"},
+        {false,
+         resolved ? "lost: the error is as large as the motion\n"
+                  : "apart: differs from the reference by the size of the motion; cause unknown\n"},
+        {false, "probe: lost in the most active 1/256 of the time; the rest was not solved\n"},
+        {false, "+  time of 30000 steps, scaled; one setting per method was timed completely\n"}};
     for (int i = 0; i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         others = fmax(others, point->time.others);
@@ -94,7 +94,7 @@ static void put_subject(const struct session *session, const struct precision *p
         buffer_format(text, ", in %.2g s", seconds);
     buffer_put(text, TEXT("; errors against "));
     reference_describe(&precision->reference, text);
-    buffer_put(text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
+    buffer_put(text, precision->reference.stored ? TEXT(", computed earlier\n") : TEXT("\n"));
 }
 
 /* Returns true if some setting of the method is right. */

@@ -17,12 +17,12 @@ static void put_slope(const struct precision_curve *curve, struct buffer *output
 {
     if (curve->fitted == 0) {
         buffer_format(output, "no slope: %s\n",
-                      isnan(curve->expected) ? "it makes no error of its own"
-                                             : "fewer than 3 errors between 5 % and rounding");
+                      isnan(curve->expected) ? "it has no error of its own"
+                                             : "fewer than 3 errors lie between 5 % and rounding");
         return;
     }
     if (isnan(curve->slope)) {
-        buffer_format(output, "no slope: its %d errors are all the same, whatever the steps\n",
+        buffer_format(output, "no slope: its %d errors do not depend on the steps\n",
                       curve->fitted);
         return;
     }
@@ -75,7 +75,7 @@ void precision_tables(const struct precision *precision, const struct method *on
                      width >= WIDE_TABLE_CELLS, &table);
         text_table_put(&table, output);
         if (curve->cut)
-            buffer_put(output, TEXT("  not swept further: its share of the time was used up\n"));
+            buffer_put(output, TEXT("  stopped early: its share of the time was used up\n"));
     }
 }
 
@@ -275,12 +275,11 @@ static void put_left_out(const struct precision *precision, const struct fastest
                           precision->curve[c].choice.method->row.name);
     }
     if (names.len)
-        buffer_format(output,
-                      "  not ranked after methods that have specialised code: %s, timed by the "
-                      "general code,\n"
-                      "  whose times do not compare; only where the general code is ahead all the "
-                      "same is it named\n",
-                      buffer_view(&names));
+        buffer_format(
+            output,
+            "  not ranked against methods with specialised code: %s, timed with general code;\n  a "
+            "method with general code is named only where it is faster even so\n",
+            buffer_view(&names));
     buffer_free(&names);
 }
 
@@ -293,9 +292,10 @@ void precision_winners(const struct precision *precision, int step, bool all, in
     if (!row || count == 0)
         return;
     if (all)
-        buffer_put(output, is_row_timed(row) ? TEXT("fastest method for an error (= : the times "
-                                                    "[minimum, median] overlap)\n")
-                                             : TEXT("cheapest method for an error\n"));
+        buffer_put(output, is_row_timed(row)
+                               ? TEXT("fastest method for an error (= : the times "
+                                      "[minimum, median] overlap)\n")
+                               : TEXT("method with the fewest evaluations for an error\n"));
     columns_text(&fastest_columns, row, count, all, &table);
     text_table_put(&table, output);
     if (all)

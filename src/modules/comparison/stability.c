@@ -18,7 +18,7 @@ static void put_checks(struct buffer *output, const struct stability *s)
 {
     for (int i = 0; i < s->checks; i++) {
         const struct stability_check *check = &s->check[i];
-        buffer_put(output, i == 0   ? TEXT("  at dt: growth a step ")
+        buffer_put(output, i == 0   ? TEXT("  at dt: growth per step ")
                            : i == 1 ? TEXT("  just below dt_max: ")
                                     : TEXT("  just above dt_max: "));
         buffer_growth(output, check->predicted);
@@ -32,9 +32,7 @@ static void put_checks(struct buffer *output, const struct stability *s)
 static void put_weakness(struct buffer *output, const struct stability *s)
 {
     if (s->refused)
-        buffer_format(output,
-                      "  dt_max is the longest step that %s takes here: a longer one is refused, "
-                      "stable or not\n",
+        buffer_format(output, "  dt_max is the longest step that %s accepts here, stable or not\n",
                       s->choice.method->row.name);
     if (!isnan(s->weak[1]))
         buffer_format(output,
@@ -46,8 +44,8 @@ static void put_weakness(struct buffer *output, const struct stability *s)
         buffer_format(output, "  doubles the amplitude after %.3g steps\n", s->doubling);
     if (!isnan(s->window[0]))
         buffer_format(output,
-                      "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a "
-                      "step; stable again after it\n",
+                      "  narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g per "
+                      "step; stable above it\n",
                       s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega,
                       s->window[2]);
 }
@@ -57,8 +55,8 @@ static void put_eigenvalues(struct buffer *output, const struct stability *s)
     double re[2], im;
     mode_eigenvalues(&s->worst, re, &im);
     buffer_format(output, "  %s: eigenvalues %.6g and %.6g 1/s\n",
-                  s->worst.sign == STIFFNESS_ZERO ? "no force pulls back"
-                                                  : "the force pushes away from rest",
+                  s->worst.sign == STIFFNESS_ZERO ? "no restoring force"
+                                                  : "the force pushes away from equilibrium",
                   re[0], re[1]);
 }
 
@@ -86,17 +84,15 @@ static void put_scene(struct buffer *output, const struct session *session,
                       "  dt_max comes from t = %.4g s, where omega = %.4g 1/s, zeta = %.4g\n",
                       seconds, s->tightest.t, s->tightest.omega, s->tightest.zeta);
     else
-        buffer_put(output, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
+        buffer_put(output, TEXT("  this scene has no restoring force, so no step is unstable\n"));
     if (s->grows && s->linear && s->modes)
         buffer_format(
             output,
-            "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
+            "  the scene itself grows by %.7g per step of dt; only additional growth counts\n",
             s->growth_exact);
     else if (s->grows)
-        buffer_put(
-            output,
-            TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
-                 "judged\n"));
+        buffer_put(output, TEXT("  the scene itself grows (eigenvalues with positive real part); "
+                                "others are tested\n"));
     if (s->linear)
         return;
     buffer_format(
@@ -141,11 +137,9 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
     const double dx = (right - left) / columns, dy = top / (rows - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
-    buffer_put(output,
-               width < REGION_COLUMNS
-                   ? TEXT("  #: no step grows; o: this scene\n")
-                   : TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
-                          "half); o: this scene\n"));
+    buffer_put(output, width < REGION_COLUMNS ? TEXT("  #: no step grows; o: this scene\n")
+                                              : TEXT("  region of stability in the plane of z = "
+                                                     "lambda dt (upper half); o: this scene\n"));
     for (int row = 0; row < rows; row++) {
         const double im = top - row * dy;
         for (int column = 0; column < columns; column++) {
@@ -171,7 +165,7 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
     }
     buffer_format(output, "         %-*.2f%*.2f\n", columns / 2, left, columns / 2, right);
     if (!shown && s->modes)
-        buffer_put(output, TEXT("  this scene's z lies outside of the picture\n"));
+        buffer_put(output, TEXT("  z of this scene is outside the picture\n"));
 }
 
 /* Draws growth over omega dt, for methods that only apply to forces without velocity. */
@@ -192,7 +186,7 @@ static bool put_growth_figure(struct buffer *output, const struct session *sessi
         }
     }
     const struct curve curve = {.label = s->choice.method->row.name, .x = x, .y = y, .n = POINTS};
-    const struct figure figure = {.title = "growth - 1 a step",
+    const struct figure figure = {.title = "growth - 1 per step",
                                   .x = {.label = "omega dt", .unit = ""},
                                   .y = {.label = "growth - 1",
                                         .unit = "",
@@ -356,8 +350,9 @@ static void put_study(const struct session *session, const struct arguments *arg
         put_weakness(&lines, &rows[i]);
     }
     if (count > 1 && !asks_full(args))
-        buffer_put(&lines, TEXT("'stability METHOD': the checks and the region of one; --full: the "
-                                "checks of all\n"));
+        buffer_put(
+            &lines,
+            TEXT("'stability METHOD' shows checks and region of one method, --full all checks\n"));
     put_folded_lines(&lines, width, text);
     buffer_free(&lines);
     if (!asks_full(args))

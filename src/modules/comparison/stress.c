@@ -69,7 +69,7 @@ static const struct result_column of_total[] = {
      .offset = offsetof(struct stress_total, method),
      .index = 1},
     {.heading = "right", COUNTED(CLASS_RIGHT), .index = 2},
-    {.heading = "said so", COUNTED(CLASS_SAID), .index = 3},
+    {.heading = "reported", COUNTED(CLASS_SAID), .index = 3},
     {.heading = "wrong", COUNTED(CLASS_WRONG), .index = 4},
     {.heading = "slowest case", .kind = COLUMN_NAME, .cell = slowest_cell, .index = 5},
 };
@@ -84,7 +84,7 @@ static void put_right(const struct stress_total *total, int methods, int width,
     for (int i = 0; i < methods; i++)
         if (total[i].count[CLASS_WRONG] == 0)
             buffer_format(&line, "%s %s",
-                          line.len ? "" : "nothing wrong:", total[i].method->row.name);
+                          line.len ? "" : "no wrong cases:", total[i].method->row.name);
     buffer_folded(output, buffer_text(&line), width);
     if (line.len > 0)
         buffer_char(output, '\n');
@@ -123,7 +123,7 @@ static void put_totals(const struct stress *stress, const struct method *const *
     if (lines > 0)
         text_table_put(&table, output);
     if (shown < wrong)
-        buffer_format(output, "... %d more methods, wrong in at most %d cases: --full\n",
+        buffer_format(output, "... %d more methods with at most %d wrong cases: --full\n",
                       wrong - shown, total[shown].count[CLASS_WRONG]);
     buffer_put(output, buffer_text(&right));
     buffer_free(&right);
@@ -203,13 +203,13 @@ static void put_short(const struct session *session, const struct stress *stress
     struct buffer end = {0};
     session_size(session, &width, &height);
     put_count(stress, methods, stress->count, &end);
-    buffer_format(&end,
-                  "; wrong: an error above 1 %% without a word (bounded, damped away); said so: "
-                  "refused, diverged ...\n%s",
-                  stress->count > 1 && methods > 1
-                      ? "'stress METHOD', 'stress CASE': verdict by verdict; --full: all, with "
-                        "reasons\n"
-                      : "the reasons: --full\n");
+    buffer_format(
+        &end,
+        "; wrong: an error above 1 %% without any message (bounded, damped away); reported: "
+        "refused, diverged ...\n%s",
+        stress->count > 1 && methods > 1
+            ? "'stress METHOD' or 'stress CASE' lists verdicts, --full all with reasons\n"
+            : "reasons: --full\n");
     if (stress->count > 1)
         put_totals(stress, method, methods, width,
                    methods > 1 ? answer_rows(session) - text_rows(buffer_text(&end), width)

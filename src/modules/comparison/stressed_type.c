@@ -25,9 +25,8 @@ static bool read_stressed(struct parser *parser, const struct argument *argument
         return true;
     if (!error->hint[0])
         suggestion_hint(&suggestion, error);
-    return error->hint[0]
-               ? false
-               : error_hint(error, "it takes methods, and the cases that 'stress --full' lists");
+    return error->hint[0] ? false
+                          : error_hint(error, "use methods, and cases listed by 'stress --full'");
 }
 
 static void complete_stressed(struct completion *c, const struct argument *argument,

@@ -36,7 +36,7 @@ static bool read_side(struct session *session, const struct arguments *args, str
     if (i < 0)
         return false;
     if (axis == 2)
-        return error_at(error, argument, "basins are over two variables");
+        return error_at(error, argument, "basins need two variables");
     if (axis == 1 && request->axis[0].variable == i)
         return error_at(error, argument, "'%s' is given twice", system->model->variable[i].name);
     const struct variable variable = system_variable(system, i);
@@ -45,7 +45,7 @@ static bool read_side(struct session *session, const struct arguments *args, str
     if (!parse_grid(&parser, &range, error))
         return false;
     if (range.log)
-        return error_at(error, argument, "%s: starts lie in equal steps", variable.name);
+        return error_at(error, argument, "%s: starts must be in equal steps", variable.name);
     request->axis[axis].variable = i;
     request->axis[axis].low = range.first;
     request->axis[axis].high = range.last;
@@ -108,7 +108,8 @@ static void put_basin(struct buffer *output, const struct map *map, int k)
     if (b->kind == BASIN_IRREGULAR)
         buffer_put(output, TEXT(", does not repeat"));
     else
-        buffer_format(output, ", %s", b->stable ? "stable" : "unstable: starts on the way into it");
+        buffer_format(output, ", %s",
+                      b->stable ? "stable" : "unstable (reached only from special starts)");
     buffer_char(output, '\n');
 }
 
@@ -129,12 +130,12 @@ static void put_basins(struct buffer *output, const struct map *map)
     int max =
         map->answer ? map->answer - text_rows(buffer_text(output), map->width) - BELOW : MAP_ROWS;
     put_map(output, map, int_min(int_max(max, MAP_ROWS_MIN), MAP_ROWS));
-    buffer_format(output, "looked at every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
+    buffer_format(output, "checked every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
     if (b->steps > 0)
         buffer_format(output, " by %d steps of rk4, %lld evaluations", b->steps,
                       4 * b->steps * (long long)b->looks);
     else
-        buffer_format(output, ", %lld looks", (long long)b->looks);
+        buffer_format(output, ", %lld checks", (long long)b->looks);
     buffer_format(output, map->timed ? ", %d thread%s, %.3g s" : ", %d thread%s", b->threads,
                   plural_s(b->threads), b->seconds);
 }
@@ -230,7 +231,7 @@ HANDLER(basins)
             return false;
     }
     if (axes < 2)
-        return error_set(error, ERROR_COMMAND, "basins are over two variables, as in %s=-2:2:0.1",
+        return error_set(error, ERROR_COMMAND, "basins need two variables, as in %s=-2:2:0.1",
                          system.model->variable[0].name);
     for (int i = 0; i < system.n; i++)
         box[i][0] = box[i][1] = NAN;

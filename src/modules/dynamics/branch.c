@@ -109,7 +109,7 @@ static bool read_of(struct text *rest, struct branch_words *words, struct error 
     return text_is(words->origin, "equilibrium") || text_is(words->origin, "orbit") ||
            text_is(words->origin, "response") ||
            error_at(error, words->origin,
-                    "a branch is of equilibrium N, of orbit N or of response");
+                    "a branch follows 'of equilibrium N', 'of orbit N' or 'of response'");
 }
 
 static bool read_words(struct session *session, const struct arguments *args,
@@ -127,7 +127,7 @@ static bool read_words(struct session *session, const struct arguments *args,
             words->label = take_word(&rest);
             if (words->label.len == 0)
                 return error_set(error, ERROR_COMMAND,
-                                 "from which point? 'list points' has labels");
+                                 "name a point after 'from'; 'list points' shows the labels");
             continue;
         }
         const struct text argument = take_argument(&rest), name = peek_name(argument),
@@ -186,11 +186,11 @@ static bool find_response(struct session *session, struct kept_reference *found,
     if (!scene_bind_motion(&session->setup.scene, &system, error))
         return false;
     if (system.n > DYNAMICS_VARIABLES)
-        return error_set(error, ERROR_COMMAND, "responses are followed of at most %d variables",
+        return error_set(error, ERROR_COMMAND, "responses can be followed for at most %d variables",
                          DYNAMICS_VARIABLES);
     orbit_begin(session, &system, &request);
     if (system_drive(&system) == 0)
-        return error_set(error, ERROR_COMMAND, "a response is one to a drive: this scene has none");
+        return error_set(error, ERROR_COMMAND, "a response needs a drive, and this scene has none");
     const bool fine = orbit_find(&request, &orbit, error);
     report_fraction(&session->front, 2);
     found->solution = orbit.solution;
@@ -206,7 +206,7 @@ static bool find_rest(struct session *session, struct kept_reference *found, str
     struct item first = {.value = {1, 0}};
     if (d && d->equilibria.count > 0)
         return find_equilibrium(session, d, &first, found, error);
-    error_set(error, ERROR_COMMAND, "of what? No equilibrium is known yet");
+    error_set(error, ERROR_COMMAND, "no equilibrium is known yet, so there is nothing to follow");
     return error_hint(error, "type: equilibria, or say 'of orbit' or 'of response'");
 }
 
@@ -275,7 +275,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
         stable += solution_stable(&branch->point[i].solution);
     buffer_format(output, "branch %d: %d ", b->number, branch->count);
     if (b->params == 2)
-        buffer_format(output, "points like %s", b->origin);
+        buffer_format(output, "special points like %s", b->origin);
     else
         buffer_format(output, "%s, %d of them stable", kinds[branch->kind], stable);
     buffer_format(output, ", %s", row->row.name);
@@ -291,8 +291,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
     put_seconds(output, session, branch->seconds);
     if (branch->count > 1)
         buffer_format(output,
-                      ", steps of %s up to %s (special points closer together than that may be "
-                      "missed)",
+                      ", steps of %s up to %s (special points closer than that may be missed)",
                       row->row.name, SHOWN_QUANTITY(longest_step(branch), row->quantity, 2));
     buffer_put(output, TEXT("; all points: 'export FILE table'"));
 }
@@ -382,7 +381,7 @@ HANDLER(branch)
     if (two)
         solution.param[1] = start.scene.value[words.param[1]];
     if (!(solution.param[0] >= words.low[0] && solution.param[0] <= words.high[0]))
-        return error_set(error, ERROR_COMMAND, "it begins at %s = %.6g, which is not in this range",
+        return error_set(error, ERROR_COMMAND, "the branch begins at %s = %.6g, outside this range",
                          param_at(&start.scene, words.param[0])->row.name, solution.param[0]);
     struct branch_point point = {.special = SPECIAL_NONE};
     if (start.point) {
@@ -428,7 +427,8 @@ HANDLER(branch)
         session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
     reply_branch(session, kept, reply);
     keep_rows(session, kept, reply);
-    return !stopped || error_set(error, ERROR_CANCELLED, "cancelled: what there is so far is kept");
+    return !stopped ||
+           error_set(error, ERROR_CANCELLED, "cancelled; the points found so far are kept");
 }
 #endif
 

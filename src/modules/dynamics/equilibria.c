@@ -114,7 +114,7 @@ static void put_vector(struct buffer *output, const struct equilibrium_form *for
     const double size = form->re[k][largest]; /* its imaginary part is 0 */
     bool turns = false;
     if (isnan(size)) {
-        buffer_put(output, TEXT(" a direction that is not known"));
+        buffer_put(output, TEXT(" an unknown direction"));
         return;
     }
     for (int part = 0; part < (turns ? 2 : 1); part++) {
@@ -166,13 +166,15 @@ static void put_found(struct buffer *output, const struct system *system, double
         buffer_format(output, "%d equilibri%s in ", found->count, found->count == 1 ? "um" : "a");
     put_box(output, system, box);
     if (found->complete)
-        buffer_put(output, found->count > 0 ? TEXT(": proven that there are no others\n")
-                                            : TEXT(": proven\n"));
+        buffer_put(output,
+                   found->count > 0 ? TEXT(": proven to be all of them\n") : TEXT(": proven\n"));
     else
         buffer_format(output, ": may be incomplete (%s)\n", found->reason);
     if (found->forced)
-        buffer_put(output, TEXT("of the mean over the drive's period: with the drive nothing rests "
-                                "there\n"));
+        buffer_put(
+            output,
+            TEXT(
+                "of the mean over the drive's period, because a driven scene has no equilibria\n"));
     if (found->count > 0)
         put_equilibria(output, system, found, arena);
 }
@@ -252,7 +254,7 @@ static bool bind_in_box(struct session *session, const struct arguments *args, s
     if (scene_bind_inside(scene, box, system, error))
         return true;
     return named.n > 0 && isnan(box[0][0])
-               ? error_hint(error, "with sides it needs no start: equilibria %s=FROM:TO",
+               ? error_hint(error, "with ranges no valid start is needed: equilibria %s=FROM:TO",
                             scene->model->variable[0].name)
                : false;
 }
@@ -284,7 +286,7 @@ HANDLER(equilibria)
         put_found(text, &system, box, &found, args->arena);
         if (full)
             put_vectors(text, &system, &found);
-        buffer_format(text, "%d boxes looked at", found.boxes);
+        buffer_format(text, "%d boxes examined", found.boxes);
         put_seconds(text, session, found.seconds);
     }
     reply_own_solver(session, NEWTON_SOLVER, reply);

@@ -84,7 +84,7 @@ const char *orbit_begin(const struct session *session, const struct system *syst
                         struct orbit_request *request);
 /* Names of the solvers of equilibria and flows, which do not depend on the session's method. */
 #define NEWTON_SOLVER "bounds of the equations and Newton's method"
-#define FLOW_SOLVER "dop853, or radau5 where that takes too many steps, at tolerances of its own"
+#define FLOW_SOLVER "dop853, or radau5 where that needs too many steps, with its own tolerances"
 /* Adds a line that says so where the user has chosen a method, a step or a tolerance. */
 void reply_own_solver(const struct session *session, const char *solver, struct reply *reply);
 /* ", 12 ms", where times are shown. */

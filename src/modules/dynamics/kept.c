@@ -195,7 +195,7 @@ void reply_points(const struct session *session, const struct kept_branch *branc
 
 static bool list_none(struct reply *reply, const char *what, const char *type)
 {
-    reply_line(reply, "no %s of these equations ('%s' finds them)", what, type);
+    reply_line(reply, "no %s found yet for these equations ('%s' finds them)", what, type);
     return true;
 }
 
@@ -219,7 +219,7 @@ bool dynamics_list_equilibria(struct session *session, struct arena *arena, stru
     if (found.count > 0)
         put_equilibria(reply_buffer(reply), &system, &found, arena);
     else
-        reply_line(reply, "none in the box");
+        reply_line(reply, "none in the search region");
     for (int k = 0; k < found.count; k++)
         reply_equilibrium(&system, &found, k, false, reply);
     return true;
@@ -393,8 +393,8 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
     suggestion_hint(&suggestion, error);
     if (error->hint[0])
         return false;
-    return error_hint(error, any ? "'list points' shows the labels that there are"
-                                 : "labels are those of a branch: branch NAME=FROM:TO");
+    return error_hint(error, any ? "'list points' shows the existing labels"
+                                 : "labels are made by a branch: branch NAME=FROM:TO");
 }
 
 /* Writes the parameters that differ between two scenes as one line. */
@@ -434,7 +434,8 @@ bool use_kept(HANDLER_PARAMETERS)
     session_changed(session);
     struct buffer output = {0};
     put_changes(&previous, &found.scene, &output);
-    reply_text(reply, output.len > 0 ? buffer_text(&output) : TEXT("the scene is there already"));
+    reply_text(reply,
+               output.len > 0 ? buffer_text(&output) : TEXT("the scene already has these values"));
     reply_begin(reply, "use");
     reply_object(reply, "parameters");
     for (int i = 0; i < (int)scene_params(&found.scene)->count; i++)

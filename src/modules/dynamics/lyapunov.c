@@ -38,27 +38,27 @@ static void put_exponents(struct buffer *output, const struct lyapunov *f)
         buffer_format(output, "  %d  ", i + 1);
         put_measured(output, f->exponent[i], QUANTITY_RATE);
         if (i == zero)
-            buffer_put(output, TEXT("   0 within its error, as one of a flow has to be"));
+            buffer_put(output, TEXT("   0 within its error, as required for a flow"));
         buffer_char(output, '\n');
     }
     if (zero < 0 && f->period == 0 && f->determined && f->count == f->n)
-        buffer_put(output,
-                   f->rests ? TEXT("the motion has come to rest: none of them has to be 0\n")
-                            : TEXT("none of them is 0 within its error: the motion leaves, or the "
-                                   "time is too short\n"));
+        buffer_put(output, f->rests
+                               ? TEXT("the motion has come to rest, so no exponent has to be 0\n")
+                               : TEXT("no exponent is 0 within its error: the motion escapes, or "
+                                      "the time is too short\n"));
 }
 
 static void put_checks(struct buffer *output, const struct lyapunov *f)
 {
     if (f->count == f->n)
-        buffer_format(output, "sum %.10g, mean divergence %.10g 1/s: apart by %.1g\n", f->sum,
+        buffer_format(output, "sum %.10g, mean divergence %.10g 1/s (difference %.1g)\n", f->sum,
                       f->divergence, fabs(f->sum - f->divergence));
     if (f->period > 0) {
         buffer_format(output, "a period of the drive (%.6g s):", f->period);
         for (int i = 0; i < f->count; i++)
             buffer_format(output, " %.5g", f->exponent[i].value * f->period);
         if (isfinite(f->strobe))
-            buffer_format(output, "; by the stroboscopic map the same to %.1g",
+            buffer_format(output, "; equal to that of the stroboscopic map within %.1g",
                           f->strobe * f->period);
         buffer_char(output, '\n');
     }
@@ -67,8 +67,9 @@ static void put_checks(struct buffer *output, const struct lyapunov *f)
         for (int i = 0; i < f->n; i++)
             deviation =
                 fmax(deviation, fabs(f->exponent[i].value + f->exponent[f->n - 1 - i].value));
-        buffer_format(output, "energy is kept: pairs of opposite signs, apart by %.1g 1/s\n",
-                      deviation);
+        buffer_format(
+            output, "energy is conserved: exponents form pairs of opposite sign, up to %.1g 1/s\n",
+            deviation);
     }
     if (f->determined && isfinite(f->dimension.value)) {
         buffer_put(output, TEXT("Kaplan-Yorke dimension "));
@@ -76,8 +77,7 @@ static void put_checks(struct buffer *output, const struct lyapunov *f)
         buffer_char(output, '\n');
     }
     if (f->regular)
-        buffer_put(output,
-                   TEXT("regular motion: means converge faster than any power of the time\n"));
+        buffer_put(output, TEXT("regular motion: the means converge very fast\n"));
 }
 
 static void put_lyapunov(struct buffer *output, const struct session *session,
@@ -87,7 +87,7 @@ static void put_lyapunov(struct buffer *output, const struct session *session,
         buffer_format(output, "Lyapunov exponent%s over %s, after %s%s\n", plural_s(f->count),
                       SHOWN_QUANTITY(f->time, QUANTITY_TIME, 6),
                       SHOWN_QUANTITY(f->skip, QUANTITY_TIME, 6),
-                      chosen ? " ('over T' chosen for about 2e6 evaluations)" : "");
+                      chosen ? " ('over T' was chosen for about 2e6 evaluations)" : "");
         put_exponents(output, f);
         put_checks(output, f);
     }
@@ -145,14 +145,14 @@ HANDLER(lyapunov)
         if (argument_value(args, series[i])->count)
             return lyapunov_of_series(session, args, reply, error);
     if (skip->count && request.skip < 0)
-        return error_at(error, skip->where, "skip= is a time, or 0");
+        return error_at(error, skip->where, "skip= must be a time, or 0");
     if (!lyapunov_find(&request, &found, error))
         return false;
     if (count->count && request.count > found.n)
         return error_at(error, count->where, "the scene has %d exponent%s", found.n,
                         found.n == 1 ? "" : "s");
     if (found.cancelled && !(found.time > 0))
-        return error_set(error, ERROR_CANCELLED, "stopped before means were taken");
+        return error_set(error, ERROR_CANCELLED, "stopped before any mean was computed");
     put_lyapunov(reply_buffer(reply), session, &found, !duration->count);
     reply_lyapunov(&found, reply);
     return !found.cancelled || error_set(error, ERROR_CANCELLED, "stopped");

@@ -12,7 +12,7 @@ static void put_exponent(struct buffer *output, const char *name, const struct s
     if (f->determined) {
         buffer_format(output,
                       "largest Lyapunov exponent of %s: %s, from %zu pairs of neighbours\n"
-                      "distances grow evenly from %s to %s, by a factor of %.3g\n",
+                      "distances grow exponentially from %s to %s, by a factor of %.3g\n",
                       name, SHOWN_MEASURED(f->value, QUANTITY_RATE, 6), f->pairs,
                       SHOWN_QUANTITY(f->t_begin, QUANTITY_TIME, 3),
                       SHOWN_QUANTITY(f->t_end, QUANTITY_TIME, 3), f->growth);
@@ -71,9 +71,10 @@ bool lyapunov_of_series(struct session *session, const struct arguments *args, s
     struct series_exponent found;
     for (size_t i = 0; i < COUNT_OF(of_scene); i++)
         if (argument_value(args, of_scene[i])->count)
-            return error_at(error, argument_value(args, of_scene[i])->where,
-                            "%s is for the exponents of the scene: a series has its largest one",
-                            of_scene[i]);
+            return error_at(
+                error, argument_value(args, of_scene[i])->where,
+                "%s applies to the exponents of the scene; of a series only the largest is found",
+                of_scene[i]);
     if (!subject_open(session, argument_value(args, "run"),
                       recording->count ? recording : argument_value(args, "data"), window, false, 2,
                       args->arena, &subject, error) ||

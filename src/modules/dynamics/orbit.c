@@ -24,7 +24,7 @@ static bool read_guess(struct session *session, const struct arguments *args, st
         if (!read_value(&parser, "period", QUANTITY_TIME, &item, error))
             return false;
         request->period = item.value.value;
-        return request->period > 0 || error_at(error, item.text, "a period is more than 0");
+        return request->period > 0 || error_at(error, item.text, "period must be greater than 0");
     }
     const int i = read_variable(&parser, argument, system, "orbit", "1", error);
     if (i < 0)
@@ -71,18 +71,18 @@ static void put_from(struct buffer *output, const struct found_orbit *orbit, con
 {
     buffer_format(output, ", from %s", source);
     if (orbit->given_up)
-        buffer_put(output, TEXT("; no stable one was found: the motion may be chaotic"));
+        buffer_put(output, TEXT("; no stable orbit was found, so the motion may be chaotic"));
     if (orbit->family && orbit->away > ORBIT_DISTANCE_FRACTION)
         buffer_format(output,
-                      ";\n  it passes there at %.2g of its extent: the motion from there is not "
-                      "on it, and was not found to close",
+                      ";\n  it passes there at a distance of %.2g of its size: the motion from "
+                      "there is not on it, and did not close",
                       orbit->away);
 }
 
 static void put_energy(struct buffer *output, const struct found_orbit *orbit, bool driven)
 {
     if (isfinite(orbit->energy_in) && orbit->energy_in != 0)
-        buffer_format(output, "  energy %s put in %s in a period\n",
+        buffer_format(output, "  energy %s put in %s per period\n",
                       SHOWN_QUANTITY(orbit->energy_in, QUANTITY_ENERGY, 6),
                       driven ? "by the drive" : "and taken out");
 }
@@ -94,8 +94,8 @@ static void put_multipliers(struct buffer *output, const struct solution *s)
         put_eigenvalues(output, s);
     }
     if (isfinite(s->trivial))
-        buffer_format(output, "%s the trivial one off 1 by %.1e", s->values > 0 ? ";" : "\n ",
-                      s->trivial);
+        buffer_format(output, "%s the trivial one differs from 1 by %.1e",
+                      s->values > 0 ? ";" : "\n ", s->trivial);
 }
 
 static void put_orbit(struct buffer *output, const struct system *system, int number,
@@ -106,16 +106,16 @@ static void put_orbit(struct buffer *output, const struct system *system, int nu
     if (s->multiple > 1)
         buffer_format(output, " (%d periods of the drive)", s->multiple);
     else if (s->multiple == 1)
-        buffer_put(output, TEXT(" (that of the drive)"));
+        buffer_put(output, TEXT(" (the period of the drive)"));
     if (!solution_is_known(s))
-        buffer_put(output, TEXT(", stability not known: the equations jump, and multipliers with "
-                                "them"));
+        buffer_put(output, TEXT(", stability unknown because the equations jump"));
     else if (!orbit->family)
         buffer_put(output, solution_stable(s) ? TEXT(", stable") : TEXT(", unstable"));
     else
-        buffer_put(output, solution_stable(s)
-                               ? TEXT(", neutral: a multiplier is 1, others are beside it")
-                               : TEXT(", unstable, and a multiplier is 1"));
+        buffer_put(output,
+                   solution_stable(s)
+                       ? TEXT(", neutral: a multiplier is 1, so other orbits lie next to it")
+                       : TEXT(", unstable, and a multiplier is 1"));
     put_multipliers(output, s);
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
@@ -180,7 +180,7 @@ HANDLER(orbit)
     if (!scene_bind(&session->setup.scene, &system, error))
         return false;
     if (system.n > DYNAMICS_VARIABLES)
-        return error_set(error, ERROR_COMMAND, "orbits are found of at most %d variables",
+        return error_set(error, ERROR_COMMAND, "orbits can be found for at most %d variables",
                          DYNAMICS_VARIABLES);
     const char *source = orbit_begin(session, &system, &request);
     struct text rest = guesses->count ? guesses->item->text : TEXT("");

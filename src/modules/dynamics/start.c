@@ -41,7 +41,7 @@ static bool state_at_cursor(const struct session *session, const struct system *
         return true;
     }
     if (!run || run->scene.model != system->model || !cursors->cursor[0].set) {
-        error_set(error, ERROR_COMMAND, "no cursor stands on a run of this scene");
+        error_set(error, ERROR_COMMAND, "there is no cursor on a run of this scene");
         return error_hint(error, "cursor A TIME sets one");
     }
     size_t row = trace_row_at(run->trace, cursors->cursor[0].t);
@@ -98,12 +98,12 @@ HANDLER(start)
     double state[LIMIT_VARIABLES] = {0};
     struct error unknown = {0}; /* reason why there is no present state */
     if (system.n < 2 || system.n > STARTS_VARIABLES)
-        return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",
+        return error_set(error, ERROR_COMMAND, "portraits work for scenes with 2 to %d variables",
                          STARTS_VARIABLES);
     struct text rest = what->count ? text_trim(what->item->text) : TEXT(""), item;
     if (text_is(rest, "clear")) {
         view->starts = 0;
-        reply_line(reply, "no trajectory is drawn from a start any more");
+        reply_line(reply, "all starts are removed; no trajectory is drawn");
         session_changed(session);
         return true;
     }

@@ -346,10 +346,11 @@ void dynamics_read(struct reader *reader)
         lost += !ok;
     }
     if (!d)
-        store_tools()->note(reader, "what was found of the equations is left out");
+        store_tools()->note(reader, "results for the equations are left out");
     else if (lost > 0)
         store_tools()->note(
-            reader, "%zu of the orbits and branches left out: damaged, or of another version",
+            reader,
+            "%zu orbits and branches are left out because they are damaged or from another version",
             lost);
     struct dynamics_part *part = session_part(reader->session, &dynamics_module);
     if (!part) {

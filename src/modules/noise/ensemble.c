@@ -146,10 +146,10 @@ static void put_end(const struct answer *answer, struct buffer *text)
         buffer_format(text, "-<(y - <y>) F> at the end: %s; both are kT in equilibrium\n",
                       SHOWN_MEASURED(answer->virial, energy, 4));
     if (!isnan(answer->half_step))
-        buffer_format(text,
-                      "half the step on the same noise: paths end up to %.2g %% of the "
-                      "spread away\n",
-                      100 * answer->half_step);
+        buffer_format(
+            text,
+            "with half the step and the same noise, paths end at most %.2g %% of the spread away\n",
+            100 * answer->half_step);
 }
 
 static void say_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
@@ -200,14 +200,14 @@ static bool make_answer(struct session *session, const struct arguments *args,
                                noise_parallel(session, args), ensemble, error))
         return false;
     if (ensemble->diverged == paths)
-        return error_set(error, ERROR_NUMERICAL, "all paths diverged: try a smaller dt");
+        return error_set(error, ERROR_NUMERICAL, "all paths diverged; try a smaller dt");
     double *scratch = arena_array(args->arena, 2 * (size_t)paths, sizeof *scratch);
     answer->row = arena_array(args->arena, ensemble->rows, sizeof *answer->row);
     if (!scratch || !answer->row)
         return error_memory(error);
     for (size_t i = 0; i < ensemble->rows; i++) {
         if (cancelled(session->front.cancel))
-            return error_set(error, ERROR_CANCELLED, "stopped: the ensemble is dropped");
+            return error_set(error, ERROR_CANCELLED, "stopped; no ensemble was kept");
         answer->row[i] = noise_ensemble_statistics(ensemble, &answer->request.grid, i, scratch);
         answer->row[i].quantity = answer->shown.quantity;
     }
@@ -224,9 +224,9 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
     const int64_t intervals = noise_integer(args, "rows", ENSEMBLE_INTERVALS + 1) - 1;
     if (paths < 2 || paths >= UINT32_MAX)
         return error_at(error, argument_value(args, "N")->where,
-                        "N is the number of paths, from 2");
+                        "N is the number of paths, at least 2");
     if (intervals < 1 || intervals >= PATH_ROWS_MAX)
-        return error_at(error, argument_value(args, "rows")->where, "rows=N is 2 to %d",
+        return error_at(error, argument_value(args, "rows")->where, "rows=N must be 2 to %d",
                         PATH_ROWS_MAX);
     answer->request = (struct path_request){.forcing = &setup->forcing,
                                             .method = setup->method,
@@ -244,8 +244,7 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
     session_changed(session);
     if (answer->ensemble.diverged)
         reply_warning(reply,
-                      "%lld of %lld paths diverged and are left out from there on: dt is "
-                      "too large",
+                      "%lld of %lld paths diverged and are left out from then on; dt is too large",
                       (long long)answer->ensemble.diverged, (long long)paths);
     noise_setup_warn(setup, reply);
     if (reply_wants_text(reply))

@@ -66,7 +66,7 @@ static void say_path(const struct noise_setup *setup, const struct path_grid *gr
                       SHOWN_QUANTITY(end[i], system_variable(system, i).quantity, 6));
     for (int i = 0; distance && i < system->n && i < SHOWN_VARIABLES; i++)
         buffer_format(text, "%s%s",
-                      i ? ", " : "\nhalf the step on the same noise ends this far away: ",
+                      i ? ", " : "\nwith half the step and the same noise the end differs by: ",
                       SHOWN_QUANTITY(distance[i], system_variable(system, i).quantity, 2));
 }
 
@@ -77,7 +77,7 @@ static bool read_request(struct session *session, const struct arguments *args,
 {
     const int64_t intervals = noise_integer(args, "rows", PATH_INTERVALS + 1) - 1;
     if (intervals < 1 || intervals >= PATH_ROWS_MAX)
-        return error_at(error, argument_value(args, "rows")->where, "rows=N is 2 to %d",
+        return error_at(error, argument_value(args, "rows")->where, "rows=N must be 2 to %d",
                         PATH_ROWS_MAX);
     *request = (struct path_request){.forcing = &setup->forcing,
                                      .method = setup->method,
@@ -105,10 +105,10 @@ static bool answer_path(struct session *session, const struct noise_setup *setup
         return error_memory(error);
     const int64_t steps = noise_path_follow(request, 0, end, keep_row, &path);
     if (cancelled(session->front.cancel))
-        return error_set(error, ERROR_CANCELLED, "stopped: the path is dropped");
+        return error_set(error, ERROR_CANCELLED, "stopped; no path was kept");
     if (steps < grid->steps)
         return error_set(error, ERROR_NUMERICAL,
-                         "the path diverged at t = %.6g s: try a smaller dt",
+                         "the path diverged at t = %.6g s; try a smaller dt",
                          grid->t0 + (double)(steps + 1) * grid->h);
     session_changed(session);
     const bool checked =

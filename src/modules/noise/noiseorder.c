@@ -98,8 +98,8 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
         row[i] = (struct order_row){orders[i / levels], orders[i / levels].level[i % levels]};
     struct buffer *text = reply_buffer(reply);
     buffer_format(text,
-                  "a step beside half of it on the same path, %lld paths and their mirror images "
-                  "to t = %s,\ndt from %s down to %s; ",
+                  "each step compared with half of it on the same path; %lld paths and their "
+                  "mirror images to t = %s,\ndt from %s down to %s; ",
                   (long long)request->paths,
                   SHOWN_QUANTITY(setup->forcing.system.t0 + request->span, QUANTITY_TIME, 4),
                   SHOWN_QUANTITY(row[0].level.dt, QUANTITY_TIME, 4),
@@ -112,10 +112,8 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
     for (int i = 0; i < methods; i++)
         unknown = unknown || isnan(orders[i].strong.value) || isnan(orders[i].weak.value);
     if (unknown)
-        reply_line(
-            reply,
-            "not known: chance or rounding hides the differences, or their sign changes: more "
-            "paths=N, or another dt");
+        reply_line(reply, "not known: chance or rounding hides the differences, or their sign "
+                          "changes; use more paths=N, or another dt");
     reply_records(reply, "noiseorder", &noiseorder_columns, row, rows);
     if (columns_table(&noiseorder_columns, row, rows, &kept, &file))
         noise_keep_table(setup, 0, "noiseorder", NULL, &kept, &file, reply);
@@ -132,10 +130,10 @@ static bool read_request(const struct arguments *args, const struct noise_setup 
                                        .paths = noise_integer(args, "paths", ORDER_PATHS),
                                        .seed = setup->seed};
     if (request->levels < 3 || request->levels > ORDER_LEVELS_MAX)
-        return error_at(error, argument_value(args, "levels")->where, "levels=N is 3 to %d",
+        return error_at(error, argument_value(args, "levels")->where, "levels=N must be 3 to %d",
                         ORDER_LEVELS_MAX);
     if (request->paths < 10 || request->paths >= UINT32_MAX)
-        return error_at(error, argument_value(args, "paths")->where, "paths=N is from 10 on");
+        return error_at(error, argument_value(args, "paths")->where, "paths=N must be at least 10");
     return true;
 }
 
@@ -148,7 +146,7 @@ HANDLER(noiseorder)
         return false;
     const int methods = choose_methods(args, setup, method);
     if (methods == 0)
-        return error_set(error, ERROR_COMMAND, "baoab needs velocities, and the scene has none");
+        return error_set(error, ERROR_COMMAND, "baoab needs velocities, but the scene has none");
     struct path_grid grid;
     for (int i = 0; i < methods; i++)
         if (!noise_path_grid_make(&setup->forcing, method[i], setup->span, setup->dt, 1, &grid,

@@ -36,15 +36,15 @@ static bool read_request(const struct arguments *args, struct noise_request *req
     if (has_argument(args, "temperature"))
         request->energy = boltzmann_constant * setup_value(args, "temperature");
     if (isnan(request->energy) && noise->count == 0) {
-        error_set(error, ERROR_COMMAND, "how strong is the noise?");
-        return error_hint(error, "kT=2mJ, temperature=300 (in kelvin) or noise=0.1");
+        error_set(error, ERROR_COMMAND, "the strength of the noise is missing");
+        return error_hint(error, "give kT=2mJ, temperature=300 (in kelvin) or noise=0.1");
     }
     if (noise->count > LIMIT_VARIABLES)
         return error_at(error, noise->where, "noise= has too many values");
     for (int i = 0; i < noise->count; i++) {
         request->strength[i] = noise->item[i].value.value;
         if (!(request->strength[i] >= 0))
-            return error_at(error, noise->where, "noise is at least 0");
+            return error_at(error, noise->where, "noise must be at least 0");
     }
     return true;
 }
@@ -195,8 +195,8 @@ void noise_keep_table(const struct noise_setup *setup, double dt, const char *ki
 void noise_setup_warn(const struct noise_setup *setup, struct reply *reply)
 {
     if (setup->forcing.other_drag && !isnan(setup->forcing.energy))
-        reply_warning(reply, "only the linear damping has noise: the other drag of the scene keeps "
-                             "it from the temperature");
+        reply_warning(reply, "only linear damping has noise; because of its other drag the scene "
+                             "does not reach the temperature");
 }
 
 /* Returns the time of a step [s], as a few of them take. */
@@ -222,7 +222,7 @@ bool noise_check_cost(struct session *session, const struct arguments *args,
                       struct error *error)
 {
     if (bytes > bytes_max) {
-        error_set(error, ERROR_COMMAND, "that would take %.3g MB of memory: at most %.0f MB",
+        error_set(error, ERROR_COMMAND, "this would need %.3g MB of memory; the limit is %.0f MB",
                   bytes / 1e6, bytes_max / 1e6);
         return error_hint(error, "fewer paths, fewer rows, or a larger dt");
     }
@@ -246,7 +246,7 @@ bool noise_column(struct session *session, const struct arguments *args,
     static const unsigned of_the_way = NEED_EXACT | NEED_WORK | NEED_RATIO;
     if ((chosen.observable->needs & of_the_way) ||
         !observable_defined(chosen.observable, system, false))
-        return error_at(error, subject->where, "%s cannot be read off a state with noise",
+        return error_at(error, subject->where, "%s cannot be computed for a state with noise",
                         chosen.observable->row.name);
     const struct run_settings run_settings = session_run_settings(session);
     /* A run at its start, for what observables ask of one. */

@@ -8,7 +8,7 @@
 static const struct row picture_rows[] = {
     [PICTURE_SVG] = {"svg", "", "a picture for the web and for documents", "", NULL},
     [PICTURE_PDF] = {"pdf", "", "a page for documents and paper", "", NULL},
-    [PICTURE_PNG] = {"png", "", "a picture of pixels", "", NULL},
+    [PICTURE_PNG] = {"png", "", "a picture made of pixels", "", NULL},
 };
 
 static const struct catalog picture_catalog = CATALOG("picture", picture_rows);

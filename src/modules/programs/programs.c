@@ -194,7 +194,7 @@ static bool refuse_events(struct scene_program *p)
     const struct events *events = p->session->setup.events;
     for (int i = 0; events && i < events->count; i++)
         if (events->line[i].action != EVENT_RECORD)
-            return error_set(p->error, ERROR_COMMAND, "event %s %s, which the program would not do",
+            return error_set(p->error, ERROR_COMMAND, "event %s %s, which programs cannot do",
                              events->line[i].name,
                              events->line[i].action == EVENT_STOP ? "stops runs"
                                                                   : "executes commands");
@@ -210,9 +210,10 @@ static bool refuse_adaptive(struct scene_program *p)
         (method_runge_kutta(p->method, &table) &&
          method_error_control(p->method, p->settings.tol, &most, &order)))
         return true;
-    error_set(p->error, ERROR_COMMAND, "steps of %s that follow the error are not written in C",
+    error_set(p->error, ERROR_COMMAND, "adaptive steps of %s cannot be written in C",
               p->method->row.name);
-    return error_hint(p->error, "those of dopri5, tsit5, bogacki-shampine are, and all in Python");
+    return error_hint(p->error,
+                      "possible are dopri5, tsit5 and bogacki-shampine, and all methods in Python");
 }
 
 static bool refuse_method(struct scene_program *p)
@@ -225,18 +226,20 @@ static bool refuse_method(struct scene_program *p)
         return refuse_adaptive(p);
     if (!method_runge_kutta(p->method, &table) && !method_splitting(p->method, weight, &kick) &&
         !method_is_backward_euler(p->method)) {
-        error_set(p->error, ERROR_COMMAND, "%s is not written as a program", name);
-        return error_hint(p->error, "what is: explicit Runge-Kutta methods, splittings and "
+        error_set(p->error, ERROR_COMMAND, "%s cannot be written as a program", name);
+        return error_hint(p->error, "possible are explicit Runge-Kutta methods, splittings and "
                                     "backward-euler ('list methods')");
     }
     if (p->method->splitting && p->written.system.velocity &&
         (p->drag == DRAG_IMPLICIT || (p->drag == DRAG_EXACT && p->method->order != 2))) {
-        error_set(p->error, ERROR_COMMAND, "%s with this drag is not written as a program", name);
-        return error_hint(p->error, "verlet with drag=exact is, and any with drag=explicit");
+        error_set(p->error, ERROR_COMMAND, "%s with this drag cannot be written as a program",
+                  name);
+        return error_hint(p->error,
+                          "possible are verlet with drag=exact, and any method with drag=explicit");
     }
     if (p->settings.compensated)
         return error_set(p->error, ERROR_COMMAND,
-                         "compensated sums are not written ('set sums plain')");
+                         "compensated sums cannot be written ('set sums plain' avoids them)");
     return true;
 }
 
@@ -250,19 +253,19 @@ static bool refuse_pieces(struct scene_program *p)
         (!p->turns || (method_runge_kutta(p->method, &table) && p->dialect != DIALECT_OCTAVE)))
         return true;
     error_set(p->error, ERROR_COMMAND,
-              system->dry ? "steps end where the body turns, sticks and breaks away, which is not "
-                            "written as a program"
+              system->dry ? "steps end where the body turns, sticks and breaks away, which cannot "
+                            "be written as a program"
               : pieces
-                  ? "steps end where the forces jump or bend, which is not written as a program"
+                  ? "steps end where the forces jump or bend, which cannot be written as a program"
                   : "steps of %s end where the velocity turns, because the force bends there, "
-                    "which is not written as a program",
+                    "which cannot be written as a program",
               p->method->row.name);
     if (p->plan.adaptive && pieces && !system->dry)
         return error_hint(p->error,
-                          "steps of one size, 'method %s dt=10ms' after 'set turning off', step "
-                          "across, and that is",
+                          "fixed steps ('set turning off', then 'method %s dt=10ms') step across "
+                          "and can be written",
                           p->method->row.name);
-    return error_hint(p->error, "'set turning off' steps across, and that is");
+    return error_hint(p->error, "'set turning off' makes steps across, which can be written");
 }
 
 /* ---- all ---- */
@@ -279,7 +282,7 @@ static bool make_plan(struct scene_program *p)
         return false;
     if (isfinite(p->duration) && (p->plan.adaptive || p->plan.whole < INT32_MAX))
         return true;
-    error_set(p->error, ERROR_COMMAND, "%.4g steps are more than the program would count",
+    error_set(p->error, ERROR_COMMAND, "%.4g steps are more than the program could count",
               p->duration / p->settings.dt);
     return error_hint(p->error, "set a shorter duration, or a longer dt");
 }
@@ -309,7 +312,7 @@ static bool write(const struct session *session, size_t kind, struct arena *aren
     output->failed |= text.failed;
     buffer_free(&text);
     if (cancelled(session->front.cancel))
-        return error_set(error, ERROR_CANCELLED, "stopped: nothing was written");
+        return error_set(error, ERROR_CANCELLED, "stopped; nothing was written");
     return (fine || output->failed) && (!output->failed || error_memory(error));
 }
 

@@ -81,9 +81,9 @@ static void test_doubtful_equilibria(void **state)
                  {"x' = x^2-1e-6", NULL, 2, 0},
                  {"x' = x^2+1e-6", NULL, 0, 0},
                  {"x' = abs(x)", "near x = 0, y = 0", 1, 1},
-                 {"x' = abs(x)-x", "at many places", 0, 0}, /* all that are not below 0 */
+                 {"x' = abs(x)-x", "many places are left out", 0, 0}, /* all that are not below 0 */
                  {"x' = x*(x^2+y^2-0.25)", NULL, 3, 0},
-                 {"x' = y*(x^2+y^2-0.25)", "at many places", 0, 0},
+                 {"x' = y*(x^2+y^2-0.25)", "many places are left out", 0, 0},
                  {"x' = 1/x", NULL, 0, 0}, /* a pole */
                  {"x' = 1/x-2", NULL, 1, 0},
                  {"x' = y/x-2*x", "near x = 0, y = 0", 0, 0},
@@ -100,7 +100,7 @@ static void test_doubtful_equilibria(void **state)
                  {"x' = x-1.0001", NULL, 0, 0},
                  {"x' = (x+1)*(x-1)", NULL, 2, 0},
                  {"x' = sin(40*x)", NULL, 25, 0},
-                 {"x' = exp(-1/(x^2+1e-9))", "at many places", 0, 0}};
+                 {"x' = exp(-1/(x^2+1e-9))", "many places are left out", 0, 0}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct scene scene = TYPED("var x = 0.1", "var y = 0.1", cases[i].line, "y' = -y");
         const struct equilibria_request request = {.scene = &scene, .box = {{-1, 1}, {-1, 1}}};

@@ -44,7 +44,7 @@ program=$!
 until [ "$(awk '{print $14 + $15}' /proc/$program/stat 2>/dev/null || echo 99)" -ge 60 ]; do sleep 0.05; done
 kill -INT $program
 wait $program
-[ $? -eq 130 ] && grep -q 'stopped: the ensemble is dropped' out
+[ $? -eq 130 ] && grep -q 'stopped; no ensemble was kept' out
 ok "Ctrl-C ends an ensemble, with status 130" $? "$(cat out)"
 echo "1..$n"
 exit "$bad"

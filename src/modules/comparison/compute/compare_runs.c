@@ -137,7 +137,7 @@ static void observe(const struct comparison *row, const char *span, struct buffe
     if (ledger->error_max <= ENERGY_ROUNDING) {
         buffer_format(output, "energy%s kept to rounding", run->plan.ledger ? " balance" : "");
     } else if (row->energy_factor == 0) {
-        buffer_put(output, TEXT("vanished: the energy is below the smallest number"));
+        buffer_put(output, TEXT("vanished: the energy is below the smallest positive number"));
     } else if (!run->system.conservative && isnan(peak)) {
         buffer_put(output, TEXT("energy balance "));
         put_energy_off(ledger->error_max, output);
@@ -192,7 +192,7 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
                       span);
     else
         buffer_format(output, "energy x %.4g in %s, %s: ", row->energy_factor, span, as);
-    buffer_format(output, "amplitude x %.6g a step", prediction->growth);
+    buffer_format(output, "amplitude x %.6g per step", prediction->growth);
     if (!conservative || vanished)
         buffer_format(output, " (exact: energy x %.4g)", prediction->exact);
 }
@@ -205,14 +205,12 @@ static void comparison_verdict(struct comparison *row)
     const struct prediction prediction =
         run->stop == STOP_END ? predict(run) : (struct prediction){0};
     if (run->stop == STOP_GIVEN_UP) {
-        buffer_format(&text,
-                      "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of "
-                      "them%s",
-                      run->t, (long long)run->steps, row->duration,
-                      (double)run->steps * row->duration / span,
-                      run->method->flags & METHOD_IMPLICIT
-                          ? ""
-                          : "; try an adaptive implicit method such as radau5");
+        buffer_format(
+            &text, "given up at t = %.4g s after %lld steps; all %.2g s would need about %.1g%s",
+            run->t, (long long)run->steps, row->duration, (double)run->steps * row->duration / span,
+            run->method->flags & METHOD_IMPLICIT
+                ? ""
+                : "; try an adaptive implicit method such as radau5");
     } else if (run->stop != STOP_END) {
         run_explain(run, &text);
     } else {
@@ -406,7 +404,7 @@ static bool time_rows(const struct compare_request *request, struct comparison *
         return error_memory(error);
     return !cancelled(request->cancel) ||
            error_set(error, ERROR_CANCELLED,
-                     "stopped: all runs are finished, not all times are taken");
+                     "stopped: all runs are finished, but not all are timed");
 }
 
 bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,

@@ -36,11 +36,10 @@ static const struct row verdicts[] = {
     [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
     [ORDER_LOWER] = {"lower", "", "the error falls more slowly than claimed", "", NULL},
     [ORDER_HIGHER] = {"higher", "", "the error falls faster than claimed", "", NULL},
-    [ORDER_ERRATIC] = {"erratic", "", "the slope changes from step to step: no order", "", NULL},
-    [ORDER_NO_RANGE] = {"no range", "",
-                        "no asymptotic part between the largest step that works and rounding", "",
-                        NULL},
-    [ORDER_EXACT] = {"exact", "", "no error but rounding", "", NULL},
+    [ORDER_ERRATIC] = {"erratic", "", "the slope changes from step to step, so no order is given",
+                       "", NULL},
+    [ORDER_NO_RANGE] = {"no range", "", "no range of steps with a constant slope", "", NULL},
+    [ORDER_EXACT] = {"exact", "", "only rounding errors", "", NULL},
 };
 
 const struct catalog order_verdict_catalog = CATALOG("verdict", verdicts);
@@ -400,7 +399,8 @@ bool study_order(const struct order_request *request, struct order *order, struc
     struct reference reference;
     *order = (struct order){.choice = request->choice, .slope = NAN, .guard = NAN, .r2 = NAN};
     if (request->choice.method->flags & METHOD_EXTERNAL)
-        return error_set(error, ERROR_COMMAND, "%s chooses its steps itself: it has no order in dt",
+        return error_set(error, ERROR_COMMAND,
+                         "%s chooses its steps itself, so it has no order in dt",
                          request->choice.method->row.name);
     if (!(request->duration > 0) || !isfinite(request->duration))
         return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",

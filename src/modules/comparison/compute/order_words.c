@@ -31,23 +31,23 @@ static const char *explain_jumps(const struct system *system, const struct order
     const struct method *method = order->choice.method;
     const bool meets = method_meets_switches(method, system), turns = method_turns(method, system);
     if (misses && system->oscillator.friction != 0 && system->steps_across_kinks)
-        return "dry friction jumps where the velocity is 0: each turning point that is crossed "
-               "spoils the order";
+        return "dry friction jumps where the velocity is 0, so each turning point inside a step "
+               "reduces the order";
     if (misses && system->switches > 0 && !meets && !turns)
-        return "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
-               "the order";
+        return "the forces switch (if, abs, sign, ...), and each switch inside a step reduces the "
+               "order";
     if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces && meets)
-        return "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
+        return "the forces switch (if, abs, sign, ...); the order is kept because steps end at the "
                "switches";
     if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
-        return "dry friction jumps where the velocity is 0: the order holds because steps end at "
+        return "dry friction jumps where the velocity is 0; the order is kept because steps end at "
                "the turning points";
     if (misses && system->oscillator.quadratic != 0 && order->claimed > 2)
-        return "quadratic drag is smooth only up to its first derivative where the velocity is 0: "
-               "each turning point spoils higher orders";
+        return "quadratic drag has no second derivative where the velocity is 0, so turning points "
+               "reduce higher orders";
     if (order->verdict == ORDER_AGREES && turns)
-        return "drag has a kink where the velocity is 0: the order holds because steps end at the "
-               "turning points";
+        return "drag has a kink where the velocity is 0; the order is kept because steps end at "
+               "the turning points";
     return NULL;
 }
 
@@ -69,23 +69,20 @@ static void explain_sizes(const struct system *system, struct order *order)
     const size_t size = sizeof order->words;
     if ((none && explicit && !(best < ORDER_ERROR_MAX) && rate * last > 0.5) || rate * dt > 1)
         snprintf(words, size,
-                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
-                 "lose order (order reduction), or do not arrive%s",
-                 rate, explicit ? "; an implicit method may do" : "");
+                 "stiff: these steps do not resolve the fastest motion (%.2g 1/s), where methods "
+                 "lose order or do not reach the end%s",
+                 rate, explicit ? "; an implicit method may help" : "");
     else if (none && !(best < ORDER_ERROR_MAX))
-        snprintf(words, size, "no step that could be afforded gave an error below %.1g",
-                 ORDER_ERROR_MAX);
+        snprintf(words, size, "no affordable step gave an error below %.1g", ORDER_ERROR_MAX);
     else if (none)
         snprintf(words, size,
-                 "no asymptotic part: too few of the steps that could be afforded gave an error "
-                 "between %.1g and what the reference (good to %.1g) and rounding allow; a longer "
-                 "duration may help",
+                 "too few of the affordable steps gave an error between %.1g and the limit set by "
+                 "rounding and the reference (accurate to %.1g); a longer duration may help",
                  ORDER_ERROR_MAX, order->floor);
     else if (order->unsettled)
         snprintf(words, size,
-                 "the slopes of the finest steps above rounding have not settled: the leading term "
-                 "of the error does not dominate yet (a longer duration may help), or the scene is "
-                 "not smooth");
+                 "the slope still changes at the finest steps above rounding: a longer duration "
+                 "may help, or the scene is not smooth");
     else
         snprintf(
             words, size,
@@ -125,8 +122,8 @@ static void explain_plateau(const struct system *system, struct order *order)
     if (!(rate * last_point->dt > 1) || !(fabs(slope - order->claimed) > PLATEAU_APART))
         return;
     snprintf(order->words, sizeof order->words,
-             "order reduction: from dt = %.3g s to %.3g s, which leave the fastest motion (%.2g "
-             "1/s) unresolved, the slope is %.2f",
+             "order reduction: from dt = %.3g s to %.3g s, which do not resolve the fastest motion "
+             "(%.2g 1/s), the slope is %.2f",
              first_point->dt, last_point->dt, rate, slope);
 }
 
@@ -143,16 +140,16 @@ void order_explain(const struct system *system, bool rests, struct order *order)
                  method->row.name, method->order);
     else if (order->verdict != ORDER_AGREES && rests)
         snprintf(order->words, size,
-                 "the body is at rest at the end: all that is left is the error of where, which "
-                 "may be of another order; a duration that ends before shows that of the motion");
+                 "the body is at rest at the end, so only the error of its position remains, which "
+                 "may have another order; use a shorter duration for that of the motion");
     else if (jumps)
         snprintf(order->words, size, "%s", jumps);
     else if (misses)
         explain_sizes(system, order);
     else if (order->verdict == ORDER_HIGHER && system->linear && system->autonomous)
         snprintf(order->words, size,
-                 "the scene is linear: only the method's stability function counts there, and its "
-                 "order is higher than that of the method");
+                 "the scene is linear: there only the stability function of the method matters, "
+                 "and its order is higher");
     else if (order->verdict == ORDER_AGREES)
         explain_plateau(system, order);
 }

@@ -295,15 +295,13 @@ bool study_reference_again(const struct system *system, double span, double step
                : cancelled(cancel) ? error_set(error, ERROR_CANCELLED,
                                                "stopped while the reference solution was computed")
                : search.left <= 0  ? error_set(error, ERROR_NUMERICAL,
-                                               "no two methods of different kinds reach the end of "
-                                                "this scene within %.0e evaluations: "
-                                                "there is nothing to measure errors against; a "
-                                                "shorter duration can be studied",
+                                               "errors cannot be measured, because no two methods "
+                                                "of different kinds reach the end of this scene "
+                                                "within %.0e evaluations; use a shorter duration",
                                                COST_ALL / system->n)
                                    : error_set(error, ERROR_NUMERICAL,
-                                               "no two methods of different kinds reach the end of "
-                                                "this scene: there is nothing to "
-                                                "measure errors against");
+                                               "errors cannot be measured, because no two methods "
+                                                "of different kinds reach the end of this scene");
     }
     return true;
 }

@@ -23,34 +23,35 @@ bool reference_exists(const struct system *system, struct reference *reference,
         return true;
     reference_free(reference);
     error_set(error, ERROR_NUMERICAL,
-              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
+              "the solution %s at t = %.6g s, so errors cannot be measured beyond that time",
               singularity_text(&reference->singular), reference->singular.t);
-    return error_hint(error, "a shorter one can be studied: duration = %.3g s",
+    return error_hint(error, "use a shorter duration: duration = %.3g s",
                       0.9 * fabs(reference->singular.t - t0));
 }
 
 void reference_describe(const struct reference *reference, struct buffer *text)
 {
     if (reference->exact) {
-        buffer_format(text, "the closed form, good to %s", SHOWN_SHORT(reference->accuracy, 2));
+        buffer_format(text, "the closed form, accurate to %s", SHOWN_SHORT(reference->accuracy, 2));
         return;
     }
     buffer_format(text, "%s and %s, which agree to %s", reference->method[0]->row.name,
                   reference->method[1]->row.name, SHOWN_SHORT(reference->accuracy, 2));
     if (reference->dissenting_method[0])
         buffer_format(text,
-                      ", but %s and %s agree with each other and are %s from it, also after it was "
-                      "computed again in shorter steps: which is right is not resolved",
+                      ", but %s and %s agree with each other and differ from it by %s, even after "
+                      "it was repeated with shorter steps; which one is right is unknown",
                       reference->dissenting_method[0]->row.name,
                       reference->dissenting_method[1]->row.name, SHOWN_SHORT(reference->apart, 2));
     if (reference->meaning != reference->span) {
-        buffer_format(text, " only: they part at %s",
+        buffer_format(text, " only: they differ from %s on",
                       SHOWN_QUANTITY(fabs(reference->meaning), QUANTITY_TIME, 3));
-        buffer_put(text,
-                   reference->sudden
-                       ? TEXT(", beyond it no number means anything (at once: one of them missed "
-                              "something, or something there is not resolved)")
-                       : TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+        buffer_put(
+            text,
+            reference->sudden
+                ? TEXT(", and later values are meaningless (one of them missed something there, or "
+                       "the steps do not resolve it)")
+                : TEXT(", and later values are meaningless (chaos multiplies rounding errors)"));
     }
 }
 

@@ -20,13 +20,13 @@
 static const struct row checks[] = {
     [SELFTEST_ORDER] = {"order", "",
                         "the slope of the error on a Kepler orbit is the claimed order", "", NULL},
-    [SELFTEST_AREA] = {"area", "", "symplectic: a step keeps areas (its determinant is 1)", "",
-                       NULL},
-    [SELFTEST_REVERSAL] = {"reversal", "", "symmetric: steps of h, then of -h, lead back", "",
+    [SELFTEST_AREA] = {"area", "", "symplectic: a step preserves areas (determinant 1)", "", NULL},
+    [SELFTEST_REVERSAL] = {"reversal", "",
+                           "symmetric: a step of h followed by one of -h returns to the start", "",
                            NULL},
-    [SELFTEST_STABILITY] = {"stability", "",
-                            "runs below the stability limit stay, runs above it grow as predicted",
-                            "", NULL},
+    [SELFTEST_STABILITY] =
+        {"stability", "",
+         "runs below the stability limit stay bounded, runs above it grow as predicted", "", NULL},
 };
 
 const struct catalog selftest_catalog = CATALOG("check", checks);

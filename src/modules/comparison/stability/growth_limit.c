@@ -28,9 +28,9 @@
 #define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
-    [STABILITY_STABLE] = {"stable", "", "no growth that the scene does not have itself", "", NULL},
+    [STABILITY_STABLE] = {"stable", "", "no growth beyond that of the scene itself", "", NULL},
     [STABILITY_MARGINAL] = {"marginal", "",
-                            "so slow a growth that it shows only after hundreds of steps", "",
+                            "growth so slow that it is visible only after hundreds of steps", "",
                             NULL},
     [STABILITY_UNSTABLE] = {"unstable", "", "every step multiplies the amplitude", "", NULL},
 };

@@ -26,19 +26,21 @@
 #define DAMPED_FRACTION 0.1
 
 static const struct row verdicts[] = {
-    [STRESS_EXACT] = {"exact", "", "the error is rounding, or below what can be known", "", NULL},
-    [STRESS_ACCURATE] = {"accurate", "", "error below 1 % of the amplitude all the way", "", NULL},
-    [STRESS_BOUNDED] = {"bounded", "", "wrong in phase or shape, but no larger than the motion", "",
-                        NULL},
-    [STRESS_DAMPED] = {"damped away", "", "what should swing is gone", "", NULL},
+    [STRESS_EXACT] = {"exact", "", "the error is rounding, or too small to be known", "", NULL},
+    [STRESS_ACCURATE] = {"accurate", "", "error below 1 % of the amplitude throughout", "", NULL},
+    [STRESS_BOUNDED] = {"bounded", "", "wrong in phase or shape, but not larger than the motion",
+                        "", NULL},
+    [STRESS_DAMPED] = {"damped away", "", "the oscillation has been damped away", "", NULL},
     [STRESS_SINGULAR] = {"singular", "",
                          "the solution itself ends before the end, or goes to infinity", "", NULL},
-    [STRESS_REFUSED] = {"refused", "", "not computed, with the reason", "", NULL},
+    [STRESS_REFUSED] = {"refused", "", "not computed, with a reason", "", NULL},
     [STRESS_DIVERGED] = {"diverged", "", "grew beyond the motion, or out of the range of numbers",
                          "", NULL},
-    [STRESS_UNKNOWN] = {"unknown", "", "arrived, but no two references do: its error is not known",
-                        "", NULL},
-    [STRESS_UNEXPLAINED] = {"unexplained", "", "none of these: a fault of the program", "", NULL},
+    [STRESS_UNKNOWN] = {"unknown", "",
+                        "reached the end, but no two references agree, so its error is unknown", "",
+                        NULL},
+    [STRESS_UNEXPLAINED] = {"unexplained", "", "none of these, which is a fault of the program", "",
+                            NULL},
 };
 
 const struct catalog stress_verdict_catalog = CATALOG("verdict", verdicts);
@@ -57,7 +59,7 @@ static const struct stress_case cases[] = {
      .span = 2e6},
     {"robertson", "to t = 1e11", "robertson", .span = 1e11},
     {"robertson short", "to t = 40", "robertson", .span = 40},
-    {"orego", "to t = 360, over a spike", "orego", .span = 360},
+    {"orego", "to t = 360, across a spike", "orego", .span = 360},
     {"prothero-robinson", "lambda = -1e6", "prothero-robinson", .span = CASE_SPAN},
     {"kepler e=0.9", "three orbits", "kepler-eccentric", .span = 18.849555921538759},
     {"extreme-comet", "e = 0.9999, one orbit", "extreme-comet", .span = 6.2831853071795862},
@@ -270,7 +272,7 @@ static void judge_end(const struct stress_state *bench, struct stress_row *row)
     bool gone = false;
     if (!reference->y) {
         row->verdict = STRESS_UNKNOWN;
-        snprintf(row->reason, sizeof row->reason, "there is nothing to measure against");
+        snprintf(row->reason, sizeof row->reason, "there is no reference to compare with");
         return;
     }
     grid_errors(&bench->system, reference, bench->grid, &errors);
@@ -292,16 +294,16 @@ static void judge_end(const struct stress_state *bench, struct stress_row *row)
     } else if (gone) {
         row->verdict = STRESS_DAMPED;
         snprintf(row->reason, sizeof row->reason,
-                 "numerical damping takes out what these steps do not resolve");
+                 "numerical damping removes the motion that these steps do not resolve");
     } else if (size <= AMPLITUDE_BOUNDED) {
         row->verdict = STRESS_BOUNDED;
         if (known)
             snprintf(row->reason, sizeof row->reason,
-                     "these steps do not resolve the motion: phase or shape is wrong");
+                     "these steps do not resolve the motion, so its phase or shape is wrong");
         else
             snprintf(row->reason, sizeof row->reason,
-                     "the phase is lost whatever computes it: an ulp of the parameters moves it by "
-                     "%.2g of the amplitude",
+                     "no method can compute the phase: rounding the parameters changes it by %.2g "
+                     "of the amplitude",
                      reference->accuracy);
     }
     if (isnan(row->error))
@@ -324,7 +326,7 @@ static bool judge_singular(struct stress_state *bench, enum stop stop, struct st
     row->verdict = STRESS_SINGULAR;
     snprintf(row->reason, sizeof row->reason, "the solution itself %s at t = %.6g s%s",
              singularity_text(&bench->singular), bench->singular.t,
-             stop == STOP_END ? ", and what the method gives beyond means nothing" : "");
+             stop == STOP_END ? ", so later values are meaningless" : "");
     return true;
 }
 

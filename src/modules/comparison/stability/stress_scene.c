@@ -76,7 +76,7 @@ static void add_starts(struct stress *stress, const struct stress_scene *source)
     } starts[] = {{"start 1e-310", 1e-310}, {"start 1e-150", 1e-150}, {"start 1e150", 1e150}};
     for (size_t i = 0; i < COUNT_OF(starts); i++) {
         struct buffer brief = {0};
-        buffer_put(&brief, TEXT("initial values that are not 0, the first if all are"));
+        buffer_put(&brief, TEXT("initial values other than 0, or the first if all are 0"));
         struct stress_case *what =
             brief.failed ? NULL : stress_case_add(stress, source, starts[i].name, &brief);
         if (what) {

@@ -90,7 +90,7 @@ static bool refuse_basins(const struct basin_walk *walk, const struct basins_req
         return !error_set(error, ERROR_COMMAND, "%.0f starts: %d are the most", total, POINTS_MOST);
     if (isnan(field_drive(&walk->field)))
         return !error_set(error, ERROR_COMMAND,
-                          "what depends on time has no period: there is nothing to come back to");
+                          "the scene depends on time without a period, so its states cannot recur");
     return false;
 }
 
@@ -155,7 +155,8 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, bo
     }
     if (keeps_volume(walk, start)) {
         field_free(&walk->field);
-        return error_set(error, ERROR_COMMAND, "volumes are kept: nothing attracts");
+        return error_set(error, ERROR_COMMAND,
+                         "the scene conserves volumes, so it has no attractors");
     }
     walk->strobe = drive > 0 ? drive : natural_time(walk, start);
     if (lanes)

@@ -46,10 +46,10 @@ static bool cannot_begin(const struct branch_request *r, struct solution_curve *
     if (path->kind != SOLUTION_EQUILIBRIUM) {
         if (!field_jumps(field, field->system.t0, r->start->state, period))
             return false;
-        error_set(error, ERROR_COMMAND, BRANCH_JUMP ": no branch goes through that");
+        error_set(error, ERROR_COMMAND, BRANCH_JUMP ": no branch passes there");
     } else if (!field->system.autonomous) {
-        error_set(error, ERROR_COMMAND, "with a drive nothing rests");
-        error_hint(error, "'of response' follows the motion that goes with the drive");
+        error_set(error, ERROR_COMMAND, "a driven scene has no equilibria");
+        error_hint(error, "'of response' follows the periodic response to the drive");
     } else {
         return false;
     }
@@ -64,10 +64,10 @@ bool branch_starts_in_family(const struct branch_request *r)
 bool branch_refuse_family(struct error *error)
 {
     error_set(error, ERROR_COMMAND,
-              "this orbit is one of a family (a multiplier is 1): at other values there are many "
-              "like it, of any energy in a range, and no branch says which");
-    return error_hint(error, "orbit period=T finds the one with that period there; with damping "
-                             "and a drive one is left, which a branch follows");
+              "this orbit belongs to a family (a multiplier is 1), so at other parameter values "
+              "there are many such orbits and no single branch");
+    return error_hint(error, "'orbit period=T' finds the one with a given period; with damping and "
+                             "a drive a single one remains, which a branch can follow");
 }
 
 bool branch_begin(const struct branch_request *r, int side, double psize,

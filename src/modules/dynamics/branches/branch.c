@@ -246,7 +246,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *point,
     w->level = in_family(w, next) ? w->level + 1 : 0;
     if (w->level == VERTICAL_STEPS_MAX) {
         forget_turns(w);
-        return end_there(w, "a family at one value of the parameter");
+        return end_there(w, "a family of orbits at one parameter value");
     }
     if (too_slow(w, next))
         return end_there(w, "the period grows without bound");
@@ -254,7 +254,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *point,
         return false;
     w->branch->closed = true;
     unmark_repeats(w);
-    branch_end_set(w, "it closes");
+    branch_end_set(w, "the branch closes");
     return true;
 }
 
@@ -305,7 +305,7 @@ static bool walk_stop(struct branch_walk *w, const struct curve_place *point, do
 {
     if (!cancelled(w->request->cancel) && jumps_ahead(w, point, longest))
         return end_there(w, BRANCH_JUMP);
-    return fails_there(w, "no step leads on");
+    return fails_there(w, "no further step is possible");
 }
 
 /* Follows the branch from `point`, which is recorded already. Returns false if out of memory. */
@@ -321,8 +321,8 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
     w->start = w->path->problem->n;
     double step = fmin(FIRST_STEP_LENGTH, longest);
     walk_start(w, &point);
-    branch_end_set(w, w->request->max > 0 ? "as many points as were asked for"
-                                          : "1000 points: max=N takes more");
+    branch_end_set(w, w->request->max > 0 ? "the requested number of points"
+                                          : "1000 points (max=N allows more)");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
         const double far = longest_at(w, &point, longest);
@@ -339,7 +339,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                 i--;
                 continue;
             }
-            return end_there(w, extent(w) > SHRUNK_ORBIT_FRACTION ? "no step leads on"
+            return end_there(w, extent(w) > SHRUNK_ORBIT_FRACTION ? "no further step is possible"
                                                                   : "it shrinks to an equilibrium");
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
@@ -352,7 +352,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                 return w->branch->point[w->branch->count - 1].special != SPECIAL_NONE ||
                                cancelled(w->request->cancel)
                            ? fails_there(w, "end of the range")
-                           : end_there(w, "no step leads to the end of the range");
+                           : end_there(w, "no step reaches the end of the range");
         }
         const int p = w->path->problem->n;
         if (i == 0) {
@@ -364,7 +364,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                        : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution))
-            return fails_there(w, "what is there cannot be told");
+            return fails_there(w, "the solution there is unknown");
         if (i == 0)
             w->behind_grows = walk_grows(w, &solution);
         const int index = w->branch->count - 1;
@@ -389,7 +389,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
         point = next;
         stretch(w, &point);
         if (!orbit_segments_refine(w, &point))
-            return fails_there(w, "differences grow along the orbit by too much");
+            return fails_there(w, "small differences grow too much along the orbit");
     }
     return true;
 }

@@ -198,6 +198,6 @@ bool solutions_leave(struct solution_curve *path, const struct scene *scene, int
         return leave_crossing(path, scene, param, psize, point, side, cancel, first, error);
     default:
         return error_set(error, ERROR_COMMAND,
-                         "no branch leaves such a point: those of HB, BP and PD do");
+                         "no branch leaves such a point; only HB, BP and PD points have one");
     }
 }

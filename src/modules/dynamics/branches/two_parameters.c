@@ -286,7 +286,7 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
             return true;
     }
     special_curve_end(c);
-    return error_set(error, ERROR_COMMAND, "the curve of such points does not begin there");
+    return error_set(error, ERROR_COMMAND, "no curve of such points begins there");
 }
 
 /* ---- the walk ---- */
@@ -331,7 +331,9 @@ static bool record_specials(struct special_walk *w, const struct curve_place *cu
             return false;
         w->branch->point[w->branch->count - 1].accuracy = uncertainty;
         if (c->kind == SPECIAL_HOPF && k == 0) {
-            special_walk_end_set(w, "a Bogdanov-Takens point: beyond it the pair is a saddle's");
+            special_walk_end_set(
+                w,
+                "a Bogdanov-Takens point; beyond it the pair of eigenvalues belongs to a saddle");
             return false;
         }
     }
@@ -376,11 +378,12 @@ static void special_walk_follow(struct special_walk *w, struct curve_place point
     const double longest = r->step > 0 ? r->step : STEP_LENGTH_MAX;
     const int max = r->max > 0 ? r->max : CURVE_POINTS_DEFAULT;
     double step = fmin(FIRST_STEP_LENGTH, longest);
-    special_walk_end_set(w, "as many points as were asked for");
+    special_walk_end_set(w, "the requested number of points");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
         if (!curve_next(problem, NULL, &point, &step, longest, NULL, cancel, &next)) {
-            special_walk_end_set(w, cancelled(cancel) ? "cancelled" : "no step leads on");
+            special_walk_end_set(w,
+                                 cancelled(cancel) ? "cancelled" : "no further step is possible");
             return;
         }
         const bool leaves = !ranges_contain(&ranges, problem, &next);
@@ -404,7 +407,7 @@ static void special_walk_follow(struct special_walk *w, struct curve_place point
         if (!prepare_curve_side(w, &point, upright)) {
             special_walk_end_set(w, cancelled(cancel)
                                         ? "cancelled"
-                                        : "differences grow along the orbit by too much");
+                                        : "small differences grow too much along the orbit");
             return;
         }
     }
@@ -418,7 +421,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
     if (kind != SPECIAL_FOLD && kind != SPECIAL_HOPF && kind != SPECIAL_DOUBLING &&
         kind != SPECIAL_TORUS)
         return error_set(error, ERROR_COMMAND,
-                         "a curve in two parameters begins at LP, HB, PD or NS");
+                         "a curve in two parameters must begin at an LP, HB, PD or NS point");
     struct special_curve *curve = malloc(sizeof *curve); /* too much for a stack */
     for (int side = curve ? -1 : 2; side <= 1; side += 2) {
         struct curve_place first;

@@ -332,11 +332,11 @@ const char *branch_contradiction(int verdict)
     case VERDICT_SAME_GROWTH:
         return "small differences grow, or shrink, on both sides of it";
     case VERDICT_OTHER_GROWTH:
-        return "in runs beside it differences grow otherwise than its eigenvalues say";
+        return "in runs near it differences do not grow as its eigenvalues predict";
     case VERDICT_NO_TURN:
         return "the parameter does not turn back there";
     case VERDICT_OTHER_SIDE:
-        return "solutions are on the side where there should be none";
+        return "solutions exist on the side where there should be none";
     default:
         return NULL;
     }

@@ -100,7 +100,7 @@ bool special_record(struct branch_walk *walk, const struct found_special *found)
 
 /* ---- begin.c ---- */
 
-#define BRANCH_JUMP "the equations jump along the orbit, and multipliers with them"
+#define BRANCH_JUMP "the equations jump along the orbit, so multipliers are unknown"
 
 /* Finds the first place of a branch. Side -1 goes against growing values of the parameter, so that
  * the branch is in order. Returns false with the reason if there is none. */

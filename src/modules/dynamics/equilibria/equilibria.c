@@ -206,12 +206,12 @@ static bool search_by_newton(struct zero_search *s)
 static bool no_bounds(const struct equilibria_search *s, struct error *error)
 {
     if (s->field.system.autonomous)
-        return error_set(error, ERROR_COMMAND,
-                         "nothing moves anywhere: every state is an equilibrium");
+        return error_set(error, ERROR_COMMAND, "nothing ever moves: every state is an equilibrium");
     error_set(error, ERROR_COMMAND,
-              "the equations depend on time, but not with one period: "
-              "nothing rests, not even in the mean");
-    return error_hint(error, "a parameter in place of t, as in param tau = 0, holds the time");
+              "the equations depend on time without a single period, so there are no equilibria, "
+              "not even of a mean");
+    return error_hint(error,
+                      "to fix the time, use a parameter in place of t, as in: param tau = 0");
 }
 
 static bool begin_equilibria_search(struct equilibria_search *search, struct error *error)
@@ -312,14 +312,14 @@ static void give_reason(struct equilibria_search *search)
     if (cancelled(s->request->cancel)) {
         buffer_put(&text, TEXT("cancelled"));
     } else if (search->field.system.dry) {
-        buffer_put(&text, TEXT("dry friction holds it at rest all over a stretch"));
+        buffer_put(&text, TEXT("dry friction holds it at rest over a whole range of positions"));
     } else if (found->count >= ZEROS_MAX) {
-        buffer_format(&text, "the search ended after %d of them", found->count);
+        buffer_format(&text, "the search ended after %d equilibria", found->count);
     } else if (has_singular(&s->undecided)) {
         buffer_put(&text, TEXT("a pole, a jump, a vertical slope or the edge of a domain near "));
         put_place(search, &text);
     } else if (box_queue_count(&s->undecided) > UNDECIDED_LISTED_MAX) {
-        buffer_put(&text, TEXT("bounds do not decide at many places, which are left out"));
+        buffer_put(&text, TEXT("many places are left out because bounds do not decide there"));
     } else {
         buffer_put(&text, TEXT("bounds do not decide how many there are near "));
         put_place(search, &text);

@@ -183,12 +183,12 @@ static const struct heat *colours_of(struct drawing *d, const struct grid *g)
 
 /* ---- all ---- */
 
-/* "Where starts end, over x from -2 to 2 and v from -2 to 2: A equilibrium at ..." NULL: no memory.
- */
+/* "Attractor reached by each start, over x from -2 to 2 and v from -2 to 2: A equilibrium at ..."
+ * NULL: no memory. */
 static const char *words_of(const struct drawing *d, const struct grid *g)
 {
     struct buffer text = {0};
-    buffer_put(&text, TEXT("Where starts end"));
+    buffer_put(&text, TEXT("Attractor reached by each start"));
     buffer_format(&text, ", over %s from %.4g to %.4g", g->table->column[0].name, value_at(g, 0, 0),
                   value_at(g, 0, g->width - 1));
     buffer_format(&text, " and %s from %.4g to %.4g", g->table->column[1].name, value_at(g, 1, 0),
@@ -222,7 +222,7 @@ bool basins_figure(struct drawing *d, struct figure *figure)
 {
     struct grid g = {.table = found_table(d->session, TEXT("basins"))};
     if (!g.table || g.table->columns < 3 || !g.table->column[2].text || g.table->rows == 0) {
-        error_set(d->error, ERROR_COMMAND, "there is no map of basins to plot");
+        error_set(d->error, ERROR_COMMAND, "there are no basins to plot");
         return error_hint(d->error, "type: basins NAME=FROM:TO:STEP NAME=FROM:TO:STEP");
     }
     const double *first = g.table->column[0].value;

@@ -39,7 +39,7 @@ static bool choose_variables(struct drawing *d, const struct system *system,
     for (int k = 0; k < request->sides && request->sides == 2; k++)
         wanted->variable[k] = request->side[k].variable;
     return wanted->variable[0] != wanted->variable[1] ||
-           error_set(d->error, ERROR_COMMAND, "a portrait shows two variables, got one twice");
+           error_set(d->error, ERROR_COMMAND, "a portrait needs two different variables");
 }
 
 static bool inside(const double inner[2], const double outer[2])
@@ -105,11 +105,12 @@ static bool choose(struct drawing *d, struct system *system, struct portrait_req
     if (!scene_bind_inside(scene, box, system, d->error))
         return d->request->sides > 0 || scene->model->n < 2
                    ? false
-                   : error_hint(d->error, "with sides it needs no start: plot portrait %s=FROM:TO",
+                   : error_hint(d->error,
+                                "with ranges no valid start is needed: plot portrait %s=FROM:TO",
                                 scene->model->variable[0].name);
     if (system->n < 2 || system->n > DYNAMICS_VARIABLES)
         return error_set(d->error, ERROR_COMMAND,
-                         "a portrait is of scenes with 2 to %d variables, %s has %d",
+                         "portraits work for scenes with 2 to %d variables, but %s has %d",
                          DYNAMICS_VARIABLES, scene->preset->row.name, system->n);
     const bool present = run && run->scene.model == scene->model;
     if (!choose_variables(d, system, wanted))
@@ -381,7 +382,7 @@ static void put_words(struct buffer *output, const struct system *system,
             buffer_format(output, "equilibrium %d.", s->target + 1);
         else
             buffer_put(output, strcmp(s->end, "frame") == 0 ? TEXT("the frame.")
-                                                            : TEXT("nowhere in sight."));
+                                                            : TEXT("outside the frame."));
     }
 }
 

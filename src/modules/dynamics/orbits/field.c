@@ -55,7 +55,7 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
     field->n = system->n;
     if (system->n > FIELD_VARIABLES)
         return error_set(error, ERROR_COMMAND,
-                         "the scene has %d variables: at most %d are followed", system->n,
+                         "the scene has %d variables; at most %d are supported", system->n,
                          FIELD_VARIABLES);
     choose_sizes(system, field->size);
     for (int i = 0; i < system->n; i++) {

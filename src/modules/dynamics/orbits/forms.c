@@ -25,14 +25,14 @@ static const double slope_rounding_max = 1e-9;
 #define SYMMETRY_ROUNDING_RELATIVE 1e-11 /* rounding, as a part of the largest rate or slope */
 
 static const struct row rows[] = {
-    [EQUILIBRIUM_STABLE_NODE] = {"stable node", "", "all go to it, without turning", "", NULL},
-    [EQUILIBRIUM_STABLE_FOCUS] = {"stable focus", "", "all wind into it", "", NULL},
+    [EQUILIBRIUM_STABLE_NODE] = {"stable node", "", "all approach it without turning", "", NULL},
+    [EQUILIBRIUM_STABLE_FOCUS] = {"stable focus", "", "all spiral into it", "", NULL},
     [EQUILIBRIUM_UNSTABLE_NODE] = {"unstable node", "", "all leave it, without turning", "", NULL},
-    [EQUILIBRIUM_UNSTABLE_FOCUS] = {"unstable focus", "", "all wind away from it", "", NULL},
-    [EQUILIBRIUM_SADDLE] = {"saddle", "", "some go to it, most leave it", "", NULL},
+    [EQUILIBRIUM_UNSTABLE_FOCUS] = {"unstable focus", "", "all spiral away from it", "", NULL},
+    [EQUILIBRIUM_SADDLE] = {"saddle", "", "some approach it, most leave it", "", NULL},
     [EQUILIBRIUM_CENTRE] = {"centre", "", "closed orbits around it", "", NULL},
     [EQUILIBRIUM_DEGENERATE] = {"degenerate", "", "linear theory does not decide", "", NULL},
-    [EQUILIBRIUM_STABLE] = {"stable", "", "all go to it", "", NULL},
+    [EQUILIBRIUM_STABLE] = {"stable", "", "all approach it", "", NULL},
     [EQUILIBRIUM_UNSTABLE] = {"unstable", "", "all leave it", "", NULL},
 };
 const struct catalog equilibrium_catalog = CATALOG("type", rows);

@@ -296,18 +296,17 @@ static const char *reason_of(const struct exponents_search *s)
 {
     switch (s->end) {
     case TANGENTS_LEAVE:
-        return "the motion leaves every bound";
+        return "the motion escapes to infinity";
     case TANGENTS_JUMP:
-        return "the equations jump, and tangents with them";
+        return "the equations jump, so tangents are unknown";
     case TANGENTS_STALL:
-        return "no step goes on";
+        return "no further step is possible";
     case TANGENTS_CANCELLED:
         return "stopped";
     case TANGENTS_OK:
         break;
     }
-    return s->found->determined ? NULL
-                                : "the time is too short for 10 batches that are independent";
+    return s->found->determined ? NULL : "the time is too short for 10 independent batches";
 }
 
 bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,

@@ -154,24 +154,24 @@ static bool nothing(struct orbit_search *s, const char *why, struct error *error
     if (s->any)
         return true;
     error_set(error, ERROR_COMMAND, "%s%s", why,
-              spent(s) ? " in as long as is looked: it may be chaotic" : "");
-    return error_hint(error, "a guess helps: orbit period=T and variables, as in %s=1",
+              spent(s) ? " within the time searched; it may be chaotic" : "");
+    return error_hint(error, "give a guess: orbit period=T and variables, as in %s=1",
                       system_variable(&s->field.system, 0).name);
 }
 
 static bool find_own(struct orbit_search *s, struct error *error)
 {
-    static const char none[] = "the motion does not come back to where it was";
+    static const char none[] = "the motion does not return to an earlier state";
     const int n = s->field.n;
     double span = s->request->span, end[FIELD_VARIABLES];
     for (int waits = 0, looks = 0; looks < 3 * SETTLING_SPANS_MAX; looks++) {
         struct returns found;
         orbit_progress_report(s);
         if (cancelled(s->request->cancel) || !find_returns(s, span, &found, end))
-            return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
+            return nothing(s, looks > 0 ? none : "the motion from there ends before it returns",
                            error);
         if (s->extent < REST_SIZES)
-            return nothing(s, "the motion comes to rest: that is an equilibrium", error);
+            return nothing(s, "the motion comes to rest at an equilibrium", error);
         s->first = fmax(s->first, s->extent);
         if (found.count == 0 && span < 1e6 * s->request->span && looks < SETTLING_SPANS_MAX) {
             span *= 2;
@@ -261,7 +261,8 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
     for (int q = 1; q <= 3; q++)
         if (!s->any && take_orbit(s, s->state, q * drive, q))
             return true;
-    return nothing(s, "no response of the drive's period, or of a few of them, was found", error);
+    return nothing(s, "no response with the period of the drive, or a few of these, was found",
+                   error);
 }
 
 /* ---- the orbit itself ---- */

@@ -70,7 +70,7 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
         return true;
     }
     solutions_end(path);
-    return error_set(error, ERROR_COMMAND, "the motion from there does not get through a period");
+    return error_set(error, ERROR_COMMAND, "the motion from there ends within one period");
 }
 
 bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,

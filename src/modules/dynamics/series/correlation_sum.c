@@ -160,8 +160,8 @@ bool correlation_dimension(const struct delay_space *space, size_t n, struct are
                  "too few pairs of neighbours");
     else if (!(error < SLOPE_UNCERTAINTY_MAX * slope))
         snprintf(found->dimension_reason, sizeof found->dimension_reason,
-                 "the correlation sum is no power of the distance over a factor of 4, "
-                 "or no same one with more delays");
+                 "the correlation sum does not follow one power of the distance over a factor of "
+                 "4, or changes with more delays");
     else {
         found->dimension =
             (struct measured){slope, hypot(error, SYSTEMATIC_ERROR_RELATIVE * slope)};

@@ -66,15 +66,15 @@ static bool lasts(const struct samples *x, struct series_exponent *found)
         right = fmax(right, p.mean);
     }
     if (high > PART_SIZE_RATIO_MAX * low)
-        return !leave(found,
-                      "the motion does not stay as large as it is: by quarters of the time "
-                      "its size differs by a factor of %.3g",
-                      high / low);
+        return !leave(
+            found,
+            "the size of the motion changes: between quarters of the time by a factor of %.3g",
+            high / low);
     if (right - left > PART_MEAN_DRIFT_MAX * high)
-        return !leave(found,
-                      "the motion drifts: by quarters of the time its mean moves by %.3g "
-                      "times its size",
-                      (right - left) / high);
+        return !leave(
+            found,
+            "the motion drifts: between quarters of the time its mean moves by %.3g times its size",
+            (right - left) / high);
     return true;
 }
 
@@ -103,7 +103,7 @@ static bool is_fit(const struct samples *x, const struct part *whole, double *tu
         return false;
     const size_t turns = turns_of(x, whole->mean, turn);
     if (turns < MEAN_CROSSINGS_MIN)
-        return !leave(found, "the motion turns only %zu times in it, %d are needed", turns,
+        return !leave(found, "the motion turns only %zu times; %d turns are needed", turns,
                       MEAN_CROSSINGS_MIN);
     return true;
 }
@@ -133,8 +133,8 @@ static bool unfold(struct delay_space *space, const struct samples *x, double si
     found->delay = space->delay * x->dt;
     return dimensions > 0 ||
            leave(found,
-                 "no number of delays up to %d unfolds it (%.2g %% false neighbours): noise, "
-                 "or more variables than such a record shows",
+                 "no number of delays up to %d unfolds the motion (%.2g %% false neighbours): it "
+                 "is noise, or has too many variables for this record",
                  SPACE_DIMENSIONS - 2, 100 * share);
 }
 
@@ -168,15 +168,16 @@ static bool judge(const struct divergence *d, const struct even_growth *g, doubl
     const double growth = g->slope * (double)(g->last - g->first),
                  rise = d->last - d->mean[g->first];
     if (rise < log(DISTANCE_GROWTH_MIN))
-        return leave(found, "neighbours do not go apart: the motion is periodic or quasi-periodic, "
-                            "or decays");
+        return leave(
+            found,
+            "neighbours do not separate: the motion is periodic or quasi-periodic, or decays");
     if (!(g->error >= 0) || !(growth >= log(EXPONENT_GROWTH)))
         return leave(found,
-                     "distances grow evenly by less than a factor of %g before they are as "
-                     "large as the motion: too much noise, or too short a record",
+                     "distances grow exponentially by less than a factor of %g before they reach "
+                     "the size of the motion: too much noise, or too short a record",
                      EXPONENT_GROWTH);
     if (fabs(g->halves[0] - g->halves[1]) > HALVES_DIFFERENCE_MAX * g->slope)
-        return leave(found, "distances do not grow evenly: by %.3g, then by %.3g 1/s",
+        return leave(found, "distances do not grow exponentially: at %.3g, then at %.3g 1/s",
                      g->halves[0] / step, g->halves[1] / step);
     return false;
 }
@@ -205,7 +206,7 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
                  error =
                      sqrt(g.error * g.error + spread * spread + halves * halves + method * method);
     if (error > HALVES_DIFFERENCE_MAX * g.slope)
-        return leave(found, "%.3g 1/s is no farther from 0 than its error of %.3g can be",
+        return leave(found, "%.3g 1/s is not significantly different from 0 (error %.3g)",
                      g.slope / step, error / step);
     found->value = (struct measured){g.slope / step, error / step};
     found->t_begin = (double)g.first * step;
@@ -221,7 +222,8 @@ bool series_exponent(const struct series *series, struct arena *arena,
     struct samples x;
     double turn = 0;
     *found = (struct series_exponent){.value = {NAN, NAN}, .dimension = {NAN, NAN}};
-    snprintf(found->dimension_reason, sizeof found->dimension_reason, "nothing unfolds it");
+    snprintf(found->dimension_reason, sizeof found->dimension_reason,
+             "no number of delays unfolds the motion");
     if (!samples_init(&x, series, arena))
         return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
                                          : error_memory(error);

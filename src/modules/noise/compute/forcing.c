@@ -79,17 +79,17 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
         memset(own, 0, sizeof own);
     if (!known && !stated && request->strengths == 0) {
         error_set(error, ERROR_COMMAND,
-                  "the scene's damping depends on more than the velocity, "
-                  "so that no temperature follows from it");
-        return error_hint(error, "gamma=V adds a damping with noise of its own");
+                  "the scene's damping depends on more than the velocity, so it belongs to no "
+                  "temperature");
+        return error_hint(error, "gamma=V adds a damping with its own noise");
     }
     for (int i = 0; i < forcing->count; i++) {
         forcing->gamma[i] = stated ? request->gamma : own[i];
         forcing->extra[i] = stated ? request->gamma - own[i] : 0;
         if (request->strengths == 0 && !(forcing->gamma[i] > 0)) {
-            error_set(error, ERROR_COMMAND, "a temperature needs damping: that of %s is %g 1/s",
+            error_set(error, ERROR_COMMAND, "a temperature needs damping, but that of %s is %g 1/s",
                       system_variable(system, i).name, forcing->gamma[i]);
-            return error_hint(error, "gamma=V states one, noise=V another strength of the noise");
+            return error_hint(error, "gamma=V sets a damping, noise=V sets the noise directly");
         }
     }
     forcing->other_drag = has_other_drag(system, own);
@@ -101,9 +101,9 @@ static bool bind_strength(const struct noise_request *request, struct noise_forc
 {
     const struct system *system = &forcing->system;
     if (request->strengths > 1 && request->strengths != forcing->count)
-        return error_set(error, ERROR_COMMAND, "noise= has %d values: one, or %d, one for each %s",
-                         request->strengths, forcing->count,
-                         system->order == 2 ? "velocity" : "variable");
+        return error_set(
+            error, ERROR_COMMAND, "noise= has %d values; give one, or %d (one for each %s)",
+            request->strengths, forcing->count, system->order == 2 ? "velocity" : "variable");
     for (int i = 0; i < forcing->count; i++) {
         if (request->strengths > 0) {
             forcing->strength[i] = request->strength[request->strengths > 1 ? i : 0];
@@ -126,19 +126,17 @@ bool noise_forcing_bind(const struct scene *scene, const struct noise_request *r
     forcing->first = second ? system->n / 2 : 0;
     forcing->count = system->n - forcing->first;
     if (system->dry) {
-        error_set(error, ERROR_COMMAND,
-                  "dry friction cannot be stepped with noise: it holds the "
-                  "body at rest, where no noise would");
+        error_set(error, ERROR_COMMAND, "dry friction cannot be combined with noise");
         return error_hint(error, "friction = 0");
     }
     if (!second && request->strengths == 0) {
         error_set(error, ERROR_COMMAND,
-                  "a temperature needs velocities, and the scene has none: it is of first order");
-        return error_hint(error, "noise=V is the strength of the noise");
+                  "a temperature needs velocities, but the scene is of first order and has none");
+        return error_hint(error, "noise=V sets the strength of the noise");
     }
     if (!second && !isnan(request->gamma))
         return error_set(error, ERROR_COMMAND,
-                         "gamma= needs velocities, and the scene has none: it is of first order");
+                         "gamma= needs velocities, but the scene is of first order and has none");
     return (!second || bind_damping(request, forcing, error)) &&
            bind_strength(request, forcing, error);
 }

@@ -228,10 +228,10 @@ bool noise_orders_measure(const struct orders_request *request, const struct noi
     if (parallel.progress)
         parallel.progress(parallel.progress_context, 2);
     if (ok && cancelled(parallel.cancel))
-        ok = error_set(error, ERROR_CANCELLED, "stopped: the orders are dropped");
+        ok = error_set(error, ERROR_CANCELLED, "stopped; no orders were measured");
     for (size_t i = 0; ok && i < cells; i++)
         if (isnan(work.strong[i]) || isnan(work.weak[i]))
-            ok = error_set(error, ERROR_NUMERICAL, "%s diverged on a path: dt is too large",
+            ok = error_set(error, ERROR_NUMERICAL, "%s diverged on one path; dt is too large",
                            method->row.name);
     *orders = (struct method_orders){0};
     if (ok)

@@ -28,14 +28,15 @@ static bool check_growth(const struct noise_forcing *forcing, const struct noise
     struct buffer text = {0};
     buffer_quantity(&text, grid->h, QUANTITY_TIME, 4);
     error_set(error, ERROR_COMMAND,
-              "dt = %s is too large for %s: each step makes the motion grow by a factor of %.4g",
+              "dt = %s is too large for %s: each step multiplies the motion by %.4g",
               buffer_view(&text), method->row.name, exp(excess));
     buffer_clear(&text);
     buffer_quantity(&text, limit, QUANTITY_TIME, 3);
     if (limit > 0)
-        error_hint(error, "dt up to %s will do; smaller is more exact", buffer_view(&text));
+        error_hint(error, "use dt <= %s; smaller steps are more accurate", buffer_view(&text));
     else
-        error_hint(error, "no dt will do: method=%s", noise_method_natural(forcing)->row.name);
+        error_hint(error, "no dt is small enough; use method=%s",
+                   noise_method_natural(forcing)->row.name);
     buffer_free(&text);
     return false;
 }
@@ -46,13 +47,13 @@ bool noise_path_grid_make(const struct noise_forcing *forcing, const struct nois
 {
     static const double rounding = 1e-9; /* relative to a step: 1 s / 0.1 s are 10 steps */
     if (method->needs_velocity && forcing->system.order != 2) {
-        error_set(error, ERROR_COMMAND, "%s needs velocities, and the scene has none",
+        error_set(error, ERROR_COMMAND, "%s needs velocities, but the scene has none",
                   method->row.name);
         return error_hint(error, "method=%s", noise_method_natural(forcing)->row.name);
     }
     const double wanted = ceil(span / dt - rounding);
     if (!(wanted <= PATH_STEPS_MAX))
-        return error_set(error, ERROR_COMMAND, "%.3g steps are too many: at most %.0g", wanted,
+        return error_set(error, ERROR_COMMAND, "%.3g steps are too many; the limit is %.0g", wanted,
                          (double)PATH_STEPS_MAX);
     const int64_t steps = wanted < 1 ? 1 : (int64_t)wanted;
     const int64_t rows = steps < (int64_t)intervals ? steps : (int64_t)intervals;
@@ -227,7 +228,7 @@ bool noise_ensemble_follow(const struct path_request *request, const struct path
     if (parallel.progress)
         parallel.progress(parallel.progress_context, 2);
     if (cancelled(parallel.cancel))
-        return error_set(error, ERROR_CANCELLED, "stopped: the ensemble is dropped");
+        return error_set(error, ERROR_CANCELLED, "stopped; no ensemble was kept");
     for (int64_t i = 0; i < paths; i++)
         ensemble->diverged += isnan(ensemble->end[(size_t)i * n]);
     return true;

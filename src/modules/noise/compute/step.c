@@ -106,7 +106,7 @@ static const struct noise_method methods[] = {
       "Kloeden, Platen 1992, section 15.1", NULL},
      false,
      step_heun},
-    {{"baoab", "", "splitting with exact damping and noise, weak order 2, one force a step",
+    {{"baoab", "", "splitting with exact damping and noise, weak order 2, one force per step",
       "Leimkuhler, Matthews 2013, Appl. Math. Res. eXpress 2013:34", NULL},
      true,
      step_baoab},

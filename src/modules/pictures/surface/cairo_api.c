@@ -27,8 +27,7 @@ bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
     if (missing)
         return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures",
                          library, missing);
-    error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded",
-              library);
+    error_set(error, ERROR_COMMAND, "pictures need cairo, but %s cannot be loaded", library);
     return error_hint(error, "install libcairo2, or write a picture into a file that ends in .svg");
 }
 
@@ -68,7 +67,7 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
                                 "the picture could not be drawn", PICTURE_SECONDS_MAX};
     const bool done = child_run(&child, output, error);
     if (!done && error->code == ERROR_IO)
-        error_hint(error, "a file that ends in .svg needs no library of the system's");
+        error_hint(error, "a file that ends in .svg needs no system library");
     return done;
 }
 
@@ -82,7 +81,7 @@ static bool has_cairo(enum picture kind, struct error *error)
 #else
 static bool has_cairo(enum picture kind, struct error *error)
 {
-    error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s",
+    error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which is needed for %s",
               kind == PICTURE_PDF ? "pdf files" : "pixels");
     return error_hint(
         error, "install libcairo2-dev and build it again, or write a picture into a file that ends "

@@ -127,7 +127,7 @@ static bool sum_add(struct written *w, const struct expr **sum, const struct exp
                     struct error *error)
 {
     if (!has_numbers(more))
-        return error_set(error, ERROR_COMMAND, "the forces hold a number that is not finite");
+        return error_set(error, ERROR_COMMAND, "the forces contain a number that is not finite");
     *sum = *sum ? typed_join(&w->arena, *sum, more, OP_ADD, error) : more;
     return *sum;
 }
