@@ -200,6 +200,10 @@ static inline bool has_argument(const struct arguments *arguments, const char *n
     return argument_value(arguments, name)->count > 0;
 }
 
+/* Returns the text of the argument of this name, which the command has to have, or an empty text
+ * if it was not given. */
+struct text argument_text(const struct arguments *arguments, const char *name);
+
 /* Returns what was given for an argument that a module adds to the command. Returns NULL if nothing
  * was given, or if the module is left out. */
 const struct argument_value *added_argument(const struct arguments *arguments, const char *name);

@@ -31,6 +31,10 @@ struct sink {
     void *context;
 };
 
+/* Takes what nobody wants to see: the sink of results, or of messages, of a reply whose other half
+ * is read. */
+bool sink_nothing(void *context, struct text text);
+
 #define REPLY_DEPTH 8
 #define REPLY_NAME 48 /* [byte] of an object in an array, for its columns */
 

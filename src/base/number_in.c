@@ -56,11 +56,6 @@ struct scanned {
     size_t first, mantissa_end, used; /* [byte] */
 };
 
-static bool is_number_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* The exponent part at text[at], if there is a whole one; *position moves behind it. */
 static int64_t scan_exponent(struct text text, size_t *position)
 {
@@ -71,10 +66,10 @@ static int64_t scan_exponent(struct text text, size_t *position)
     bool negative = i < text.len && text.data[i] == '-';
     if (i < text.len && (text.data[i] == '-' || text.data[i] == '+'))
         i++;
-    if (i >= text.len || !is_number_digit(text.data[i]))
+    if (i >= text.len || !is_digit_char(text.data[i]))
         return 0;
     int64_t value = 0;
-    for (; i < text.len && is_number_digit(text.data[i]); i++)
+    for (; i < text.len && is_digit_char(text.data[i]); i++)
         value = value < EXPONENT_MAX ? value * 10 + (text.data[i] - '0') : value;
     *position = i;
     return negative ? -value : value;
@@ -93,7 +88,7 @@ static bool number_scan(struct text text, char decimal, struct scanned *s)
             point = true;
             continue;
         }
-        if (!is_number_digit(c))
+        if (!is_digit_char(c))
             break;
         any = true;
         s->exponent -= point;
@@ -145,7 +140,7 @@ static double by_library(struct text text, const struct scanned *s)
     bool more = false;
     for (size_t i = s->first; i < s->mantissa_end; i++) {
         char c = text.data[i];
-        if (!is_number_digit(c) || (seen == 0 && c == '0'))
+        if (!is_digit_char(c) || (seen == 0 && c == '0'))
             continue;
         if (seen++ < DIGITS_MAX)
             z[len++] = c;

@@ -79,7 +79,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
     *statement = (struct text){all.data, i};
     const bool comment = i < all.len && all.data[i] == '#';
     const size_t cut = comment ? all.len : i < all.len ? i + 1 : i;
-    *line = (struct text){all.data + cut, all.len - cut};
+    *line = text_after(all, cut);
     text_skip_blanks(statement);
     while (statement->len > 0 && is_blank(statement->data[statement->len - 1]))
         statement->len--;

@@ -37,7 +37,7 @@ struct text text_last_component(struct text path)
     size_t begin = path.len;
     while (begin > 0 && path.data[begin - 1] != '/')
         begin--;
-    return (struct text){path.data + begin, path.len - begin};
+    return text_after(path, begin);
 }
 
 struct text text_ending(struct text path)
@@ -46,7 +46,7 @@ struct text text_ending(struct text path)
     size_t dot = name.len;
     while (dot > 0 && name.data[dot - 1] != '.')
         dot--;
-    return dot > 1 ? (struct text){name.data + dot, name.len - dot} : TEXT("");
+    return dot > 1 ? text_after(name, dot) : TEXT("");
 }
 
 struct text text_trim(struct text a)

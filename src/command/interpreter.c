@@ -34,7 +34,7 @@ static bool is_equation(struct text statement)
     struct text rest = {statement.data + name.len, statement.len - name.len};
     const size_t marked = rest.len;
     while (rest.len > 0 && rest.data[0] == '\'')
-        rest = (struct text){rest.data + 1, rest.len - 1};
+        rest = text_after(rest, 1);
     const bool marks = rest.len < marked;
     text_skip_blanks(&rest);
     return name.len > 0 && marks && rest.len > 0 && rest.data[0] == '=';

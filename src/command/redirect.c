@@ -21,7 +21,7 @@ static struct text behind_sign(struct text statement)
         else if (c == '\'' || c == '"')
             quote = c;
         else if (c == '>')
-            found = (struct text){statement.data + i + 1, statement.len - i - 1};
+            found = text_after(statement, i + 1);
     }
     return found;
 }
@@ -48,7 +48,7 @@ static const struct row *ending_row(const struct catalog *catalog, struct text f
         dot--;
     if (dot < 2 || file.data[dot - 1] != '.')
         return NULL;
-    return catalog_find(catalog, (struct text){file.data + dot, file.len - dot});
+    return catalog_find(catalog, text_after(file, dot));
 }
 
 /* Returns the name of the plot that shows what the command finds, or NULL if there is none. */

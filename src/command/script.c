@@ -46,7 +46,7 @@ bool script_feed(struct script *script, struct session *session, struct text lin
         return false;
     script->where.line++;
     if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
-        line = (struct text){line.data + 3, line.len - 3};
+        line = text_after(line, 3);
     script_line_show(session, line, reply);
     const struct text whole = line;
     line = text_trim(line);

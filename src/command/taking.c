@@ -2,8 +2,6 @@
 /* Search for the commands that take an argument that was given to another one. */
 #include "command/finding.h"
 
-#include <string.h>
-
 /* Returns true if the argument has that name, or such a choice. A bare word is no key: print x,
  * plot x=0:5. */
 static bool is_named(const struct argument *argument, struct text word, bool as_choice,

@@ -19,6 +19,12 @@ const struct argument_value *argument_value(const struct arguments *arguments, c
     return &arguments->value[index];
 }
 
+struct text argument_text(const struct arguments *arguments, const char *name)
+{
+    const struct argument_value *one = argument_value(arguments, name);
+    return one->count ? one->item->text : (struct text){NULL, 0};
+}
+
 const struct argument_value *added_argument(const struct arguments *arguments, const char *name)
 {
     const struct command *command = arguments->command;
@@ -98,7 +104,7 @@ static bool read_into(struct argument_progress *progress, int index, const char 
         value->count++;
         more = many && parser->rest.len > 0 && parser->rest.data[0] == ',';
         if (more)
-            parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
+            parser->rest = text_after(parser->rest, 1);
     }
     value->where = (struct text){start, (size_t)(parser->rest.data - start)};
     progress->number = type_is(argument, TYPE_IS_NUMBER) ? &value->item[value->count - 1] : NULL;

@@ -156,7 +156,7 @@ void complete_value(struct completion *c, struct text value, enum quantity quant
         return;
     const size_t operand_begin = operand(c, names);
     const char last = last_letter(value);
-    c->word = (struct text){c->word.data + operand_begin, c->word.len - operand_begin};
+    c->word = text_after(c->word, operand_begin);
     if (operand_begin > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
         names(c);
     else if (last >= '0' && last <= '9')

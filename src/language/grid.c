@@ -45,7 +45,7 @@ static bool take_colon(struct parser *parser)
 {
     const bool there = text_starts(parser->rest, TEXT(":"));
     if (there)
-        parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
+        parser->rest = text_after(parser->rest, 1);
     text_skip_blanks(&parser->rest);
     return there;
 }
@@ -102,7 +102,7 @@ bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *er
     grid->log = text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 &&
                 strchr("0123456789.", parser->rest.data[1]);
     if (grid->log)
-        parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
+        parser->rest = text_after(parser->rest, 1);
     if (!parse_value(parser, grid->name, grid->log ? QUANTITY_NUMBER : grid->quantity, &step,
                      error) ||
         !refuse_rest(parser, &step, error))

@@ -186,7 +186,7 @@ static bool is_of_table(struct text rest)
         if (string.len && strchr("'\"", string.data[0]))
             used += text_quoted(string);
         used = used ? used : 1;
-        rest = (struct text){rest.data + used, rest.len - used};
+        rest = text_after(rest, used);
     }
     return false;
 }
@@ -232,7 +232,7 @@ READ_ITEM(read_condition)
         return false;
     item->text = (struct text){parser->rest.data, used};
     item->condition = condition;
-    parser->rest = (struct text){parser->rest.data + used, parser->rest.len - used};
+    parser->rest = text_after(parser->rest, used);
     return true;
 }
 
@@ -249,7 +249,7 @@ READ_ITEM(read_start)
     text_skip_blanks(&parser->rest);
     if (parser->rest.len == 0 || parser->rest.data[0] != '=')
         return error_at(error, name, "'%s' needs a value: %s=VALUE", what, what);
-    parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
+    parser->rest = text_after(parser->rest, 1);
     if (!parse_value(parser, what, QUANTITY_OTHER, item, error))
         return false;
     item->text = name;
@@ -267,7 +267,7 @@ READ_ITEM(read_side)
     if (!text_starts(parser->rest, TEXT("=")))
         return error_at(error, name, "%.*s needs a range, as in %.*s=-1:1", (int)name.len,
                         name.data, (int)name.len, name.data);
-    parser->rest = (struct text){parser->rest.data + 1, parser->rest.len - 1};
+    parser->rest = text_after(parser->rest, 1);
     const int variable = model_state(parser->session->setup.scene.model, name);
     const char *known =
         variable < 0 ? "range" : parser->session->setup.scene.model->variable[variable].name;
@@ -296,7 +296,7 @@ READ_ITEM(read_model)
         return false;
     }
     item->text = text_trim((struct text){rest.data, used});
-    parser->rest = (struct text){rest.data + used, rest.len - used};
+    parser->rest = text_after(rest, used);
     return true;
 }
 
@@ -345,7 +345,7 @@ READ_ITEM(read_unit)
 
 static void parser_take(struct parser *parser, size_t used)
 {
-    parser->rest = (struct text){parser->rest.data + used, parser->rest.len - used};
+    parser->rest = text_after(parser->rest, used);
 }
 
 READ_ITEM(read_name)

@@ -2,8 +2,6 @@
 /* The line of usage, made from the arguments. */
 #include <hooke/language.h>
 
-#include <string.h>
-
 /* Appends the usage of an item: "V", "FILE", or the choices themselves if they are few. */
 static void put_item(const struct argument *argument, struct buffer *output)
 {

@@ -39,8 +39,7 @@ static bool starts_uncertainty(struct text text)
 struct text before_option(struct text text)
 {
     for (size_t i = 1; i + 2 < text.len; i++)
-        if (strchr(" \t", text.data[i - 1]) &&
-            text_starts((struct text){text.data + i, text.len - i}, TEXT("--")) &&
+        if (strchr(" \t", text.data[i - 1]) && text_starts(text_after(text, i), TEXT("--")) &&
             (is_name_start(text.data[i + 2]) || strchr(" \t", text.data[i + 2])))
             return (struct text){text.data, i};
     return text;
@@ -267,11 +266,6 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     return true;
 }
 
-static bool is_value_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error)
 {
@@ -299,7 +293,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     struct text next = parser->rest;
     text_skip_blanks(&next);
     const bool open = next.len == 0 || (next.data != parser->rest.data &&
-                                        !is_value_digit(next.data[0]) && next.data[0] != '.');
+                                        !is_digit_char(next.data[0]) && next.data[0] != '.');
     if (!open) {
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
@@ -349,9 +343,9 @@ static bool decimal_comma(struct text rest, struct error *error)
 {
     /* rest.at[-1] is the last digit of the number before the comma. */
     const char *begin = rest.data, *end = rest.data + 1;
-    while (is_value_digit(begin[-1]) || begin[-1] == '-' || begin[-1] == '.')
+    while (is_digit_char(begin[-1]) || begin[-1] == '-' || begin[-1] == '.')
         begin--;
-    while (end < rest.data + rest.len && is_value_digit(*end))
+    while (end < rest.data + rest.len && is_digit_char(*end))
         end++;
     error_at(error, text_between(begin, end),
              "decimal comma in '%.*s': the decimal mark is a point", (int)(end - begin), begin);
@@ -365,10 +359,10 @@ static bool lacks_unit(const struct item *number)
     struct text last = number->text;
     double value;
     while (last.len > 2 && !starts_uncertainty(last))
-        last = (struct text){last.data + 1, last.len - 1};
+        last = text_after(last, 1);
     if (last.len <= 2)
         return !number->unit;
-    return real_parse(text_trim((struct text){last.data + 2, last.len - 2}), &value) == REAL_OK;
+    return real_parse(text_trim(text_after(last, 2)), &value) == REAL_OK;
 }
 
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
@@ -376,8 +370,8 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     struct text rest = parser->rest;
     if (rest.len == 0)
         return true;
-    if (number && rest.len >= 2 && rest.data[0] == ',' && is_value_digit(rest.data[1]) &&
-        is_value_digit(rest.data[-1]))
+    if (number && rest.len >= 2 && rest.data[0] == ',' && is_digit_char(rest.data[1]) &&
+        is_digit_char(rest.data[-1]))
         return decimal_comma(rest, error);
     text_skip_blanks(&rest);
     if (rest.len == 0)
@@ -401,7 +395,7 @@ static bool read_length(struct text text, double *side)
     size_t used;
     if (real_scan(text, '.', side, &used) != REAL_OK || used == 0)
         return false;
-    const struct text name = text_trim((struct text){text.data + used, text.len - used});
+    const struct text name = text_trim(text_after(text, used));
     const struct unit *unit = name.len ? unit_find(name) : unit_find(TEXT("cm"));
     *side *= unit && unit->quantity == QUANTITY_LENGTH ? unit->factor : NAN;
     return !isnan(*side);

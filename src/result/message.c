@@ -4,8 +4,6 @@
 #include <hooke/base/safe_text.h>
 #include <hooke/result.h>
 
-#include <string.h>
-
 #define SHOWN_WIDTH 100 /* [column] of a long line that is shown around the caret */
 
 /* A formatted text with everything visible that could command a terminal, whatever was put into it.
@@ -99,7 +97,7 @@ static size_t place_column(struct text line, struct text where)
     for (struct text rest = {line.data, (size_t)(where.data - line.data)}; rest.len > 0; column++) {
         size_t used;
         text_codepoint(rest, &used);
-        rest = (struct text){rest.data + used, rest.len - used};
+        rest = text_after(rest, used);
     }
     return column;
 }
@@ -119,7 +117,7 @@ static struct text clip_from(struct text text, size_t width)
     while ((size_t)text_width(text) > width && text.len > 0) {
         size_t used;
         text_codepoint(text, &used);
-        text = (struct text){text.data + used, text.len - used};
+        text = text_after(text, used);
     }
     return text;
 }
@@ -129,8 +127,7 @@ static struct text clip_to(struct text text, size_t width)
     size_t len = 0, columns = 0;
     while (len < text.len) {
         size_t used;
-        const int w =
-            codepoint_width(text_codepoint((struct text){text.data + len, text.len - len}, &used));
+        const int w = codepoint_width(text_codepoint(text_after(text, len), &used));
         if (columns + (size_t)w > width)
             break;
         columns += (size_t)w;

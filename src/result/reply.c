@@ -9,6 +9,13 @@
 #include <stdio.h>
 #include <string.h>
 
+bool sink_nothing(void *context, struct text text)
+{
+    (void)context;
+    (void)text;
+    return true;
+}
+
 void reply_init(struct reply *reply, struct sink sink)
 {
     *reply = (struct reply){.sink = sink};

@@ -87,7 +87,7 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
     const bool ends = i >= rest.len || rest.data[i] == '\n';
     const bool ok = i <= rest.len && (ends || rest.data[i] == separator);
     const size_t used = i < rest.len ? i + 1 : rest.len;
-    r->rest = (struct text){rest.data + used, rest.len - used};
+    r->rest = text_after(rest, used);
     *last = ends;
     const char *own = ok ? buffer_text_copy(r, &text) : NULL;
     /* A cell that a spreadsheet would run was written with a ' before it. */
@@ -212,11 +212,11 @@ static bool table_text_take(struct table_reading *r, const char *what)
 {
     text_skip_blanks(&r->rest);
     while (r->rest.len > 0 && r->rest.data[0] == '\n')
-        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
+        r->rest = text_after(r->rest, 1);
     const struct text wanted = text_of(what);
     if (!text_starts(r->rest, wanted))
         return false;
-    r->rest = (struct text){r->rest.data + wanted.len, r->rest.len - wanted.len};
+    r->rest = text_after(r->rest, wanted.len);
     return true;
 }
 
@@ -230,7 +230,7 @@ static bool read_code(struct table_reading *r, uint32_t *code)
         if (!cursor)
             return false;
         *code = *code * 16 + (uint32_t)(cursor - digits);
-        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
+        r->rest = text_after(r->rest, 1);
     }
     return true;
 }
@@ -264,7 +264,7 @@ static const char *read_string(struct table_reading *r)
     bool ok = table_text_take(r, "\"");
     while (ok && r->rest.len > 0 && r->rest.data[0] != '"') {
         const char c = r->rest.data[0];
-        r->rest = (struct text){r->rest.data + 1, r->rest.len - 1};
+        r->rest = text_after(r->rest, 1);
         if (c == '\\')
             ok = read_escape(r, &text);
         else
@@ -323,7 +323,7 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
             if (!table_text_take(r, "null") &&
                 !is_number_status(real_scan(r->rest, '.', &value[*rows], &used)))
                 return damaged(r, "a value is not a number");
-            r->rest = (struct text){r->rest.data + used, r->rest.len - used};
+            r->rest = text_after(r->rest, used);
         }
         ++*rows;
     }

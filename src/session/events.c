@@ -5,7 +5,6 @@
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

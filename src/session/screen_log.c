@@ -69,8 +69,7 @@ struct text log_row(struct text line, size_t *offset, int width, int *indent)
     size_t position = 0, end = 0; /* bytes examined so far; the end of the last word that fits */
     while (position < rest.len) {
         size_t used;
-        left -= codepoint_width(
-            text_codepoint((struct text){rest.data + position, rest.len - position}, &used));
+        left -= codepoint_width(text_codepoint(text_after(rest, position), &used));
         if (rest.data[position] == ' ' && position > 0 && rest.data[position - 1] != ' ')
             end = position;
         if (left < 0 && (end > 0 || position > 0))

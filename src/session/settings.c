@@ -158,7 +158,7 @@ static void show_tol(const struct settings *settings, struct buffer *text)
 static bool parse_record(struct settings *settings, struct text value, struct error *error)
 {
     struct text word = peek_word(value, "");
-    struct text rest = text_trim((struct text){value.data + word.len, value.len - word.len});
+    struct text rest = text_trim(text_after(value, word.len));
     double every;
     if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
         settings->record =

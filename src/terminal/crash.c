@@ -2,7 +2,6 @@
 /* The terminal is given back usable at every end: fatal signals, and readline without memory. */
 #include "terminal/terminal.h"
 
-#include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,6 @@
  * any time: readline's thread where it wants a key, or has a line. Its callbacks have no context:
  * panes_active is it.
  */
-#include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 

@@ -3,7 +3,6 @@
 #include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
 
-#include <errno.h>
 #include <langinfo.h>
 #include <locale.h>
 #include <stdlib.h>
@@ -177,7 +176,7 @@ void offer_next(struct front_program *program, bool typed_ahead)
         fits = first_statement(buffer_text(offer), 2 * room - label);
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
-        buffer_put(later, text_trim((struct text){whole.data + fits + 1, whole.len - fits - 1}));
+        buffer_put(later, text_trim(text_after(whole, fits + 1)));
     }
     if (fits == 0 || offer->failed || later->failed) {
         buffer_clear(offer);

@@ -6,7 +6,6 @@
 #include <hooke/plot.h>
 #include "terminal/panes.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include <readline/history.h>

@@ -87,19 +87,12 @@ static void log_typed(struct panes *panes, struct text typed)
     }
 }
 
-static bool say_nothing(void *context, struct text text)
-{
-    (void)context;
-    (void)text;
-    return true;
-}
-
 /* Executes a line that only looks at the screen; it reports nothing, unless it fails. */
 static void execute_silently(struct panes *panes, struct text line)
 {
     const struct source nobody = {0};
     struct reply reply;
-    reply_init(&reply, (struct sink){say_nothing, panes_note, panes});
+    reply_init(&reply, (struct sink){sink_nothing, panes_note, panes});
     command_exec(panes_session(panes), line, &(struct source){.parent = &nobody}, &reply);
     reply_free(&reply);
 }

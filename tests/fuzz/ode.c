@@ -3,7 +3,6 @@
 #include "modules/xppaut/ode_file.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define CORPUS "ode"
 #include "fuzz/replay.h"

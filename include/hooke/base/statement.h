@@ -7,8 +7,11 @@
 /* Moves the next statement from *line to *statement and drops comments. Returns false if nothing is
  * left, with `error` set if a quoted string does not end. */
 bool next_statement(struct text *line, struct text *statement, struct error *error);
+/* Returns true for letters and the underscore, with which names begin. */
 bool is_name_start(char c);
+/* Returns true for what names consist of: letters, digits and the underscore. */
 bool is_name_char(char c);
+/* Moves the beginning of the text beyond its leading spaces and tabs. */
 void text_skip_blanks(struct text *text);
 /* Returns what follows the first `count` bytes and the blanks behind them. */
 struct text text_behind(struct text text, size_t count);

@@ -26,6 +26,20 @@ struct text {
 
 #define TEXT(literal) ((struct text){(literal), sizeof(literal) - 1})
 
+/* Returns true for the digits 0 to 9, whatever the locale; isdigit() of <ctype.h> wants an unsigned
+ * character. */
+static inline bool is_digit_char(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* Returns what follows the first `count` bytes of a text, a slice of the same memory. The text has
+ * at least as many bytes: nothing checks it. */
+static inline struct text text_after(struct text text, size_t count)
+{
+    return (struct text){text.data + count, text.len - count};
+}
+
 /* Returns the text up to the NUL; NULL gives the empty text. */
 struct text text_of(const char *z);
 bool text_equal(struct text a, struct text b);

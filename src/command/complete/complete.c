@@ -14,7 +14,7 @@ struct text last_word(struct text preceding)
     size_t begin = preceding.len;
     while (begin > 0 && preceding.data[begin - 1] != ' ' && preceding.data[begin - 1] != '\t')
         begin--;
-    return (struct text){preceding.data + begin, preceding.len - begin};
+    return text_after(preceding, begin);
 }
 
 int count_words(struct text text)
@@ -23,7 +23,7 @@ int count_words(struct text text)
     for (struct text word; (text = text_trim(text)).len > 0; count++) {
         word = peek_word(text, "");
         const size_t used = word.len ? word.len : 1;
-        text = (struct text){text.data + used, text.len - used};
+        text = text_after(text, used);
     }
     return count;
 }
@@ -137,9 +137,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
     }
     const struct argument *word = find_by_form(command, FORM_WORD, last);
     const struct argument *option =
-        last.len > 2
-            ? find_by_form(command, FORM_OPTION, (struct text){last.data + 2, last.len - 2})
-            : NULL;
+        last.len > 2 ? find_by_form(command, FORM_OPTION, text_after(last, 2)) : NULL;
     if (word && word->type != TYPE_NONE)
         complete_item(c, word, TEXT(""));
     else if (option && option->type != TYPE_NONE)
@@ -167,7 +165,7 @@ static const struct command *formula_command(struct text statement, struct text 
     text_skip_blanks(&statement);
     const struct text name = peek_name(statement);
     const struct command *command = command_at(catalog_find(&command_catalog, name));
-    *rest = (struct text){statement.data + name.len, statement.len - name.len};
+    *rest = text_after(statement, name.len);
     if (name.len > 0 && rest->len > 0 && rest->data[0] == '\'')
         return command_with(COMMAND_EQUATES);
     const bool formula = command && command->arguments > 0 &&
@@ -261,8 +259,7 @@ command_complete(struct session *session, struct text line, size_t cursor, size_
     else if (remainder.len > 0 && remainder.data[0] == '=')
         complete_set(&c, name, preceding);
     else if (command)
-        complete_arguments(&c, command,
-                           (struct text){preceding.data + name.len, preceding.len - name.len});
+        complete_arguments(&c, command, text_after(preceding, name.len));
     *start = (size_t)(c.word.data - line.data);
     return c.file;
 }

@@ -73,12 +73,12 @@ static void complete_event(struct completion *c, struct text rest)
     text_skip_blanks(&value);
     if (!text_is(peek_word(value, ""), "when"))
         return;
-    value = (struct text){value.data + 4, value.len - 4};
+    value = text_after(value, 4);
     struct text last = {0}, left = value;
     while (text_skip_blanks(&left), left.len > 0) {
         last = peek_word(left, "");
         const size_t used = last.len ? last.len : 1;
-        left = (struct text){left.data + used, left.len - used};
+        left = text_after(left, used);
         if (text_is(last, "do") && text_trim(left).len > 0)
             return;
     }

@@ -35,7 +35,7 @@ void complete_set(struct completion *c, struct text name, struct text preceding)
                          (size_t)(preceding.data + preceding.len - name.data) - name.len};
     text_skip_blanks(&value);
     if (value.len > 0 && value.data[0] == '=')
-        value = (struct text){value.data + 1, value.len - 1};
+        value = text_after(value, 1);
     complete_value(c, value, quantity, complete_operands);
 }
 

@@ -5,8 +5,6 @@
 #include <hooke/command/handler.h>
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum cursor_action {
     GO_LEFT,

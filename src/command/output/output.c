@@ -103,7 +103,7 @@ static bool say_in_pieces(const struct session *session, struct text text, struc
         if (cancelled(session->front.cancel))
             return error_set(error, ERROR_CANCELLED, "stopped: %zu bytes were left out", text.len);
         reply_data(reply, "export", (struct text){text.data, size});
-        text = (struct text){text.data + size, text.len - size};
+        text = text_after(text, size);
     }
     reply_data(reply, "export", text);
     return true;

@@ -4,7 +4,6 @@
 #include "command/run/event_pass.h"
 
 #include <math.h>
-#include <string.h>
 
 #define PASSES_MAX 10000 /* events whose commands let a run go on, in one command */
 /* Events pile up if they are closer than this part of the longest time between two. */

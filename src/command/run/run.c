@@ -5,7 +5,6 @@
 #include "command/run/going.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */

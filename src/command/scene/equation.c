@@ -228,10 +228,10 @@ HANDLER(equation)
 {
     struct text rest = argument_value(args, "NAME' = EXPR")->item->text;
     struct typed_line line = {.kind = TYPED_EQUATION, .name = peek_name(rest)};
-    rest = (struct text){rest.data + line.name.len, rest.len - line.name.len};
+    rest = text_after(rest, line.name.len);
     while (rest.len > 0 && rest.data[0] == '\'') {
         line.order++;
-        rest = (struct text){rest.data + 1, rest.len - 1};
+        rest = text_after(rest, 1);
     }
     if (line.name.len == 0 || line.order < 1 || line.order > 2) {
         error_at(error, peek_word(argument_value(args, "NAME' = EXPR")->item->text, "="),

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* method */
 #ifndef COMMAND_ROWS
-#include <hooke/base/number.h>
 #include <hooke/command/handler.h>
-
-#include <string.h>
 
 static void reply_method(const struct session *session, struct reply *reply)
 {

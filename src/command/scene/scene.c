@@ -154,10 +154,10 @@ struct parser value_parser(struct session *session, const struct arguments *args
 {
     struct text value = argument_value(args, "VALUE")->item->text;
     if (value.len > 0 && value.data[0] == '\'') /* part of a velocity's name */
-        value = (struct text){value.data + 1, value.len - 1};
+        value = text_after(value, 1);
     text_skip_blanks(&value);
     if (value.len > 0 && value.data[0] == '=')
-        value = (struct text){value.data + 1, value.len - 1};
+        value = text_after(value, 1);
     return (struct parser){session, args->scope, args->arena, value};
 }
 

@@ -3,7 +3,6 @@
 #include <hooke/command/handler.h>
 
 #include <stdlib.h>
-#include <string.h>
 
 static void list_atol(const struct session *session, struct reply *reply)
 {

@@ -14,7 +14,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #define HELP_WIDTH 80 /* Width of help [cell] without a terminal and --size. */
 
@@ -443,7 +442,7 @@ static bool speaks_of(const struct catalog *catalog, const struct row *row, stru
         while (i < COUNT_OF(said) && !text_mentions(said[i], word))
             i++;
         all = i < COUNT_OF(said);
-        words = (struct text){words.data + word.len, words.len - word.len};
+        words = text_after(words, word.len);
         text_skip_blanks(&words);
     }
     return all;

@@ -17,8 +17,7 @@ static const struct argument *find_argument(const struct command *command, struc
         const bool named =
             argument->form == FORM_KEY ? text_is(key, argument->name)
             : argument->form == FORM_OPTION
-                ? text_starts(word, TEXT("--")) &&
-                      text_is((struct text){word.data + 2, word.len - 2}, argument->name)
+                ? text_starts(word, TEXT("--")) && text_is(text_after(word, 2), argument->name)
                 : argument->form == FORM_WORD && text_is(word, argument->name);
         if (named && !(argument->form == FORM_KEY && type_is(argument, TYPE_IS_ANY_KEY)))
             return argument;
@@ -57,9 +56,9 @@ static bool put_sentences(struct text text, struct text name, struct buffer *out
             len++;
         len = len < text.len ? len : text.len;
         struct text sentence = {text.data, len};
-        text = (struct text){text.data + len, text.len - len};
+        text = text_after(text, len);
         while (sentence.len > 0 && strchr(" \n", sentence.data[0]))
-            sentence = (struct text){sentence.data + 1, sentence.len - 1};
+            sentence = text_after(sentence, 1);
         if (!stands_in(sentence, name))
             continue;
         buffer_put(output, text_of(separator));
@@ -106,8 +105,7 @@ struct text help_topic_of(struct text words, const struct command **command)
 {
     words = text_trim(words);
     const struct text first = peek_word(words, "");
-    const struct text rest =
-        text_trim((struct text){words.data + first.len, words.len - first.len});
+    const struct text rest = text_trim(text_after(words, first.len));
     *command = rest.len > 0 && peek_word(rest, "").len == rest.len
                    ? command_at(catalog_find(&command_catalog, first))
                    : NULL;

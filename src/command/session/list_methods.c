@@ -39,7 +39,7 @@ static bool read_wanted(struct text words, struct wanted_methods *wanted, struct
 {
     while ((words = text_trim(words)).len > 0) {
         const struct text word = peek_word(words, "");
-        words = (struct text){words.data + word.len, words.len - word.len};
+        words = text_after(words, word.len);
         if (text_is(word, "order")) {
             words = text_trim(words);
             const struct text number = peek_word(words, "");
@@ -48,7 +48,7 @@ static bool read_wanted(struct text words, struct wanted_methods *wanted, struct
                 return error_at(error, number.len ? number : word,
                                 "order needs a number: list methods order 4");
             wanted->order = (int)order;
-            words = (struct text){words.data + number.len, words.len - number.len};
+            words = text_after(words, number.len);
             continue;
         }
         const struct row *row = catalog_find(&method_kind_catalog, word);

@@ -8,8 +8,6 @@
 #include <hooke/command/handler.h>
 #include <hooke/session/log.h>
 
-#include <string.h>
-
 HANDLER(source)
 {
     char *path = script_path(args->where, argument_value(args, "FILE")->item->text, args->arena);
@@ -52,7 +50,7 @@ HANDLER(record)
 
 static bool contains(struct text rest, struct text wanted)
 {
-    for (; rest.len >= wanted.len; rest = (struct text){rest.data + 1, rest.len - 1}) {
+    for (; rest.len >= wanted.len; rest = text_after(rest, 1)) {
         if (text_starts(rest, wanted))
             return true;
         if (rest.len == 0)
@@ -79,8 +77,7 @@ HANDLER(history)
         if (!history_is_typed(session, entry))
             continue;
         number++;
-        if (search ? !contains(line, (struct text){word.data + 1, word.len - 1})
-                   : number <= log->lines - max)
+        if (search ? !contains(line, text_after(word, 1)) : number <= log->lines - max)
             continue;
         struct buffer text = {0};
         buffer_format(&text, "%5d  ", number);

@@ -20,11 +20,6 @@ static inline int system_variables(const struct system *system)
     return system->n;
 }
 
-static void any_slope(const void *system, double t, const double *y, double *dydt)
-{
-    system_derivative(system, t, y, dydt);
-}
-
 /* A whole typed scene in one program: prepared once a march, not at each evaluation. */
 struct whole {
     const struct system *system;
@@ -132,7 +127,7 @@ static enum step_status any_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
     return picked_step(method, system_variables(system), stride_of(system->n), combine_blocks(),
-                       any_slope, system, step);
+                       step_slope, system, step);
 }
 
 static int64_t any_split(const struct method *method, const struct march *march)

@@ -33,11 +33,6 @@ static bool estimate_diagonal(const struct implicit_tableau *tableau, struct ste
                          step->error, own);
 }
 
-static void irk_slope(const void *system, double t, const double *y, double *dydt)
-{
-    system_derivative(system, t, y, dydt);
-}
-
 static enum step_status stage_of(const void *system, struct step *step, double t, double h,
                                  const double *y, double *z, double *sum, double *work)
 {
@@ -52,7 +47,7 @@ static enum step_status diagonal_step(const struct implicit_tableau *tableau, st
            *own = base + n;
     if (!step->warm)
         newton_forget(own);
-    const enum step_status status = diagonal_stages(tableau, n, stage_of, irk_slope, step->system,
+    const enum step_status status = diagonal_stages(tableau, n, stage_of, step_slope, step->system,
                                                     step, step->warm, slope, z, sum, base, own);
     if (status != STEP_OK)
         return status;

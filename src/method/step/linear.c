@@ -6,7 +6,6 @@
  */
 #include "method/step/step.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
 /* Growth above 1 that is taken for rounding. */

@@ -24,20 +24,10 @@ static double fraction(double tol)
 
 const struct implicit_tableau newton_euler = NEWTON_EULER;
 
-static void system_slope(const void *system, double t, const double *y, double *dydt)
-{
-    system_derivative(system, t, y, dydt);
-}
-
-static void system_slopes(const void *system, double t, const double *y, double *jac)
-{
-    system_jacobian(system, t, y, jac);
-}
-
 struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
                         const struct system *system)
 {
-    return (struct newton){tableau, rest, system_slope, system_slopes, system};
+    return (struct newton){tableau, rest, step_slope, step_jacobian, system};
 }
 
 void newton_stages(const struct newton *equations, struct step *step, int n, double t, double h,
@@ -211,7 +201,7 @@ enum step_status newton_stage(struct step *step, double t, double h, const doubl
         return solve_oscillator(step, t, h, y, z, sum);
     if (system->order == 2 && system->n == 2 && !system->linear && step->tol == 0) {
         newton_forget(work); /* no factors of this step are there */
-        return motion_stage(system_slope, system_slopes, system, step, t, h, y, z, sum, work);
+        return motion_stage(step_slope, step_jacobian, system, step, t, h, y, z, sum, work);
     }
     const struct newton equations = newton_of(&newton_euler, newton_stages, system);
     memset(z, 0, (size_t)system->n * sizeof *z);

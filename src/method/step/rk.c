@@ -15,11 +15,6 @@ static double *interpolant_ready(const struct tableau *tableau, const struct ste
     return step->work + (tableau->stages + tableau->extra + 1) * step->system->n;
 }
 
-static void slope(const void *system, double t, const double *y, double *dydt)
-{
-    system_derivative(system, t, y, dydt);
-}
-
 enum step_status rk_step(const struct method *method, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
@@ -31,7 +26,7 @@ enum step_status rk_step(const struct method *method, struct step *step)
     bool known = (tableau->fsal && step->warm) || step->again;
     if (tableau->fsal && step->warm)
         memcpy(k, k + (stages - 1) * n, (size_t)n * sizeof *k);
-    rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
+    rk_stages(tableau, n, step_slope, step->system, step->t, step->h, step->y, k, z, low, known);
     step->cost.evals += stages - known;
     if (step->error && tableau->b_hat)
         step->square =

@@ -32,16 +32,6 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *later_
         slope[i] = later != earlier ? (later_slope[i] - slope[i]) / (later - earlier) : 0;
 }
 
-static void rosenbrock_slope(const void *system, double t, const double *y, double *dydt)
-{
-    system_derivative(system, t, y, dydt);
-}
-
-static void jacobian_of(const void *system, double t, const double *y, double *jac)
-{
-    system_jacobian(system, t, y, jac);
-}
-
 /* u_i from y, by the factors of a matrix; sum [n]: scratch. Returns false if it is singular. */
 static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step, double *sum)
 {
@@ -104,7 +94,7 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
-    const struct rosenbrock_forces derivatives = {rosenbrock_slope, jacobian_of, step->system,
+    const struct rosenbrock_forces derivatives = {step_slope, step_jacobian, step->system,
                                                   !step->system->autonomous};
     const int n = step->system->n;
     return n == 1   ? rosenbrock_small_step(1, rosenbrock, &derivatives, step)

@@ -46,6 +46,18 @@ static inline const double *tableau_row(const struct tableau *tableau, int i)
 }
 
 /* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last; k [count][n] */
+/* The derivative of a system as step bodies call it. */
+static inline void step_slope(const void *system, double t, const double *y, double *dydt)
+{
+    system_derivative(system, t, y, dydt);
+}
+
+/* The Jacobian of a system as step bodies call it. */
+static inline void step_jacobian(const void *system, double t, const double *y, double *jac)
+{
+    system_jacobian(system, t, y, jac);
+}
+
 static inline double weighted_sum(const double *w, int count, const double *k, int n, int i)
 {
     double sum = -0.0;

@@ -198,7 +198,7 @@ static bool take_windows(struct session *session, struct text remaining, const d
                            : used != remaining.len))
                 return error_at(error, all, "at= takes two windows [s]: at=0:2,5:7");
             used += delimiter != '\0';
-            remaining = (struct text){remaining.data + used, remaining.len - used};
+            remaining = text_after(remaining, used);
         }
         if (!recording)
             return error_at(error, all, "there is no recording whose means could be taken");
@@ -217,9 +217,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
         return error_set(error, ERROR_COMMAND,
                          "two different points are needed, but both are the same");
     if (text_starts(rest, key))
-        return take_windows(session,
-                            text_trim((struct text){rest.data + key.len, rest.len - key.len}),
-                            truth, unit, reply, error);
+        return take_windows(session, text_trim(text_after(rest, key.len)), truth, unit, reply,
+                            error);
     if (!now) {
         error_set(error, ERROR_COMMAND, "nothing is being collected");
         return error_hint(error, "at=0:2,5:7 says when the current recording was held there; or "

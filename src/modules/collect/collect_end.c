@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* collect, at the end. */
 #include "modules/collect/handlers.h"
-#include <hooke/base/file.h>
 #include "modules/recording/recording_text.h"
 
 #include <math.h>
-#include <string.h>
 #include <unistd.h>
 
 static const char *collection_status(const struct collection *c)

@@ -21,12 +21,6 @@
 #define LINES_MAX 50000000  /* unless it is said; the file has a limit of its own */
 #define NAMES_MAX 10000     /* files beside each other */
 
-static struct text text_given(const struct arguments *args, const char *name)
-{
-    const struct argument_value *one = argument_value(args, name);
-    return one->count ? one->item->text : (struct text){NULL, 0};
-}
-
 static double value_given(const struct arguments *args, const char *name, double otherwise)
 {
     return has_argument(args, name) ? argument_value(args, name)->item->value.value : otherwise;
@@ -64,7 +58,7 @@ static void plain_name(struct text source, size_t max, char name[LIMIT_NAME + 1]
 /* NAME-N.txt that is not there yet, of the source's own name or as=. */
 static const char *free_name(const struct arguments *args, const char *source)
 {
-    const struct text as = text_given(args, "as");
+    const struct text as = argument_text(args, "as");
     char stem[LIMIT_NAME + 1];
     plain_name(as.len ? as : text_last_component(text_of(source)), LIMIT_NAME - 8, stem);
     for (int i = 1; i < NAMES_MAX; i++) {
@@ -88,8 +82,8 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
     const struct argument_value *decimal = argument_value(args, "decimal"),
                                 *sep = argument_value(args, "sep");
     c->options =
-        (struct load_options){.time = text_given(args, "t"),
-                              .value = text_given(args, "y"),
+        (struct load_options){.time = argument_text(args, "t"),
+                              .value = argument_text(args, "y"),
                               .unit = unit ? unit->unit : NULL,
                               .time_unit = tunit ? tunit->unit : NULL,
                               .rate = value_given(args, "rate", 0),
@@ -107,10 +101,10 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
         return error_memory(error);
     c->put_options = text_of(copy);
     if (!(c->length > 0))
-        return error_at(error, text_given(args, "for"), "for= needs a time above 0");
+        return error_at(error, argument_text(args, "for"), "for= needs a time above 0");
     if (!has_argument(args, "trigger"))
         return true;
-    struct parser parser = {c->session, args->scope, args->arena, text_given(args, "trigger")};
+    struct parser parser = {c->session, args->scope, args->arena, argument_text(args, "trigger")};
     return trigger_read(&parser, &c->trigger, error);
 }
 
@@ -304,7 +298,7 @@ static bool go_on_after(struct collection *c, const struct recording *recording)
 
 static bool name_it(struct collection *c, const struct arguments *args, struct error *error)
 {
-    const struct text path = text_given(args, "to"), as = text_given(args, "as");
+    const struct text path = argument_text(args, "to"), as = argument_text(args, "as");
     if (!c->path)
         c->path = path.len ? arena_text(args->arena, path) : free_name(args, c->source);
     if (!c->path)
@@ -341,7 +335,7 @@ HANDLER(collect)
         return false;
     if (continues && !go_on_after(&c, session_recording(session)))
         return error_set(error, ERROR_IO, "its file is gone");
-    const struct text source = text_given(anew ? again : args, "SOURCE");
+    const struct text source = argument_text(anew ? again : args, "SOURCE");
     const bool input = text_is(source, "-");
     if (source.len == 0)
         return error_set(error, ERROR_COMMAND, "collect needs a SOURCE: a device, a pipe, or -") ||

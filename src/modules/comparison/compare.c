@@ -2,7 +2,6 @@
 /* compare */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
-#include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/report.h>
 #include "modules/comparison/comparison.h"

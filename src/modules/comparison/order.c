@@ -2,7 +2,6 @@
 /* order, selftest */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
-#include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 #include <hooke/report.h>

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* Width [cell] from which end, phase and amplitude errors are shown, too. */
 #define WIDE_TABLE_CELLS 110

@@ -59,7 +59,7 @@ void put_tex_code(struct buffer *output, struct text code)
         buffer_put(output, TEXT("\\mbox{}"));
         for (size_t i = 0; i < blanks; i++)
             buffer_char(output, '~');
-        buffer_tex(output, (struct text){line.data + blanks, line.len - blanks});
+        buffer_tex(output, text_after(line, blanks));
         buffer_put(output, TEXT("\\par\n"));
     }
     buffer_put(output, TEXT("}\n"));
@@ -83,7 +83,7 @@ static void put_unit(struct buffer *output, struct text name)
     for (size_t i = 0; name.len > 1 && i < COUNT_OF(prefixes); i++)
         if (name.data[0] == prefixes[i].name[0]) {
             buffer_put(output, text_of(prefixes[i].tex));
-            put_unit(output, (struct text){name.data + 1, name.len - 1});
+            put_unit(output, text_after(name, 1));
             return;
         }
     buffer_put(output, TEXT("\\text{"));
@@ -110,7 +110,7 @@ static void put_units(struct buffer *output, struct text units)
         }
         is_denominator = len < units.len && units.data[len] == '/';
         len += len < units.len;
-        units = (struct text){units.data + len, units.len - len};
+        units = text_after(units, len);
     }
 }
 

@@ -9,7 +9,6 @@
 #include <hooke/result/outlet.h>
 
 #include <math.h>
-#include <string.h>
 
 struct markup {
     const char *begin;

@@ -131,8 +131,7 @@ static bool read_words(struct session *session, const struct arguments *args,
             continue;
         }
         const struct text argument = take_argument(&rest), name = peek_name(argument),
-                          remaining = text_trim(
-                              (struct text){argument.data + name.len, argument.len - name.len});
+                          remaining = text_trim(text_after(argument, name.len));
         if (text_is(argument, "--forward")) {
             words->forward = true;
             continue;

@@ -8,7 +8,6 @@
 #include "modules/dynamics/chaos.h"
 #include "modules/dynamics/handlers.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -20,7 +19,7 @@ static bool is_label(struct text word)
     for (size_t i = 0; i < special_catalog.count && word.len > 2 && !row; i++)
         if (strncasecmp(word.data, catalog_row(&special_catalog, i)->name, 2) == 0)
             row = catalog_row(&special_catalog, i);
-    return row && real_parse((struct text){word.data + 2, word.len - 2}, &number) == REAL_OK;
+    return row && real_parse(text_after(word, 2), &number) == REAL_OK;
 }
 
 static void complete_labels(struct completion *c)

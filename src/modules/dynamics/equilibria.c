@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* equilibria */
 #ifndef COMMAND_ROWS
-#include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/report.h>

@@ -7,7 +7,6 @@
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>
-#include <string.h>
 
 static const char *const special_types[SPECIAL_COUNT] = {
     [SPECIAL_FOLD] = "fold",

@@ -11,11 +11,10 @@
 
 bool take_equals(struct parser *parser, struct text argument, struct text name)
 {
-    const struct text rest =
-        text_trim((struct text){argument.data + name.len, argument.len - name.len});
+    const struct text rest = text_trim(text_after(argument, name.len));
     if (!text_starts(rest, TEXT("=")))
         return false;
-    parser->rest = text_trim((struct text){rest.data + 1, rest.len - 1});
+    parser->rest = text_trim(text_after(rest, 1));
     return true;
 }
 

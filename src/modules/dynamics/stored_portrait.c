@@ -2,7 +2,6 @@
 /* The portrait that was made last: panes draw it until the scene or what is shown has changed. */
 #include "modules/dynamics/kept.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct stored_portrait *stored_portrait(const struct session *session)

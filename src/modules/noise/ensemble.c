@@ -6,7 +6,6 @@
 
 #ifndef COMMAND_ROWS
 #include <stdlib.h>
-#include <string.h>
 
 enum { ENSEMBLE_INTERVALS = 200, ENSEMBLE_SHOWN = 4 };
 

@@ -6,20 +6,14 @@
 
 #include <string.h>
 
-static const struct table *known_table(const struct session *session, const char *kind)
-{
-    const struct stored_table *stored = table_store_find(&session->studies.found, text_of(kind));
-    return stored ? &stored->table : NULL;
-}
-
 bool noise_langevin_known(const struct session *session)
 {
-    return known_table(session, "langevin") != NULL;
+    return drawing_stored(session, "langevin") != NULL;
 }
 
 bool noise_ensemble_known(const struct session *session)
 {
-    return known_table(session, "ensemble") != NULL;
+    return drawing_stored(session, "ensemble") != NULL;
 }
 
 /* Returns what the means of an ensemble are of. */
@@ -35,7 +29,7 @@ static const char *observed_name(const struct table *table)
 static bool draw_table(struct drawing *d, bool ensemble, struct figure *figure)
 {
     const char *command = ensemble ? "ensemble" : "langevin";
-    const struct table *table = known_table(d->session, command);
+    const struct table *table = drawing_stored(d->session, command);
     if (!table) {
         error_set(d->error, ERROR_COMMAND, "there is no %s to plot", command);
         return error_hint(d->error, "type: %s%s 10 s kT=1mJ", command, ensemble ? " 500" : "");

@@ -7,8 +7,6 @@
 #include <hooke/base/unit.h>
 #include <hooke/result.h>
 
-#include <string.h>
-
 enum { PATH_INTERVALS = 1000, SHOWN_VARIABLES = 6 };
 
 /* A path of so many steps is not followed again with half the step, unasked. */

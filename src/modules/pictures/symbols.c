@@ -9,11 +9,6 @@
 #define CHAR_MIDDLE_DOT 0xB7
 #define CHAR_MICRO 0xB5
 
-static bool is_symbol_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static bool is_symbol_letter(char c)
 {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -24,7 +19,7 @@ static void put_superscript(struct buffer *output, struct text digits)
     static const uint32_t superscript[] = {0x2070, 0xB9,   0xB2,   0xB3,   0x2074,
                                            0x2075, 0x2076, 0x2077, 0x2078, 0x2079};
     for (size_t i = 0; i < digits.len; i++)
-        if (is_symbol_digit(digits.data[i]))
+        if (is_digit_char(digits.data[i]))
             buffer_codepoint(output, superscript[digits.data[i] - '0']);
         else if (digits.data[i] == '-')
             buffer_codepoint(output, 0x207B);
@@ -36,14 +31,9 @@ static size_t digits_of(struct text text, bool sign)
 {
     const size_t start = sign && text.len && (text.data[0] == '-' || text.data[0] == '+');
     size_t len = start;
-    while (len < text.len && is_symbol_digit(text.data[len]))
+    while (len < text.len && is_digit_char(text.data[len]))
         len++;
     return len > start ? len : 0;
-}
-
-static struct text rest_of(struct text text, size_t i)
-{
-    return (struct text){text.data + i, text.len - i};
 }
 
 /* ---- numbers ---- */
@@ -52,13 +42,14 @@ static struct text rest_of(struct text text, size_t i)
  * leading zeros. */
 static size_t exponent_of(struct text text, struct text *power, bool *negative)
 {
-    const size_t len = text.len > 1 && text.data[0] == 'e' ? digits_of(rest_of(text, 1), true) : 0;
+    const size_t len =
+        text.len > 1 && text.data[0] == 'e' ? digits_of(text_after(text, 1), true) : 0;
     if (!len || (1 + len < text.len && is_symbol_letter(text.data[1 + len])))
         return 0;
     *negative = text.data[1] == '-';
     *power = (struct text){text.data + 1, len};
-    while (power->len > 1 && (!is_symbol_digit(power->data[0]) || power->data[0] == '0'))
-        *power = rest_of(*power, 1);
+    while (power->len > 1 && (!is_digit_char(power->data[0]) || power->data[0] == '0'))
+        *power = text_after(*power, 1);
     return 1 + len;
 }
 
@@ -68,8 +59,8 @@ static size_t symbol_number_put(struct buffer *output, struct text text)
     struct text power;
     bool negative = false;
     if (len < text.len && text.data[len] == '.')
-        len += 1 + digits_of(rest_of(text, len + 1), false);
-    const size_t exponent = exponent_of(rest_of(text, len), &power, &negative);
+        len += 1 + digits_of(text_after(text, len + 1), false);
+    const size_t exponent = exponent_of(text_after(text, len), &power, &negative);
     const bool unit = len == 1 && text.data[0] == '1';
     if (!exponent || !unit)
         buffer_put(output, (struct text){text.data, len});
@@ -87,13 +78,13 @@ static size_t symbol_number_put(struct buffer *output, struct text text)
 /* A number or a sign of arithmetic at `i`; 0 if there is none. */
 static size_t put_arithmetic(struct buffer *output, struct text text, size_t i)
 {
-    const struct text rest = rest_of(text, i);
+    const struct text rest = text_after(text, i);
     const char previous = i ? text.data[i - 1] : ' ';
     const bool apart = strchr(" ([,;:/=", previous) != NULL;
-    if (is_symbol_digit(rest.data[0]) && !is_symbol_letter(previous))
+    if (is_digit_char(rest.data[0]) && !is_symbol_letter(previous))
         return symbol_number_put(output, rest);
     if (rest.data[0] == '-' && apart &&
-        (rest.len > 1 && (is_symbol_digit(rest.data[1]) || rest.data[1] == ' '))) {
+        (rest.len > 1 && (is_digit_char(rest.data[1]) || rest.data[1] == ' '))) {
         buffer_codepoint(output, CHAR_MINUS);
         return 1;
     }
@@ -144,7 +135,7 @@ static size_t symbol_name_put(struct buffer *output, struct text rest)
     size_t letters = 0;
     while (letters < rest.len && is_symbol_letter(rest.data[letters]))
         letters++;
-    const size_t digits = digits_of(rest_of(rest, letters), false), len = letters + digits;
+    const size_t digits = digits_of(text_after(rest, letters), false), len = letters + digits;
     const bool ends =
         len == rest.len || (!is_symbol_letter(rest.data[len]) && rest.data[len] != '_');
     const uint32_t letter = greek((struct text){rest.data, letters});
@@ -164,11 +155,11 @@ static size_t symbol_name_put(struct buffer *output, struct text rest)
 void put_name_symbols(struct buffer *output, struct text name)
 {
     for (size_t i = 0; i < name.len;) {
-        const struct text rest = rest_of(name, i);
+        const struct text rest = text_after(name, i);
         const bool word =
             is_symbol_letter(rest.data[0]) &&
             (i == 0 || (name.data[i - 1] != '_' && (unsigned char)name.data[i - 1] < 128));
-        const size_t power = rest.data[0] == '^' ? digits_of(rest_of(rest, 1), true) : 0;
+        const size_t power = rest.data[0] == '^' ? digits_of(text_after(rest, 1), true) : 0;
         size_t used = word ? symbol_name_put(output, rest) : put_arithmetic(output, name, i);
         if (!used && power) {
             put_superscript(output, (struct text){rest.data + 1, power});
@@ -194,7 +185,7 @@ static void put_unit_name(struct buffer *output, struct text name)
         buffer_codepoint(output, 0x3A9);
     else if (name.len > 1 && name.data[0] == 'u' && strchr("msgJVANW", name.data[1])) {
         buffer_codepoint(output, CHAR_MICRO);
-        buffer_put(output, rest_of(name, 1));
+        buffer_put(output, text_after(name, 1));
     } else {
         buffer_put(output, name);
     }
@@ -209,9 +200,10 @@ void put_unit_symbols(struct buffer *output, struct text unit)
         while (i + len < unit.len && !strchr("*/ ^()", unit.data[i + len]))
             len++;
         const struct text name = {unit.data + i, len};
-        const struct text remaining = rest_of(unit, i + len);
-        const size_t power =
-            remaining.len && remaining.data[0] == '^' ? digits_of(rest_of(remaining, 1), true) : 0;
+        const struct text remaining = text_after(unit, i + len);
+        const size_t power = remaining.len && remaining.data[0] == '^'
+                                 ? digits_of(text_after(remaining, 1), true)
+                                 : 0;
         if (len && !text_is(name, "1")) {
             if (output->len > old_len)
                 buffer_codepoint(output, CHAR_MIDDLE_DOT);
@@ -221,7 +213,8 @@ void put_unit_symbols(struct buffer *output, struct text unit)
             if (in_denominator && !negative)
                 put_superscript(output, TEXT("-"));
             if (power)
-                put_superscript(output, in_denominator && negative ? rest_of(digits, 1) : digits);
+                put_superscript(output,
+                                in_denominator && negative ? text_after(digits, 1) : digits);
             else if (in_denominator)
                 put_superscript(output, TEXT("1"));
         }

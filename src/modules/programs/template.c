@@ -5,7 +5,6 @@
 #include <hooke/base/statement.h>
 #include "modules/programs/program.h"
 
-#include <ctype.h>
 #include <string.h>
 
 #define TEMPLATE(name)                                                                             \
@@ -106,7 +105,7 @@ static bool all_hold(struct scene_program *p, struct text words)
     while (all && text_split(&words, ' ', &word)) {
         const bool no = word.len > 0 && word.data[0] == '!';
         if (word.len > 0)
-            all = word_holds(p, (struct text){word.data + no, word.len - no}) != no;
+            all = word_holds(p, text_after(word, no)) != no;
     }
     return all;
 }

@@ -183,7 +183,7 @@ static int fitted_recording(const struct session *session)
 {
     const struct text source = text_of(fits_of(session)->fit_of);
     return text_starts(source, TEXT("data "))
-               ? session_find_recording(session, (struct text){source.data + 5, source.len - 5})
+               ? session_find_recording(session, text_after(source, 5))
                : -1;
 }
 

@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static void reply_part(const struct recording *recording, struct reply *reply)
 {

@@ -328,7 +328,7 @@ static bool read_formula(const struct fit_request *call, struct text text, struc
     size_t used = 0;
     if (!formula_compile(text, &scope, NULL, 0, call->args->arena, formula, &used, error))
         return false;
-    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
+    const struct text rest = text_trim(text_after(text, used));
     if (rest.len > 0)
         return error_at(error, rest, "the formula ends before '%.*s'",
                         (int)(rest.len < 40 ? rest.len : 40), rest.data);

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 #define CORRELATION_STRONG 0.95 /* correlation of two parameters from which it is named */
 /* correlation above which the data cannot tell two parameters apart */

@@ -95,12 +95,6 @@ static void put_options(const struct arguments *args, struct buffer *output)
     }
 }
 
-static struct text text_of_argument(const struct arguments *args, const char *name)
-{
-    const struct argument_value *one = argument_value(args, name);
-    return one->count ? one->item->text : (struct text){NULL, 0};
-}
-
 static const struct unit *unit_of_argument(const struct arguments *args, const char *name)
 {
     return has_argument(args, name) ? argument_value(args, name)->item->unit : NULL;
@@ -299,7 +293,7 @@ static bool load_scene(struct session *session, const struct arguments *args, st
         if (!reader->ending)
             continue;
         if (text_is(ending, reader->ending))
-            return reader->load(session, args, file, text_of_argument(args, "set"), reply, error);
+            return reader->load(session, args, file, argument_text(args, "set"), reply, error);
         other = reader;
     }
     snprintf(what, sizeof what, "load .%.*s", (int)ending.len, ending.data);
@@ -330,15 +324,15 @@ HANDLER(load)
     if (file->count == 0)
         return needs_file(args, error);
     const struct load_options options = {
-        .time = text_of_argument(args, "t"),
-        .value = text_of_argument(args, "y"),
-        .run = text_of_argument(args, "run"),
+        .time = argument_text(args, "t"),
+        .value = argument_text(args, "y"),
+        .run = argument_text(args, "run"),
         .unit = unit_of_argument(args, "unit"),
         .time_unit = unit_of_argument(args, "tunit"),
         .rate = has_argument(args, "rate") ? argument_value(args, "rate")->item->value.value : 0,
         .decimal = letter_of_argument(args, "decimal", decimal_letters),
         .separator = letter_of_argument(args, "sep", separator_letters),
-        .name = text_of_argument(args, "as"),
+        .name = argument_text(args, "as"),
         .cancel = session->front.cancel};
     if (options.name.len > 0 &&
         (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
@@ -360,7 +354,7 @@ HANDLER(load)
             return ok;
     }
     uint64_t sum = 0;
-    if (has_argument(args, "sum") && !read_sum(text_of_argument(args, "sum"), &sum, error))
+    if (has_argument(args, "sum") && !read_sum(argument_text(args, "sum"), &sum, error))
         return false;
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
     if (!recording && path && sum != 0 && error->code == ERROR_IO)

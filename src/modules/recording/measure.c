@@ -2,7 +2,6 @@
 /* measure */
 #ifndef COMMAND_ROWS
 #include "modules/recording/fit_text.h"
-#include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
 #include "modules/recording/measuring.h"
@@ -13,7 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 

@@ -175,13 +175,6 @@ static bool compare_file(void *context, const char *name, struct text again, str
 
 /* ---- the session, run again ---- */
 
-static bool ignore_text(void *context, struct text text)
-{
-    (void)context;
-    (void)text;
-    return true;
-}
-
 static bool keep_error(void *context, struct text text)
 {
     struct check *check = context;
@@ -206,7 +199,7 @@ static bool run_again(struct check *check, struct session *session)
         reply_error(check->reply, &error, NULL, (struct text){NULL, 0});
     } else {
         const bool fails = memmem(script.data, script.len, "hooke --keep-going", 18) != NULL;
-        reply_init(&silent, (struct sink){ignore_text, keep_error, check});
+        reply_init(&silent, (struct sink){sink_nothing, keep_error, check});
         session->options.checking = check->folder;
         session->options.keep_going = true;
         script_file(session, buffer_view(&path), NULL, &silent);

@@ -10,7 +10,6 @@
 #include <hooke/session/log.h>
 
 #include <stdio.h>
-#include <string.h>
 
 /* *head: how many lines come before the first statement. */
 static void put_script(const struct session *session, int *head, struct buffer *output)

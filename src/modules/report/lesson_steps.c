@@ -8,7 +8,6 @@
 #include <hooke/session/read.h>
 
 #include <stdio.h>
-#include <string.h>
 
 #include <hooke/base/numeric.h>
 #include <hooke/session/log.h>
@@ -87,7 +86,7 @@ static void put_expanded(struct text text, long seed, struct buffer *output)
         } else {
             buffer_char(output, text.data[0]);
         }
-        text = (struct text){text.data + len, text.len - len};
+        text = text_after(text, len);
     }
 }
 
@@ -98,8 +97,7 @@ bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *st
     bool bare = false, disk = false;
     *step = (struct lesson_step){.done = false};
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
-        const struct text body =
-            line.len > 2 ? text_trim((struct text){line.data + 2, line.len - 2}) : TEXT("");
+        const struct text body = line.len > 2 ? text_trim(text_after(line, 2)) : TEXT("");
         if (text_starts(line, TEXT("#@"))) {
             bare |= text_is(body, "bare");
             disk |= text_is(body, "disk");
@@ -119,7 +117,7 @@ bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *st
             struct text kind = peek_word(body, "");
             step->done = text_is(kind, "done");
             step->measured = text_is(kind, "measured");
-            step->wanted = text_trim((struct text){body.data + kind.len, body.len - kind.len});
+            step->wanted = text_trim(text_after(body, kind.len));
         }
     }
     return index >= number;

@@ -11,7 +11,6 @@
 #include "modules/sweep/swept.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- reading NAME=FROM:TO[:STEP|:xFACTOR], measure=…, options ---- */
@@ -88,7 +87,7 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
                         struct sweep_options *options, struct error *error)
 {
     const struct text all = parser->rest;
-    const struct text name = peek_name((struct text){all.data + 2, all.len - 2});
+    const struct text name = peek_name(text_after(all, 2));
     int64_t threads = 0;
     parser->rest = (struct text){name.data + name.len, all.len - 2 - name.len};
     text_skip_blanks(&parser->rest);
@@ -160,7 +159,7 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
             error_at(error, argument, "sweep takes NAME=FROM:TO");
             return error_hint(error, "for example: sweep omega=6:12:0.1 measure=amplitude");
         }
-        parser.rest = (struct text){parser.rest.data + 1, parser.rest.len - 1};
+        parser.rest = text_after(parser.rest, 1);
         if (text_is(name, "measure")) {
             if (!read_measures(&parser, request, error))
                 return false;

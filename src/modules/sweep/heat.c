@@ -5,7 +5,6 @@
 #include "modules/sweep/swept.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40 };

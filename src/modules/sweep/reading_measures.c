@@ -7,7 +7,6 @@
 #include "modules/sweep/reading.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 /* ---- the measures that are computed ---- */
@@ -100,7 +99,7 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
             error_memory(error);
         return NULL;
     }
-    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
+    const struct text rest = text_trim(text_after(text, used));
     if (rest.len > 0) {
         error_at(error, rest, "this does not belong to an expression");
         return NULL;

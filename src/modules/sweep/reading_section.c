@@ -82,7 +82,7 @@ static bool read_side(struct parser *parser, const struct expr_scope *scope, str
     event->right = other.left;
     event->direction = turns ? other.direction : event->direction;
     event->touching |= other.touching;
-    parser->rest = text_trim((struct text){parser->rest.data + used, parser->rest.len - used});
+    parser->rest = text_trim(text_after(parser->rest, used));
     return true;
 }
 
@@ -93,10 +93,10 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
     const struct text all = parser->rest;
     if (!event_compile(all, scope, parser->arena, event, &used, error))
         return names_explain(parser->session, error);
-    parser->rest = text_trim((struct text){all.data + used, all.len - used});
+    parser->rest = text_trim(text_after(all, used));
     const bool equals = text_starts(parser->rest, TEXT("="));
     if (equals && !event->right)
-        parser->rest = text_trim((struct text){parser->rest.data + 1, parser->rest.len - 1});
+        parser->rest = text_trim(text_after(parser->rest, 1));
     if (!event->right && (equals || (event->direction != 0 && parser->rest.len > 0)) &&
         !read_side(parser, scope, event, error))
         return false;

@@ -82,7 +82,7 @@ static bool read_statement(struct session *session, const struct arguments *args
     const struct text key = TEXT("# sweep = ");
     while (text_split(&rest, '\n', &line))
         if (text_starts(line, key))
-            found = (struct text){line.data + key.len, line.len - key.len};
+            found = text_after(line, key.len);
     const char *copy = found.data ? arena_text(args->arena, found) : NULL;
     struct sweep_options none = {0};
     struct error why = {0};
@@ -158,8 +158,8 @@ static bool refuse_head(const struct growing_file *g, struct error *error)
         if (!text_equal(a, b) || !(more && wanted))
             break;
     }
-    safe_text(&one, text_starts(a, TEXT("# ")) ? (struct text){a.data + 2, a.len - 2} : a, false);
-    safe_text(&other, text_starts(b, TEXT("# ")) ? (struct text){b.data + 2, b.len - 2} : b, false);
+    safe_text(&one, text_starts(a, TEXT("# ")) ? text_after(a, 2) : a, false);
+    safe_text(&other, text_starts(b, TEXT("# ")) ? text_after(b, 2) : b, false);
     error_set(error, ERROR_IO, "%s is of another sweep: it has '%.200s', here it is '%.200s'",
               safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
     buffer_free(&one);

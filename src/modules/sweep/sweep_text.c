@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base/number.h>
 #include "modules/sweep/swept.h"
 
 #include <math.h>

@@ -2,7 +2,6 @@
 /* The numbers of a sweep: by point, event and measure, as a table, as a map. */
 #include "modules/sweep/swept.h"
 
-#include <float.h>
 #include <math.h>
 
 /* Returns the value of measure m. At a section a point has its repeats, then the time and the

@@ -55,7 +55,7 @@ bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
     const struct ode_reader reader = {.ode = ode, .line = line->number};
     struct text condition, resets, reset;
     const struct text sign = peek_word(rest, "{");
-    rest = (struct text){rest.data + sign.len, rest.len - sign.len};
+    rest = text_after(rest, sign.len);
     if (text_is(sign, "0"))
         return ode_error(ode->error, line->number,
                          "an event of sign 0 is where a step ends on it by chance: 1 or -1");

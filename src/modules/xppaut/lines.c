@@ -73,12 +73,12 @@ static bool subscript(struct text inside, const long *j, int number, long *value
 {
     inside = text_trim(inside);
     const bool letter = inside.len > 0 && inside.data[0] == 'j';
-    struct text rest = letter ? text_trim((struct text){inside.data + 1, inside.len - 1}) : inside;
+    struct text rest = letter ? text_trim(text_after(inside, 1)) : inside;
     const char sign = letter && rest.len > 0 ? rest.data[0] : '+';
     if (letter && !j)
         return ode_error(error, number, "[j] outside of an array");
     if (letter && rest.len > 0)
-        rest = text_trim((struct text){rest.data + 1, rest.len - 1});
+        rest = text_trim(text_after(rest, 1));
     size_t digits = !letter && rest.len > 0 && rest.data[0] == '-';
     while (digits < rest.len && rest.data[digits] >= '0' && rest.data[digits] <= '9')
         digits++;
@@ -104,9 +104,8 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
     struct buffer output = {0};
     bool fine = true;
     for (size_t i = 0; fine && i < line.len; i++) {
-        const char *end = line.data[i] == '[' && !is_kernel(line, i)
-                              ? text_find((struct text){line.data + i, line.len - i}, ']')
-                              : NULL;
+        const char *end =
+            line.data[i] == '[' && !is_kernel(line, i) ? text_find(text_after(line, i), ']') : NULL;
         if (line.data[i] == '[' && !is_kernel(line, i) && !end) {
             fine = ode_error(r->error, number, "a ']' is missing");
         } else if (!end) {
@@ -210,7 +209,7 @@ static bool is_done(struct text line)
     size_t end = 0;
     while (end < line.len && !strchr(" =/'(", line.data[end]))
         end++;
-    struct text rest = text_trim((struct text){line.data + end, line.len - end});
+    struct text rest = text_trim(text_after(line, end));
     return line.data[0] == 'd' && (end == line.len || line.data[end] == ' ') &&
            (rest.len == 0 || rest.data[0] != '=');
 }
@@ -223,8 +222,7 @@ struct group {
 
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
-    if (line.data[0] == '#' &&
-        text_starts((struct text){line.data + 1, line.len - 1}, TEXT("include")))
+    if (line.data[0] == '#' && text_starts(text_after(line, 1), TEXT("include")))
         return ode_error(r->error, number,
                          "another file is included: its lines have to stand here");
     if (line.data[0] == '#' || line.data[0] == '"')

@@ -32,7 +32,7 @@ bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
         return ode_error(ode->error, symbol->line,
                          "the numbers of the table are in another file: a formula of t is "
                          "table NAME %% POINTS FROM TO FORMULA");
-    rest = (struct text){rest.data + 1, rest.len - 1};
+    rest = text_after(rest, 1);
     if (!take_number(&rest, &points) || !take_number(&rest, &table->x_low) ||
         !take_number(&rest, &table->x_high) || !(points >= 2 && points <= POINTS) ||
         !(table->x_high > table->x_low))

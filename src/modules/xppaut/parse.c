@@ -100,11 +100,6 @@ static bool is_ode_letter(char c)
     return (c >= 'a' && c <= 'z') || c == '_';
 }
 
-static bool is_ode_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* "(" sum ")" */
 static node in_parentheses(struct ode_parser *p)
 {
@@ -181,7 +176,7 @@ static node word_parse(struct ode_parser *p)
 {
     const size_t begin = p->position;
     while (p->position < p->text.len &&
-           (is_ode_letter(p->text.data[p->position]) || is_ode_digit(p->text.data[p->position])))
+           (is_ode_letter(p->text.data[p->position]) || is_digit_char(p->text.data[p->position])))
         p->position++;
     const struct text name = {p->text.data + begin, p->position - begin};
     const char next = p->position < p->text.len ? p->text.data[p->position] : '\0';
@@ -208,7 +203,7 @@ static node word_parse(struct ode_parser *p)
 static node atom_parse(struct ode_parser *p)
 {
     const char next = parser_peek(p);
-    if (is_ode_digit(next) || next == '.') {
+    if (is_digit_char(next) || next == '.') {
         double value;
         size_t used;
         const struct text rest = {p->text.data + p->position, p->text.len - p->position};
@@ -251,8 +246,9 @@ static bool takes_not(struct ode_parser *p)
 {
     parser_peek(p);
     const struct text rest = {p->text.data + p->position, p->text.len - p->position};
-    const bool is = text_starts(rest, TEXT("not")) &&
-                    (rest.len == 3 || !(is_ode_letter(rest.data[3]) || is_ode_digit(rest.data[3])));
+    const bool is =
+        text_starts(rest, TEXT("not")) &&
+        (rest.len == 3 || !(is_ode_letter(rest.data[3]) || is_digit_char(rest.data[3])));
     p->position += is ? 3 : 0;
     return is;
 }

@@ -9,7 +9,7 @@
 
 static struct text statement_tail(struct text text, size_t position)
 {
-    return text_trim((struct text){text.data + position, text.len - position});
+    return text_trim(text_after(text, position));
 }
 
 static int shown(struct text text)
@@ -304,7 +304,7 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     struct text rest = line->text, name, value;
     const struct text first = peek_word(rest, ",");
     const char *note;
-    rest = (struct text){rest.data + first.len, rest.len - first.len};
+    rest = text_after(rest, first.len);
     if (first.len > 1 && !ode_note(s, line->number, true,
                                    "XPPAUT takes no setting that stands right "
                                    "behind @: neither is it taken here"))

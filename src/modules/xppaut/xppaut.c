@@ -163,11 +163,6 @@ static int count_of(const struct ode_scene *scene, enum typed_kind kind)
     return count;
 }
 
-static const char *plural_ending(int count)
-{
-    return count == 1 ? "" : "s";
-}
-
 static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
 {
     char name[SAFE_NAME_SIZE];
@@ -184,9 +179,8 @@ static void reply_from(const struct session *session, const struct ode_scene *od
               observed = count_of(ode_scene, TYPED_OBSERVE);
     struct buffer text = {0};
     buffer_format(&text, "scene %s: %d variable%s, %d parameter%s, %d observed, %d event%s\n  ",
-                  setup->scene.preset->row.name, variables, plural_ending(variables), params,
-                  plural_ending(params), observed, ode_scene->events,
-                  plural_ending(ode_scene->events));
+                  setup->scene.preset->row.name, variables, plural_s(variables), params,
+                  plural_s(params), observed, ode_scene->events, plural_s(ode_scene->events));
     buffer_quantity(&text, ode_scene->total, QUANTITY_TIME, 6);
     buffer_format(&text, " by %s", ode_scene->method);
     if (setup->fixed) {

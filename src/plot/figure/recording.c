@@ -11,8 +11,6 @@
 #include <hooke/session/series_tools.h>
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define GROWING_POINTS 2 /* points per column of velocities and energies during collection */
 /* columns of a pane that has room for more than the delay of velocities */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of a study as a figure: curves for each name, or shades over two columns. */
-#include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/figure/layout.h>
 #include <hooke/plot/drawing.h>

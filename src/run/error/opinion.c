@@ -19,7 +19,6 @@
 #include "run/price/evaluation.h"
 
 #include <assert.h>
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -10,19 +10,13 @@ static size_t blanks(struct text text, size_t position)
     return position;
 }
 
-static struct text event_text_tail(struct text text, size_t position)
-{
-    return (struct text){text.data + position, text.len - position};
-}
-
 /* An expression at text[*position]. */
 static const struct expr *event_side_compile(struct text text, size_t *position,
                                              const struct expr_scope *scope, struct arena *arena,
                                              struct error *error)
 {
     size_t used;
-    const struct expr *expr =
-        expr_compile(event_text_tail(text, *position), scope, arena, &used, error);
+    const struct expr *expr = expr_compile(text_after(text, *position), scope, arena, &used, error);
     *position = expr ? blanks(text, *position + used) : *position;
     return expr;
 }
@@ -30,7 +24,7 @@ static const struct expr *event_side_compile(struct text text, size_t *position,
 /* The word at text[*position], if it is there. */
 static bool take_word(struct text text, size_t *position, struct text word)
 {
-    const struct text rest = event_text_tail(text, *position);
+    const struct text rest = text_after(text, *position);
     if (!text_starts(rest, word) ||
         (rest.len > word.len && rest.data[word.len] != ' ' && rest.data[word.len] != '\t'))
         return false;

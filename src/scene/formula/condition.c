@@ -14,8 +14,7 @@ static const struct expr *condition_side_compile(struct text text, size_t *posit
                                                  struct arena *arena, struct error *error)
 {
     size_t used;
-    const struct expr *expr = expr_compile(
-        (struct text){text.data + *position, text.len - *position}, scope, arena, &used, error);
+    const struct expr *expr = expr_compile(text_after(text, *position), scope, arena, &used, error);
     *position += expr ? used : 0;
     return expr;
 }
@@ -28,7 +27,7 @@ static bool no_comparison(struct text text, struct text sign, struct error *erro
     const struct text left = text_trim((struct text){text.data, (size_t)(sign.data - text.data)});
     struct text right = {sign.data + 1, text.len - (size_t)(sign.data + 1 - text.data)};
     while (text_starts(right, TEXT("=")))
-        right = (struct text){right.data + 1, right.len - 1};
+        right = text_after(right, 1);
     right = text_trim(right);
     return error_hint(error, "steps may jump over an exact value; write for example '%.*s >= %.*s'",
                       (int)left.len, left.data, (int)right.len, right.data);

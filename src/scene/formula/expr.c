@@ -5,6 +5,7 @@
  * bounded by LIMIT_EXPR_DEPTH.
  */
 #include <hooke/base/catalog.h>
+#include <hooke/base/statement.h>
 #include <hooke/base/number.h>
 #include <hooke/scene/unit_word.h>
 
@@ -31,16 +32,6 @@ static const struct sign {
     {"/", OP_DIV, PRODUCT, false},
     {"^", OP_POW, POWER, true},
 };
-
-static bool is_expr_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-static bool is_expr_letter(char c)
-{
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
 
 static char compiler_peek(const struct compiler *c, size_t ahead)
 {
@@ -197,7 +188,7 @@ static bool unknown_name(struct compiler *c, struct text name)
 /* Length of the word of letters, digits and underscores, `position` bytes ahead. */
 static size_t word_end(const struct compiler *c, size_t position)
 {
-    while (is_expr_letter(compiler_peek(c, position)) || is_expr_digit(compiler_peek(c, position)))
+    while (is_name_start(compiler_peek(c, position)) || is_digit_char(compiler_peek(c, position)))
         position++;
     return position;
 }
@@ -214,7 +205,7 @@ static bool read_name(struct compiler *c)
     length[0] += compiler_peek(c, length[0]) == '\'';
     count++;
     while (length[count - 1] < LIMIT_NAME && compiler_peek(c, length[count - 1]) == '-' &&
-           is_expr_letter(compiler_peek(c, length[count - 1] + 1))) {
+           is_name_start(compiler_peek(c, length[count - 1] + 1))) {
         length[count] = word_end(c, length[count - 1] + 1);
         count++;
     }
@@ -292,10 +283,10 @@ static bool missing_operand(struct compiler *c)
 static bool read_operand(struct compiler *c, bool *complete)
 {
     char next = compiler_peek(c, 0);
-    *complete = is_expr_digit(next) || next == '.';
+    *complete = is_digit_char(next) || next == '.';
     if (*complete)
         return number_operand_read(c);
-    if (is_expr_letter(next)) {
+    if (is_name_start(next)) {
         size_t depth = c->depth;
         bool fine = read_word(c);
         *complete = c->depth == depth; /* else a call was opened */
@@ -386,7 +377,7 @@ static bool read_operator(struct compiler *c, bool *complete, bool *is_finished)
  * after the number, or before an operator, a closing parenthesis or the end of the text. */
 static bool is_unit_wanted(const struct compiler *c)
 {
-    if (!c->operand || c->last != LAST_NUMBER || !is_expr_letter(compiler_peek(c, 0)))
+    if (!c->operand || c->last != LAST_NUMBER || !is_name_start(compiler_peek(c, 0)))
         return false;
     size_t next = unit_word(compiler_slice(c, c->position, c->text.len - c->position)).len;
     while (compiler_peek(c, next) == ' ' || compiler_peek(c, next) == '\t')
@@ -414,7 +405,7 @@ static bool close_expression(struct compiler *c)
         return false;
     error_at(c->error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
              open->where.data);
-    return c->operand && is_expr_letter(compiler_peek(c, 0)) &&
+    return c->operand && is_name_start(compiler_peek(c, 0)) &&
            error_hint(c->error, "'%.*s' is not a unit", (int)word_end(c, 0),
                       c->text.data + c->position);
 }

@@ -5,8 +5,6 @@
 #include <hooke/base/unit.h>
 #include "scene/model/params.h"
 
-#include <string.h>
-
 double scene_reynolds(const struct scene *scene, double speed)
 {
     if (scene->model != &oscillator_model)

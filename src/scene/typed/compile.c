@@ -20,7 +20,7 @@ static bool read_expr(struct compile *c, const struct typed_line *line, const st
     *expr = expr_compile(text, &scope, &c->typed->arena, &used, c->error);
     if (!*expr)
         return typed_explain(c, line);
-    const struct text rest = text_trim((struct text){text.data + used, text.len - used});
+    const struct text rest = text_trim(text_after(text, used));
     if (rest.len == 0)
         return true;
     error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.data);

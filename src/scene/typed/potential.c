@@ -6,7 +6,6 @@
  * (x2'' = (x1 - 2*x2)/3); and the integral between pairs of points has to be the difference of
  * their potentials, which a whirl about a pole or a force with a jump has not.
  */
-#include <hooke/base/elementary.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "cmocka_testing.h"
 
 #include <malloc.h>
-#include <stdio.h>
 
 #include "terminal/terminal.h"
 

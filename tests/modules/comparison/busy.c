@@ -4,7 +4,6 @@
 #include "cmocka_testing.h"
 
 #include <signal.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

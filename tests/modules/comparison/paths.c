@@ -3,7 +3,6 @@
  * other. */
 #include <math.h>
 #include "cmocka_testing.h"
-#include <string.h>
 
 #include "modules/comparison/compute/verify.h"
 #include "modules/solving/testing.h"

@@ -5,9 +5,6 @@
 
 #include <hooke/base/cancel.h>
 
-#include <stdio.h>
-#include <string.h>
-
 #include "modules/comparison/compute/verify.h"
 #include "long_form.h"
 #include "modules/solving/testing.h"

@@ -9,7 +9,6 @@
 #include "modules/dynamics/dynamics.h"
 
 #include "modules/recording/fits.h"
-#include <hooke/base/file.h>
 #include <hooke/base/fields.h>
 #include <hooke/run/store.h>
 #include "modules/dynamics/kept.h"

@@ -9,7 +9,6 @@
 #include "modules/pictures/pictures.h"
 
 #include <signal.h>
-#include <stdio.h>
 #include <sys/resource.h>
 
 #define SAMPLES 200

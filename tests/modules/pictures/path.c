@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MANY (is_long() ? 1000000 : 100000)
 #define MOST 18000

@@ -18,7 +18,6 @@
 #include "terminal/folder.h"
 
 #include <hooke/base/cancel.h>
-#include <hooke/figure.h>
 
 #define PATIENCE_NS 60000000000
 #define PROMPT "hooke> "

@@ -6,7 +6,6 @@
  */
 #include "numerics/battery.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 
 enum truth {

@@ -7,8 +7,6 @@
 #include <hooke/scene/formula.h>
 #include "numerics/references.h"
 
-#include <float.h>
-
 #define SPAN 10
 /* The state there, of references.csv: located turning points, confirmed by a first integral. */
 static const double truth[2] = {-6.038516824236533039553e-1, 3.788995987997463649905e-1};

@@ -7,7 +7,6 @@
 #include <hooke/base/catalog.h>
 #include <hooke/run.h>
 
-#include <float.h>
 #include <stdlib.h>
 
 static const struct method *method(const char *name)

@@ -10,8 +10,6 @@
 
 #include <hooke/base/fields.h>
 
-#include <float.h>
-
 struct problem {
     const char *const *lines;
     double span;

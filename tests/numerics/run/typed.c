@@ -8,8 +8,6 @@
 #include <hooke/base/catalog.h>
 #include <hooke/run.h>
 
-#include <stdlib.h>
-
 static const struct method *method(const char *name)
 {
     return method_by_name(text_of(name));

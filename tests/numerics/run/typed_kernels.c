@@ -5,7 +5,6 @@
 #include "unit/scene/typing.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>

@@ -5,7 +5,6 @@
 #include "unit/scene/testing.h"
 
 #include <math.h>
-#include <string.h>
 
 static struct scene scene_of(const struct preset *preset)
 {

@@ -4,7 +4,6 @@
 #include "cmocka_testing.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "terminal/terminal.h"

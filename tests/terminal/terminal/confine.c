@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 
 #include <dirent.h>
-#include <time.h>
 
 #include "terminal/terminal.h"
 #include "terminal/person.h"

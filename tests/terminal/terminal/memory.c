@@ -3,7 +3,6 @@
 #include "cmocka_testing.h"
 
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>

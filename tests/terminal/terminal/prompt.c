@@ -5,7 +5,6 @@
 
 #include <hooke/base/cancel.h>
 
-#include <errno.h>
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>

@@ -5,7 +5,6 @@
 
 #include <hooke/base/file.h>
 
-#include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>

@@ -4,9 +4,6 @@
 #include <hooke/base/safe_text.h>
 
 #include <locale.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <wchar.h>
 
 static const char *safe(struct buffer *b, struct text text, bool keep_layout)

@@ -7,7 +7,6 @@
 #include <hooke/base/limit.h>
 #include <hooke/base/safe_text.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 TEST(slices)

@@ -7,7 +7,6 @@
 #include "unit/cpu_time.h"
 
 #include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/time.h>

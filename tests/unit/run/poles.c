@@ -2,7 +2,6 @@
 /* Fixed steps across integrable poles of a force in time, against the integral in closed form. */
 #include "unit/run/fixture.h"
 
-#include <hooke/base/numeric.h>
 #include <hooke/scene/typed.h>
 
 #include "unit/scene/typing.h"

@@ -6,9 +6,7 @@
 #include "scene/formula/outer.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* As text that ends. */
 static const char *shown(struct buffer *text)

@@ -3,7 +3,6 @@
 #include <hooke/base/unit.h>
 #include "unit/scene/testing.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

@@ -8,7 +8,6 @@
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
-#include <hooke/base/numeric.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -29,7 +28,7 @@ static bool is_plain(struct text line, size_t i, size_t *len)
     *len = 1;
     if (c < 0x80)
         return c == '\t' || (c >= ' ' && c < 0x7F);
-    const uint32_t codepoint = text_codepoint((struct text){line.data + i, line.len - i}, len);
+    const uint32_t codepoint = text_codepoint(text_after(line, i), len);
     const bool plain = codepoint != CODEPOINT_INVALID && !codepoint_hidden(codepoint);
     *len = plain ? *len : 1;
     return plain;
@@ -77,13 +76,12 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
         size_t used = 0;
         double arrival;
         if (text_starts(line, mark)) {
-            collected->statement = (struct text){line.data + mark.len, line.len - mark.len};
+            collected->statement = text_after(line, mark.len);
             continue;
         }
         if (text_starts(line, TEXT(COLLECTED_CALIBRATION))) {
             const size_t len = strlen(COLLECTED_CALIBRATION);
-            calibration_take_line((struct text){line.data + len, line.len - len},
-                                  &collected->calibration);
+            calibration_take_line(text_after(line, len), &collected->calibration);
             continue;
         }
         pause |= text_is(line, COLLECTED_PAUSE);
@@ -93,8 +91,7 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
             continue;
         struct text came = {line.data + used + 1, line.len - used - 1};
         if (result->count == 0 && text_starts(came, TEXT(BYTE_ORDER_MARK)))
-            came = (struct text){came.data + strlen(BYTE_ORDER_MARK),
-                                 came.len - strlen(BYTE_ORDER_MARK)};
+            came = text_after(came, strlen(BYTE_ORDER_MARK));
         const bool garbled = came.len > 0 && memchr(came.data, '\\', came.len);
         result->arrival[result->count] = arrival;
         result->pause[result->count] = pause && result->count > 0;
@@ -381,7 +378,7 @@ static const struct unit *stated_unit(struct text statement)
 {
     const struct text key = TEXT(" unit=");
     while (statement.len > 0 && !text_starts(statement, key))
-        statement = (struct text){statement.data + 1, statement.len - 1};
+        statement = text_after(statement, 1);
     size_t len = key.len;
     while (len < statement.len && statement.data[len] != ' ')
         len++;

@@ -2,8 +2,6 @@
 /* A recording that lines are added to while they come, thinned where it gets long. */
 #include "modules/collect/lines.h"
 
-#include <hooke/base/numeric.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

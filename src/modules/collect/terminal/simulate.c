@@ -53,17 +53,10 @@ static bool read_number(struct text value, enum quantity quantity, double *si)
     double number;
     if (real_scan(value, '.', &number, &used) != REAL_OK || used == 0)
         return false;
-    const struct text name = text_trim((struct text){value.data + used, value.len - used});
+    const struct text name = text_trim(text_after(value, used));
     const struct unit *unit = name.len ? unit_find(name) : NULL;
     *si = number;
     return name.len == 0 || (unit && unit_convert(unit, quantity, number, si));
-}
-
-static bool say_nothing(void *context, struct text text)
-{
-    (void)context;
-    (void)text;
-    return true;
 }
 
 static bool complain(void *context, struct text text)
@@ -76,7 +69,7 @@ static bool execute(struct session *session, const char *command, struct text re
 {
     struct buffer line = {0};
     struct reply reply;
-    reply_init(&reply, (struct sink){say_nothing, complain, NULL});
+    reply_init(&reply, (struct sink){sink_nothing, complain, NULL});
     buffer_put(&line, text_of(command));
     buffer_put(&line, rest);
     const bool ok = command_exec(session, buffer_text(&line), NULL, &reply);

@@ -5,9 +5,7 @@
 #include "modules/comparison/compute/verify.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define ROUNDING_ERROR_MAX 1e-6 /* A slope near 0 above this error is not caused by rounding. */
 #define SLOPE_IDLE 0.3          /* A smaller step gains nothing below this slope. */

@@ -4,7 +4,6 @@
 #include "modules/comparison/compute/compare.h"
 
 #include <math.h>
-#include <string.h>
 
 const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena)
 {

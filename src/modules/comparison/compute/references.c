@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* References that were computed before: a scene that is studied again has its own already. */
-#include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/errors.h"
 

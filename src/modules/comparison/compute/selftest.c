@@ -6,7 +6,6 @@
 #include "modules/comparison/compute/verify.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define ORDER_COST 250000 /* evaluations of one solve */
 #define ORDER_NEAR 0.15   /* largest distance from the claimed order */

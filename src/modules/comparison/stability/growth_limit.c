@@ -8,7 +8,6 @@
 #include <hooke/run/step_limit.h>
 
 #include <stdlib.h>
-#include <string.h>
 
 #define GROWTH_ROUNDING 1e-12 /* growth above 1 that is rounding */
 /* the same at a double eigenvalue, whose growth is known to the root of rounding only */

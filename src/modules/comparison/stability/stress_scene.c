@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The cases that stress makes of a scene, and what each changes in it. */
 #include <hooke/base/catalog.h>
-#include <hooke/base/number.h>
 #include "modules/comparison/stability/stress.h"
 
 #include <math.h>
-#include <string.h>
 
 static struct stress_case *stress_case_add(struct stress *stress, const struct stress_scene *source,
                                            const char *name, const struct buffer *brief)

@@ -7,7 +7,6 @@
  */
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include <hooke/base/numeric.h>
 #include "modules/dynamics/branches/verdict.h"

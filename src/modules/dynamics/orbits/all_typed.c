@@ -67,7 +67,7 @@ static bool is_name_used(const struct writing *w, const char *wanted)
             if (text_is(name, wanted))
                 return true;
             const size_t length = name.len > 0 ? name.len : 1;
-            rest = (struct text){rest.data + length, rest.len - length};
+            rest = text_after(rest, length);
         }
     return false;
 }

@@ -7,7 +7,6 @@
 #include <hooke/scene/interval.h>
 #include <hooke/scene/typed.h>
 #include <math.h>
-#include <string.h>
 
 #include <hooke/base/numeric.h>
 

@@ -11,7 +11,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #define FAR_OFF 6.0               /* robust standard deviations */
 #define FAR_OFF_BESIDE 3.0        /* next to one that is far off, on the same side */

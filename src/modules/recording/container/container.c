@@ -180,8 +180,7 @@ static bool has_directory(struct text bytes)
     const size_t first = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
     for (size_t position = bytes.len; position-- > first;) {
         const unsigned char *end = (const unsigned char *)bytes.data + position;
-        if (text_starts((struct text){bytes.data + position, bytes.len - position},
-                        TEXT("PK\5\6")) &&
+        if (text_starts(text_after(bytes, position), TEXT("PK\5\6")) &&
             bytes.len - position >= END &&
             bytes.len - position >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
             return true;

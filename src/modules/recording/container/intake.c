@@ -20,7 +20,7 @@
 static bool is_xml(struct text text)
 {
     if (text_starts(text, BYTE_ORDER_MARK))
-        text = (struct text){text.data + 3, text.len - 3};
+        text = text_after(text, 3);
     text = text_trim(text);
     return text_starts(text, TEXT("<?xml")) || text_starts(text, TEXT("<Document")) ||
            text_starts(text, TEXT("<cassylab"));

@@ -45,7 +45,7 @@ static bool has_label(struct text line, const char *label, struct text *value)
 {
     if (!text_starts(line, text_of(label)))
         return false;
-    *value = text_trim((struct text){line.data + strlen(label), line.len - strlen(label)});
+    *value = text_trim(text_after(line, strlen(label)));
     return true;
 }
 

@@ -5,7 +5,6 @@
 #include <hooke/scene/formula.h>
 #include "modules/recording/fit/formula.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* Numbering of the variables: the columns (t last), the parameters, the known names. */

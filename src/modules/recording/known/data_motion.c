@@ -15,7 +15,7 @@ bool recording_is_fitted(const struct session *session, const struct recording *
 {
     const struct text subject = text_of(fits_of(session)->fit_of);
     return fits_of(session)->has_fit && text_starts(subject, TEXT("data ")) &&
-           text_is((struct text){subject.data + 5, subject.len - 5}, recording->name);
+           text_is(text_after(subject, 5), recording->name);
 }
 
 double motion_frequency(const struct session *session, const struct recording *recording,

@@ -4,7 +4,6 @@
 #include "modules/recording/plots.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* Returns the run of the table, or NULL if there are several. */
 static const struct run *only_run(const struct session *session, const struct argument_value *runs)

@@ -47,8 +47,7 @@ static void undo_export(struct recording *recording, struct text zero, struct te
     struct unit unit = {.quantity = recording->column[recording->value].quantity, .factor = 1};
     if (real_scan(zero, '.', &zero_offset, &used) != REAL_OK)
         return;
-    const struct unit *of_zero =
-        unit_find(text_trim((struct text){zero.data + used, zero.len - used}));
+    const struct unit *of_zero = unit_find(text_trim(text_after(zero, used)));
     zero_offset *= of_zero ? of_zero->factor : 1;
     if (real_parse(factor, &unit.factor) != REAL_OK || !(fabs(unit.factor) > 0))
         unit.factor = 1;

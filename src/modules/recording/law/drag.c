@@ -9,7 +9,6 @@
 #include <hooke/base/unit.h>
 #include "modules/recording/law/drag.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { ROUNDS = 4 };

@@ -3,8 +3,6 @@
 #include <hooke/base/cancel.h>
 #include "modules/recording/law/drag.h"
 
-#include <stdio.h>
-
 enum { WINDOWS_MAX = 256 };
 
 /* The frequency of the damped oscillation. */

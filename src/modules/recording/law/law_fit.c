@@ -5,8 +5,6 @@
 #include "modules/recording/fit/least_squares.h"
 #include "modules/recording/law/law_fit.h"
 
-#include <string.h>
-
 enum {
     /* derivatives, then the residual */
     CHUNK = 128,

@@ -7,7 +7,6 @@
 #include "modules/recording/law/drag.h"
 
 #include <gsl/gsl_cdf.h>
-#include <string.h>
 
 enum { FIRST_PERIODS = 4, LEAST = 16 };
 

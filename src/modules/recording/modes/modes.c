@@ -5,7 +5,6 @@
 #include "modules/recording/modes/modes.h"
 
 #include <math.h>
-#include <string.h>
 
 #define REJECTED_ROBUST_SIGMAS 5.0 /* robust standard deviations */
 /* Smaller deviations, relative to the amplitude, are no outliers of a simulation. */

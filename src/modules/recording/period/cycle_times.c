@@ -11,7 +11,6 @@
 #include <gsl/gsl_multifit.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 enum { POWERS_MAX = 3, GAPS_MAX = 6, TERMS_MAX = POWERS_MAX + GAPS_MAX };
 

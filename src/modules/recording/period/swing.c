@@ -7,7 +7,6 @@
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
-#include <string.h>
 
 enum {
     GRID_PARTS = 9,

@@ -4,7 +4,6 @@
 #include "modules/recording/scene/scene_fit.h"
 
 #include <math.h>
-#include <string.h>
 
 static const char *const names[ADOPTED_VALUES] = {"k",  "k3", "gamma",  "C",      "friction",
                                                   "y0", "v0", "length", "theta0", "rate0"};

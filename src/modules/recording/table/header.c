@@ -156,7 +156,7 @@ bool number_with_unit(struct text field, char decimal, double *value, struct tex
     const enum real_status status = real_scan(field, decimal, &number, &used);
     if ((status != REAL_OK && status != REAL_UNDERFLOW) || used == 0 || used == field.len)
         return false;
-    *unit = text_trim((struct text){field.data + used, field.len - used});
+    *unit = text_trim(text_after(field, used));
     if (unit->len == 0 || unit->len > SPELLED_MAX || !find_unit(*unit, &factor))
         return false;
     *value = number;
@@ -195,7 +195,7 @@ static bool find_bracket(struct text text, struct text *stem, struct text *unit,
             if (text.data[index] == open) {
                 *unit = text_trim((struct text){text.data + index + 1, close - index - 1});
                 *stem = text_trim((struct text){text.data, index});
-                *suffix = text_trim((struct text){text.data + close + 1, text.len - close - 1});
+                *suffix = text_trim(text_after(text, close + 1));
                 return unit->len > 0 && unit->len < 16 && !memchr(unit->data, ' ', unit->len);
             }
     }
@@ -215,7 +215,7 @@ static bool find_spoken(struct text text, struct text *stem, struct text *unit)
             continue;
         *stem = text_trim((struct text){text.data, index});
         const size_t skipped = starts_with_in ? 3 : 2;
-        *unit = text_trim((struct text){rest.data + skipped, rest.len - skipped});
+        *unit = text_trim(text_after(rest, skipped));
         return unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor);
     }
     return false;
@@ -228,7 +228,7 @@ static bool find_tail(struct text text, struct text *stem, struct text *unit)
         if (text.data[index] != '_' && text.data[index] != '/')
             continue;
         *stem = text_trim((struct text){text.data, index});
-        *unit = text_trim((struct text){text.data + index + 1, text.len - index - 1});
+        *unit = text_trim(text_after(text, index + 1));
         if (stem->len > 0 && unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor) &&
             (text.data[index] == '_' || text.data[index - 1] == ' '))
             return true;

@@ -219,7 +219,7 @@ static void find_names(const struct table_text *text, size_t first, size_t first
             (comment ? memchr(line.data, '=', line.len) != NULL : table_skipped(line)))
             continue;
         /* Names may follow a # or %, as in "# t y". */
-        line = comment ? (struct text){line.data + 1, line.len - 1} : text->head[i].text;
+        line = comment ? text_after(line, 1) : text->head[i].text;
         if (comment && keyed_comment(&line, layout) && line.len == 0)
             continue;
         if (!comment && *fields_above == 0)

@@ -38,7 +38,7 @@ bool table_line(struct text *rest, struct text *line)
         used = 3;
     else if (text_starts(end, TEXT("\r\n")))
         used = 2;
-    *rest = (struct text){end.data + used, end.len - used};
+    *rest = text_after(end, used);
     return true;
 }
 
@@ -88,11 +88,6 @@ static size_t quoted_length(struct text text)
     return i;
 }
 
-static bool is_table_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* Returns the end of the text before the first "->", or NULL. */
 static const char *find_arrow(struct text text)
 {
@@ -125,8 +120,7 @@ static bool stamp_before_line(struct text *rest, char separator, struct text *fi
         return false;
     const bool marked = tail.len > 0 && strchr(",;", tail.data[0]);
     *field = inside;
-    *rest = tail.len > 0 ? (struct text){tail.data + marked, tail.len - marked}
-                         : (struct text){NULL, 0};
+    *rest = tail.len > 0 ? text_after(tail, marked) : (struct text){NULL, 0};
     return true;
 }
 
@@ -142,7 +136,7 @@ bool table_field(struct text *rest, char separator, struct text *field)
         start++;
     size_t end = start;
     if (start < text.len && text.data[start] == '"')
-        end += quoted_length((struct text){text.data + start, text.len - start});
+        end += quoted_length(text_after(text, start));
     if (separator == ' ') {
         while (end < text.len && !is_blank(text.data[end]))
             end++;
@@ -154,8 +148,7 @@ bool table_field(struct text *rest, char separator, struct text *field)
     *field = text_trim((struct text){text.data + start, end - start});
     if (field->len >= 2 && field->data[0] == '"' && field->data[field->len - 1] == '"')
         *field = text_trim((struct text){field->data + 1, field->len - 2});
-    *rest = end < text.len ? (struct text){text.data + end + 1, text.len - end - 1}
-                           : (struct text){NULL, 0};
+    *rest = end < text.len ? text_after(text, end + 1) : (struct text){NULL, 0};
     return separator != ' ' || field->len > 0;
 }
 
@@ -201,7 +194,7 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
     bool point = false, odd = false;
     for (size_t i = 0; i < field.len;) {
         const struct text rest = {field.data + i, field.len - i};
-        const size_t blank = len > 0 && is_table_digit(output[len - 1]) ? group_blank(rest) : 0;
+        const size_t blank = len > 0 && is_digit_char(output[len - 1]) ? group_blank(rest) : 0;
         char c = field.data[i];
         if (len + 1 >= ODD_MAX)
             return 0;
@@ -221,14 +214,14 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
             i += 2;
             odd = true;
         } else if ((c == 'D' || c == 'd') && len > 0 &&
-                   (is_table_digit(output[len - 1]) || output[len - 1] == decimal)) {
+                   (is_digit_char(output[len - 1]) || output[len - 1] == decimal)) {
             c = 'E';
             odd = true;
         }
         if ((c == decimal || c == 'E') && groups + blanks > 0 && group_digits != 3 && !point)
             return 0;
         point |= c == decimal || c == 'E';
-        group_digits = is_table_digit(c) ? group_digits + 1 : 0;
+        group_digits = is_digit_char(c) ? group_digits + 1 : 0;
         output[len++] = c;
         i++;
     }
@@ -278,7 +271,7 @@ enum cell_kind table_cell(struct text field, char decimal, double *value)
     if (number_with_unit(field, decimal, value, &unit))
         return CELL_NUMBER;
     const bool negative = field.data[0] == '-';
-    struct text word = negative ? (struct text){field.data + 1, field.len - 1} : field;
+    struct text word = negative ? text_after(field, 1) : field;
     if (!is_word(word, "inf") && !is_word(word, "infinity") && !is_word(word, "\xE2\x88\x9E"))
         return CELL_WORD;
     *value = negative ? -HUGE_VAL : HUGE_VAL;

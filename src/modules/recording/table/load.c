@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 void recording_warn(struct recording *recording, const char *format, ...)
 {
@@ -118,7 +117,7 @@ static bool read_part(struct text content, const char *shown, const struct load_
 {
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
     if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
-        text.text = (struct text){text.text.data + 3, text.text.len - 3};
+        text.text = text_after(text.text, 3);
     return refuse_binary(text.text, text.name, error) &&
            read_text(&text, options, recording, error);
 }
@@ -129,7 +128,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     struct arena scratch = {0};
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
     if (text_starts(content, TEXT("\xEF\xBB\xBF")))
-        text.text = (struct text){content.data + 3, content.len - 3};
+        text.text = text_after(content, 3);
     bool found = table_head(&text, &scratch) || error_memory(error);
     if (found && !table_find(&text, 0, options, &text.layout, error)) {
         const struct format *sure = format_of(&text, NULL);

@@ -8,11 +8,6 @@ struct stamp_scan {
     const char *cursor, *end;
 };
 
-static bool is_stamp_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static bool stamp_take_char(struct stamp_scan *s, char c)
 {
     const bool found = s->cursor < s->end && *s->cursor == c;
@@ -30,7 +25,7 @@ static void blanks(struct stamp_scan *s)
 static int digits(struct stamp_scan *s, int max, int64_t *value)
 {
     int count = 0;
-    for (*value = 0; count < max && s->cursor < s->end && is_stamp_digit(*s->cursor); count++)
+    for (*value = 0; count < max && s->cursor < s->end && is_digit_char(*s->cursor); count++)
         *value = 10 * *value + (*s->cursor++ - '0');
     return count;
 }
@@ -52,7 +47,7 @@ static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
     const char mark = s->cursor < s->end ? *s->cursor : '\0';
     if (wide == 0 || !strchr("-/.", mark) || !mark || !stamp_take_char(s, mark) ||
         digits(s, 2, &second) == 0 || !stamp_take_char(s, mark) || digits(s, 4, &third) == 0 ||
-        (s->cursor < s->end && is_stamp_digit(*s->cursor))) {
+        (s->cursor < s->end && is_digit_char(*s->cursor))) {
         *s = saved;
         return false;
     }
@@ -84,7 +79,7 @@ static double fraction(struct stamp_scan *s)
                                              1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     const int count = digits(s, 15, &number);
     const double value = (double)number / decimal_power10[count];
-    while (s->cursor < s->end && is_stamp_digit(*s->cursor)) /* digits beyond those of a double */
+    while (s->cursor < s->end && is_digit_char(*s->cursor)) /* digits beyond those of a double */
         s->cursor++;
     return value;
 }
@@ -159,7 +154,7 @@ static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
     const struct stamp_scan saved = *s;
     int64_t days;
     if (digits(s, 4, &days) > 0 && stamp_take_char(s, ' ') && s->end - s->cursor > 2 &&
-        is_stamp_digit(*s->cursor)) {
+        is_digit_char(*s->cursor)) {
         stamp->date = true;
         stamp->day = days;
         return true;
@@ -196,7 +191,7 @@ bool stamp_parse(struct text text, struct stamp *stamp)
     *stamp = (struct stamp){0};
     if (text.len < 4 || text.len > 40)
         return false;
-    if (!is_stamp_digit(text.data[0]))
+    if (!is_digit_char(text.data[0]))
         return scan_ctime(&s, stamp) && s.cursor == s.end;
     if (scan_days(&s, stamp))
         return scan_clock(&s, stamp) && s.cursor == s.end;

@@ -14,7 +14,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MEDIAN_SAMPLE 4096 /* steps looked at for the median */
 /* [median step] deviation above which the sampling is called uneven */

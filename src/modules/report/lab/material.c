@@ -88,8 +88,7 @@ static bool is_damped_more(const struct report *report, int index)
             const struct stored_fit *fit = &fits_of(session)->stored_fit[k];
             const struct text subject = text_of(fit->subject);
             if (text_starts(subject, TEXT("data ")) && fit->fit.gamma.value > 0 &&
-                text_is((struct text){subject.data + 5, subject.len - 5},
-                        session->recording[i]->recording->name))
+                text_is(text_after(subject, 5), session->recording[i]->recording->name))
                 gamma[i] = fit->fit.gamma;
         }
     }
@@ -145,8 +144,7 @@ int recording_of(const struct report *report, const struct run *run)
         const struct stored_fit *fit = &fits_of(session)->stored_fit[i];
         const struct text subject = text_of(fit->subject);
         if (text_starts(subject, TEXT("data ")) && same_bits(fit->k.value, k))
-            return session_find_recording(session,
-                                          (struct text){subject.data + 5, subject.len - 5});
+            return session_find_recording(session, text_after(subject, 5));
     }
     return -1;
 }

@@ -2,8 +2,6 @@
 /* The questions of the lab sheet, each with what it rests on and an empty place for the answer. */
 #include "modules/report/lab/material.h"
 
-#include <hooke/report.h>
-
 #include <string.h>
 
 #define KIND(kind) (1u << PLOT_##kind)

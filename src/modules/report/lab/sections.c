@@ -290,8 +290,7 @@ bool of_second_session(const struct report *report, const char *subject)
     const struct material *m = report->material;
     const struct text name = text_of(subject);
     if (text_starts(name, TEXT("data "))) {
-        const int index =
-            session_find_recording(report->session, (struct text){name.data + 5, name.len - 5});
+        const int index = session_find_recording(report->session, text_after(name, 5));
         return index >= 0 && m->decays[index];
     }
     for (int i = 0; i < m->runs[SECTION_DAMPED_SIMULATION]; i++) {

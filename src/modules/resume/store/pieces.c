@@ -316,7 +316,7 @@ static char *put_file(const char *temporary, struct text path, struct text conte
         begin--;
     buffer_format(&file_path, "%s/hooke-%ld", temporary && *temporary ? temporary : "/tmp",
                   (long)getpid());
-    buffer_put(&name, (struct text){path.data + begin, path.len - begin});
+    buffer_put(&name, text_after(path, begin));
     bool ok = !file_path.failed && !name.failed &&
               folder_open(folder, file_path.data, policy, any_name, &ignored);
     if (ok && !folder_put(folder, name.data, content, &ignored)) {

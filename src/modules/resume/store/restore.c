@@ -26,13 +26,6 @@ void reader_note(struct reader *reader, const char *format, ...)
     buffer_free(&line);
 }
 
-static bool ignore_text(void *context, struct text text)
-{
-    (void)context;
-    (void)text;
-    return true;
-}
-
 static bool restored_text_keep(void *context, struct text text)
 {
     buffer_put(context, text);
@@ -46,7 +39,7 @@ bool reader_execute(struct reader *reader, struct text commands, struct error *e
     struct reply reply;
     struct text line;
     bool ok = true;
-    reply_init(&reply, (struct sink){ignore_text, restored_text_keep, &said});
+    reply_init(&reply, (struct sink){sink_nothing, restored_text_keep, &said});
     while (ok && commands.len > 0 && text_split(&commands, '\n', &line)) {
         buffer_clear(&said);
         ok = command_exec(reader->session, line, &where, &reply);

@@ -74,7 +74,7 @@ static bool take_records(struct reader *reader, struct text rest)
         reader->damaged += rest.data != begin;
         if (head.bytes > rest.len - sizeof head) {
             /* torn, or its length is a lie that its checksum knows nothing of */
-            rest = (struct text){rest.data + sizeof head, rest.len - sizeof head};
+            rest = text_after(rest, sizeof head);
             continue;
         }
         const size_t bytes = (size_t)head.bytes;
@@ -113,7 +113,7 @@ static bool take_rows(struct reader *reader, struct text content)
     if (content.len < sizeof head)
         return true;
     memcpy(&head, content.data, sizeof head);
-    content = (struct text){content.data + sizeof head, content.len - sizeof head};
+    content = text_after(content, sizeof head);
     struct read_run *run = read_run_of(reader, head.id);
     if (!run || !reserve(&run->piece, run->pieces, &run->piece_capacity, sizeof *run->piece))
         return false;
@@ -143,8 +143,7 @@ static bool take_run(struct reader *reader, struct text content)
 
 bool reader_scan(struct reader *reader, struct text content, struct error *error)
 {
-    content =
-        (struct text){content.data + strlen(STORE_HEADER), content.len - strlen(STORE_HEADER)};
+    content = text_after(content, strlen(STORE_HEADER));
     bool ok = take_records(reader, content);
     while (reader->records > 0 && reader->record[reader->records - 1].kind != RECORD_STATE)
         reader->records--;

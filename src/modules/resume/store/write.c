@@ -48,8 +48,7 @@ static void record_begin(struct output *output)
 static struct text content_of(const struct output *output)
 {
     const struct text all = buffer_text(&output->stored->record);
-    return (struct text){all.data + sizeof(struct record_head),
-                         all.len - sizeof(struct record_head)};
+    return text_after(all, sizeof(struct record_head));
 }
 
 /* Writes the record in pieces, and checks for cancellation between them. */

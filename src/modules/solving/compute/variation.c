@@ -6,7 +6,6 @@
  */
 #include "modules/solving/compute/variation.h"
 
-#include <float.h>
 #include <string.h>
 #include <stdlib.h>
 

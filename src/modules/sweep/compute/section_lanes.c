@@ -141,14 +141,6 @@ static bool take_again(const struct sweep_worker *worker, struct crossings *p, i
     return section->strobe || run_event_records(run) == events + 1;
 }
 
-static bool is_state_diverged(const double *y, int n)
-{
-    for (int k = 0; k < n; k++)
-        if (!(fabs(y[k]) <= DIVERGENCE_MIN))
-            return true;
-    return false;
-}
-
 /* ---- the strobe ---- */
 
 static int64_t strobe_step(const struct sweep_worker *worker, const struct crossings *p)
@@ -179,7 +171,7 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
         if (p->done || p->step != step)
             continue;
         lanes_state(worker->lanes, lane, y);
-        p->alone = is_state_diverged(y, worker->system[0].n) || !strobe_lane(worker, p, y);
+        p->alone = lane_suspicious(y, worker->system[0].n) || !strobe_lane(worker, p, y);
         p->seen++;
         p->step = strobe_step(worker, p);
         p->done = p->alone || p->seen == section->keep;
@@ -239,7 +231,7 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
         for (int k = 0; k < worker->system[0].n; k++)
             y[k] = row[(size_t)k * LANE_COUNT + (size_t)lane];
         p->last = step + 1;
-        p->alone = is_state_diverged(y, worker->system[0].n) ||
+        p->alone = lane_suspicious(y, worker->system[0].n) ||
                    (++p->seen > section->skip && !take_again(worker, p, step, y));
     }
     p->done = p->alone || p->seen == section->skip + section->keep;

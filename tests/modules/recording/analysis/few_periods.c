@@ -3,7 +3,6 @@
  * A few periods of a motion that drag or friction damps: the stated period covers the times between
  * crossings of the motion itself, which is integrated here.
  */
-#include <stdio.h>
 
 #include "cmocka_testing.h"
 

@@ -4,7 +4,6 @@
  * the recordings of each kind, down to 1.5 line widths 1/T apart, or a warning says that the lines
  * are too near; what does not have so many frequencies is refused.
  */
-#include <stdio.h>
 #include <string.h>
 
 #include "cmocka_testing.h"

@@ -4,7 +4,6 @@
 
 #include <gsl/gsl_fft_real.h>
 #include <hooke/base/cancel.h>
-#include <hooke/scene/formula.h>
 #include "modules/recording/fit/formula.h"
 #include "modules/recording/analysis/testing.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Repeated measurements: what is quoted covers the truth whether or not the stated uncertainties
  * are right. */
-#include <stdio.h>
 
 #include "cmocka_testing.h"
 

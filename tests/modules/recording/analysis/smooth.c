@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Periods of series without noise: exact, whatever the decay and the centre, or not claimed. */
-#include <string.h>
 
 #include "cmocka_testing.h"
 

@@ -4,7 +4,6 @@
  * cycles that differ in turn, a clock that jumps. The period is right within its uncertainty, or a
  * warning says more.
  */
-#include <stdio.h>
 
 #include "cmocka_testing.h"
 

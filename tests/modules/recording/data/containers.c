@@ -7,7 +7,6 @@
 #include "modules/recording/data/archives.h"
 
 #include <sys/resource.h>
-#include <time.h>
 
 static bool is_table(struct recording *recording, const struct error *error)
 {
