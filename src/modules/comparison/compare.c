@@ -186,17 +186,6 @@ static void overlay_runs(struct view *view, const struct comparison *rows, int c
         view->overlay[view->overlays++] = rows[i].run->number;
 }
 
-/* Remembers which runs `plot compare` draws. */
-static void remember_runs(struct session *session, const struct comparison *rows, int count)
-{
-    struct comparison_part *part = session_part(session, &comparison_module);
-    if (!part)
-        return;
-    part->compared_count = count < COMPARED_MAX ? count : COMPARED_MAX;
-    for (int i = 0; i < part->compared_count; i++)
-        part->compared[i] = rows[i].run->number;
-}
-
 static void reply_saved(const struct session *session, const struct comparison *rows, int count,
                         struct reply *reply)
 {
@@ -299,7 +288,6 @@ static void reply_compared(struct session *session, const struct arguments *args
                            int left_out, struct reply *reply)
 {
     overlay_runs(&session->view, rows, count);
-    remember_runs(session, rows, count);
     fill_rows(session, rows, count, args->arena, compared);
     if (reply_wants_text(reply))
         reply_table(session, rows, compared, count, left_out, !asks_full(args), args->arena, reply);

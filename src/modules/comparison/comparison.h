@@ -11,13 +11,10 @@ extern const struct module comparison_module;
 extern const struct argument_type_row stressed_type;
 
 /* Data that the module keeps in a session. */
-enum { COMPARED_MAX = 12 };
 struct comparison_part {
     /* the latest study, for `plot precision`, or NULL if there is none */
     struct precision *precision;
     struct references references; /* references of the scenes that were studied last */
-    int compared[COMPARED_MAX]; /* numbers of the runs of the last comparison, for `plot compare` */
-    int compared_count;
 };
 
 /* Returns the references that are kept between studies, or NULL if out of memory: none are then. */

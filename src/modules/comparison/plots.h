@@ -4,9 +4,6 @@
 
 #include <hooke/plot.h>
 
-/* Returns true if a run of the last comparison is still kept. */
-bool compare_known(const struct session *session);
-bool compare_plot(struct drawing *d, struct figure *figure);
 /* Returns true if a precision study has been made. */
 bool precision_known(const struct session *session);
 bool precision_plot(struct drawing *d, struct figure *figure);
