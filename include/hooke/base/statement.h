@@ -11,7 +11,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
 bool is_name_start(char c);
 /* Returns true for what names consist of: letters, digits and the underscore. */
 bool is_name_char(char c);
-/* Moves the beginning of the text beyond its leading spaces and tabs. */
+/* Moves the beginning of the text beyond its leading blanks, ends of lines too. */
 void text_skip_blanks(struct text *text);
 /* Returns what follows the first `count` bytes and the blanks behind them. */
 struct text text_behind(struct text text, size_t count);
