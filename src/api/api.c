@@ -104,7 +104,9 @@ const struct hooke_error *hooke_error(const struct hooke *hooke)
 {
     static const struct hooke_error memory = {
         .status = ERROR_COMMAND, .code = "command", .message = "out of memory", .hint = ""};
-    return !hooke ? &memory : hooke->has_error ? &hooke->error : NULL;
+    if (!hooke)
+        return &memory;
+    return hooke->has_error ? &hooke->error : NULL;
 }
 
 /* ---- tables ---- */

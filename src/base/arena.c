@@ -31,9 +31,11 @@ void *arena_alloc(struct arena *arena, size_t size)
 
     struct arena_block *block = arena->blocks;
     if (!block || block->size - block->used < size) {
-        size_t fresh = !block                            ? BLOCK_FIRST
-                       : block->size < BLOCK_LARGEST / 2 ? block->size * 2
-                                                         : BLOCK_LARGEST;
+        size_t fresh;
+        if (!block)
+            fresh = BLOCK_FIRST;
+        else
+            fresh = block->size < BLOCK_LARGEST / 2 ? block->size * 2 : BLOCK_LARGEST;
         block = block_create(size > fresh ? size : fresh);
         if (!block)
             return NULL;

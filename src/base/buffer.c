@@ -50,7 +50,13 @@ void buffer_codepoint(struct buffer *buffer, uint32_t codepoint)
     static const unsigned char lead[] = {0, 0x00, 0xC0, 0xE0, 0xF0};
     if (codepoint > 0x10FFFF || (codepoint >= 0xD800 && codepoint <= 0xDFFF))
         codepoint = CODEPOINT_INVALID;
-    size_t len = codepoint < 0x80 ? 1 : codepoint < 0x800 ? 2 : codepoint < 0x10000 ? 3 : 4;
+    size_t len;
+    if (codepoint < 0x80)
+        len = 1;
+    else if (codepoint < 0x800)
+        len = 2;
+    else
+        len = codepoint < 0x10000 ? 3 : 4;
     char bytes[4];
     for (size_t i = len; i-- > 1; codepoint >>= 6)
         bytes[i] = (char)(0x80 | (codepoint & 0x3F));
@@ -101,7 +107,9 @@ struct text buffer_text(const struct buffer *buffer)
 
 const char *buffer_view(const struct buffer *buffer)
 {
-    return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
+    if (buffer->failed)
+        return "(out of memory)";
+    return buffer->data ? buffer->data : "";
 }
 
 void buffer_base64(struct buffer *output, struct text bytes)

@@ -109,7 +109,9 @@ static bool same_but_case(struct text a, struct text b)
 /* Returns the largest distance of a misspelling of this length from the name that was meant. */
 static int reach(size_t len)
 {
-    return len <= 3 ? 1 : len <= 7 ? 2 : (int)(len / 3);
+    if (len <= 3)
+        return 1;
+    return len <= 7 ? 2 : (int)(len / 3);
 }
 
 void suggestion_offer(struct suggestion *suggestion, const char *name)

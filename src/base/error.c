@@ -86,9 +86,9 @@ bool error_memory(struct error *error)
 const char *error_name(enum error_code code)
 {
     static const char *const names[] = {"none", "command", "usage", "numerical", "io"};
-    return code == ERROR_CANCELLED          ? "cancelled"
-           : (size_t)code < COUNT_OF(names) ? names[code]
-                                            : "unknown";
+    if (code == ERROR_CANCELLED)
+        return "cancelled";
+    return (size_t)code < COUNT_OF(names) ? names[code] : "unknown";
 }
 
 const char *system_message(int number)

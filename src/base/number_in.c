@@ -152,7 +152,10 @@ static double by_library(struct text text, const struct scanned *s)
         z[len++] = '1';
         exponent--;
     }
-    exponent = exponent > 2000 ? 2000 : exponent < -2000 ? -2000 : exponent;
+    if (exponent > 2000)
+        exponent = 2000;
+    else
+        exponent = exponent < -2000 ? -2000 : exponent;
     *decimal_power(z + len, (int)exponent) = '\0';
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     return plain ? strtod_l(z, NULL, plain) : NAN;

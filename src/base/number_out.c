@@ -67,7 +67,8 @@ static struct decimal shortest_exact(double value)
     const int p = 16 - decade;
 
     const wide u = decimal_power5[p];
-    const int left_shift = e + p > 2 ? e + p - 2 : 0, shift = e + p > 2 ? 0 : 2 - e - p;
+    const int left_shift = e + p > 2 ? e + p - 2 : 0;
+    const int shift = e + p > 2 ? 0 : 2 - e - p;
     const wide v = (4 * u * m) << left_shift, upper_margin = (2 * u) << left_shift,
                lower_margin = (fraction ? 2 * u : u) << left_shift;
     const wide one = (wide)1 << shift;
@@ -186,9 +187,12 @@ size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL
     const bool plain = low <= decade && decade < high;
     /* Digits before the point; what is missing there or between the point and the first digit is
      * zeros. */
-    const int integer_digits = plain ? point : 1, whole = integer_digits < 0       ? 0
-                                                          : integer_digits < count ? integer_digits
-                                                                                   : count;
+    const int integer_digits = plain ? point : 1;
+    int whole;
+    if (integer_digits < 0)
+        whole = 0;
+    else
+        whole = integer_digits < count ? integer_digits : count;
     if (decimal.negative)
         *cursor++ = '-';
     if (integer_digits <= 0)
@@ -214,7 +218,11 @@ static size_t write_nonfinite(double value, char output[REAL_TEXT_SIZE])
 {
     if (isfinite(value))
         return 0;
-    struct text name = isnan(value) ? TEXT("nan") : value < 0 ? TEXT("-inf") : TEXT("inf");
+    struct text name;
+    if (isnan(value))
+        name = TEXT("nan");
+    else
+        name = value < 0 ? TEXT("-inf") : TEXT("inf");
     memcpy(output, name.data, name.len + 1);
     return name.len;
 }

@@ -218,8 +218,8 @@ double matrix_exponential(int n, double *a, double *work)
     int exponent;
     if (frexp(matrix_norm(n, a), &exponent) == 0.5)
         exponent--;
-    const int wanted = exponent > QUARTER ? exponent - QUARTER : 0,
-              halvings = wanted < HALVINGS_MAX ? wanted : HALVINGS_MAX;
+    const int wanted = exponent > QUARTER ? exponent - QUARTER : 0;
+    const int halvings = wanted < HALVINGS_MAX ? wanted : HALVINGS_MAX;
     const double part = ldexp(1, -halvings);
     for (int i = 0; i < n * n; i++)
         a[i] *= part;

@@ -12,11 +12,15 @@ uint32_t text_codepoint(struct text text, size_t *used)
     const unsigned char first = (unsigned char)text.data[0];
     if (first < 0x80)
         return first;
-    const size_t len = first >= 0xF8   ? 0
-                       : first >= 0xF0 ? 4
-                       : first >= 0xE0 ? 3
-                       : first >= 0xC0 ? 2
-                                       : 0;
+    size_t len;
+    if (first >= 0xF8)
+        len = 0;
+    else if (first >= 0xF0)
+        len = 4;
+    else if (first >= 0xE0)
+        len = 3;
+    else
+        len = first >= 0xC0 ? 2 : 0;
     if (len == 0 || len > text.len)
         return CODEPOINT_INVALID;
     uint32_t codepoint = first & (0x7Fu >> len);

@@ -132,7 +132,7 @@ int codepoint_width(uint32_t codepoint)
 {
     if (codepoint < 0x300)
         return codepoint >= 0x20 && (codepoint < 0x7F || codepoint >= 0xA0);
-    return is_in(zero, COUNT_OF(zero), codepoint) ? 0
-           : is_in(two, COUNT_OF(two), codepoint) ? 2
-                                                  : 1;
+    if (is_in(zero, COUNT_OF(zero), codepoint))
+        return 0;
+    return is_in(two, COUNT_OF(two), codepoint) ? 2 : 1;
 }

@@ -272,7 +272,7 @@ static void explain(const struct session *session, struct text statement, struct
     struct buffer text = {0};
     const struct command *own =
         command_at(catalog_choose(session, &command_catalog, peek_word(statement, "")));
-    const struct command *command = kind && !*kind ? NULL : advised ? NULL : own;
+    const struct command *command = (kind && !*kind) || advised ? NULL : own;
     const bool name = is_kind(kind, "name"), law = name && is_law(own, statement);
     const bool known = (is_kind(kind, "unit") && advised) ||
                        (is_kind(kind, "command") && put_rewritten(session, statement, &text)) ||

@@ -162,9 +162,11 @@ bool script_file(struct session *session, const char *path, const struct source 
         error.code = ERROR_USAGE;
         reply->format = (enum output_format)session->setup.settings.format;
         reply_error(reply, &error, parent && parent->name ? parent : NULL, (struct text){NULL, 0});
-        session->execution.status = session->options.keep_going ? ERROR_COMMAND
-                                    : session->execution.status ? session->execution.status
-                                                                : ERROR_USAGE;
+        if (session->options.keep_going)
+            session->execution.status = ERROR_COMMAND;
+        else
+            session->execution.status =
+                session->execution.status ? session->execution.status : ERROR_USAGE;
         buffer_free(&content);
         return false;
     }

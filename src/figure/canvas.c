@@ -7,7 +7,8 @@
 
 bool canvas_init(struct canvas *canvas, int width, int height)
 {
-    size_t columns = width > 0 ? (size_t)width : 0, rows = height > 0 ? (size_t)height : 0;
+    size_t columns = width > 0 ? (size_t)width : 0;
+    size_t rows = height > 0 ? (size_t)height : 0;
     size_t count = columns * rows;
 
     *canvas = (struct canvas){0};

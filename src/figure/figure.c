@@ -91,7 +91,8 @@ static int frame_text(const struct text_sheet *sheet, int x, int end, int y, str
 static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title,
                        char *title_text, size_t size)
 {
-    const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
+    const char *label = axis->label ? axis->label : "";
+    const char *unit = axis->unit ? axis->unit : "";
     char power[16] = "", offset[TICK_TEXT_SIZE] = "";
     struct buffer text = {0};
 

@@ -11,14 +11,20 @@
  * is inside, or outside by FRAME_MARGIN at most. */
 static double fraction_excess(double fraction)
 {
-    return fraction < -FRAME_MARGIN ? -fraction : fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
+    if (fraction < -FRAME_MARGIN)
+        return -fraction;
+    return fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
 }
 
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int index,
                    struct curve_outside *outside)
 {
     const struct curve *curve = &figure->curve[index];
-    const double *when = curve->t ? curve->t : figure->plane ? NULL : curve->x;
+    const double *when;
+    if (curve->t)
+        when = curve->t;
+    else
+        when = figure->plane ? NULL : curve->x;
     bool inside = false;
     double farthest = 0;
 

@@ -44,10 +44,10 @@ struct extent curves_extent(const struct curve *curve, int curves,
     for (int c = 0; c < curves; c++) {
         const bool y = window->vertical,
                    counts = !window->panel || window->panel == curve[c].panel + 1;
-        const double *value = y ? curve[c].y : curve[c].x,
-                     *other_value = y ? curve[c].x : curve[c].y;
-        const double *band = window->bands ? curve[c].spread : NULL,
-                     *bar = window->bars ? curve[c].bar : NULL;
+        const double *value = y ? curve[c].y : curve[c].x;
+        const double *other_value = y ? curve[c].x : curve[c].y;
+        const double *band = window->bands ? curve[c].spread : NULL;
+        const double *bar = window->bars ? curve[c].bar : NULL;
         for (size_t i = 0; counts && curve_goes_on(&curve[c], i); i++) {
             if (!isfinite(value[i]) || (window->min > 0 && value[i] < window->min) ||
                 (ends &&
@@ -147,8 +147,8 @@ static struct scale log_scale(struct extent extent, const struct axis *axis)
 
 struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
 {
-    const struct axis *axis = vertical ? &figure->y : &figure->x,
-                      *other = vertical ? &figure->x : &figure->y;
+    const struct axis *axis = vertical ? &figure->y : &figure->x;
+    const struct axis *other = vertical ? &figure->x : &figure->y;
     const bool follows = vertical && fixed_range(other), wide = vertical && !axis->log,
                whole = !vertical && !figure->plane;
     const double other_range[2] = {follows ? other->first_value : min_of(other),

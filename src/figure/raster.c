@@ -62,11 +62,16 @@ static void put_span(const struct raster *raster, int column, int low, int high,
 {
     struct dot_grid grid = raster->layout->charset->dots;
     int last = raster->layout->rows * grid.dots_vertical - 1, span = high - low + 1;
-    int first_dot = low < 0 ? 0 : low, last_dot = high > last ? last : high;
+    int first_dot = low < 0 ? 0 : low;
+    int last_dot = high > last ? last : high;
 
     if (raster->mark || grid.dots_horizontal == 1) {
         static const char level[] = "'-._";
-        char stroke = span > 6 || !slope ? '|' : slope < 0 ? '/' : '\\';
+        char stroke;
+        if (span > 6 || !slope)
+            stroke = '|';
+        else
+            stroke = slope < 0 ? '/' : '\\';
         for (int row = first_dot / grid.dots_vertical;
              first_dot <= last_dot && row <= last_dot / grid.dots_vertical; row++) {
             int first = first_dot > row * grid.dots_vertical ? first_dot : row * grid.dots_vertical;
@@ -96,13 +101,16 @@ struct cell_pen {
 
 static int pen_column(const struct cell_pen *pen, double x)
 {
-    return x < -0.5 ? -1 : x >= pen->columns - 0.5 ? pen->columns : (int)(x + 0.5);
+    if (x < -0.5)
+        return -1;
+    return x >= pen->columns - 0.5 ? pen->columns : (int)(x + 0.5);
 }
 
 /* Leaves the column at height y, or ends there. */
 static void pen_leave(struct cell_pen *pen, double y, bool ends)
 {
-    double y_enter = pen->starts ? NAN : pen->enter, y_leave = ends ? NAN : y;
+    double y_enter = pen->starts ? NAN : pen->enter;
+    double y_leave = ends ? NAN : y;
     double border_min = fmin(y_enter, y_leave),
            border_max = fmax(y_enter, y_leave); /* heights where the borders are crossed */
     /* Draws the dots in the interval between the ways in and out. An extreme beyond them is rounded
@@ -115,7 +123,11 @@ static void pen_leave(struct cell_pen *pen, double y, bool ends)
     if (low > high)
         low = high = floor((pen->low + pen->high) / 2 + 0.5);
     double rise = y - pen->enter;
-    int slope = 2 * fabs(rise) < pen->high - pen->low ? 0 : rise < 0 ? -pen->heading : pen->heading;
+    int slope;
+    if (2 * fabs(rise) < pen->high - pen->low)
+        slope = 0;
+    else
+        slope = rise < 0 ? -pen->heading : pen->heading;
     put_span(pen->raster, pen->column, (int)low, (int)high, slope);
 }
 

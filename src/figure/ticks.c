@@ -117,9 +117,9 @@ static void take_offset(struct ticks *ticks)
 int tick_parts(const struct ticks *ticks)
 {
     const double digit = ticks->step > 0 ? ticks->step / pow(10, power_below(ticks->step)) : 0;
-    return digit > 2.6 && digit < 3.4                                     ? 3
-           : (digit > 1.6 && digit < 2.4) || (digit > 3.6 && digit < 4.4) ? 4
-                                                                          : 5;
+    if (digit > 2.6 && digit < 3.4)
+        return 3;
+    return (digit > 1.6 && digit < 2.4) || (digit > 3.6 && digit < 4.4) ? 4 : 5;
 }
 
 struct ticks ticks_linear(double range_begin, double range_end, int want, int max)

@@ -254,9 +254,10 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
         (uncertain &&
          !to_si(&spread, &number, what, wanted, typed, &item->value.uncertainty, error)))
         return false;
-    item->quantity = wanted != QUANTITY_OTHER ? wanted
-                     : is->unit               ? dimension_quantity(is)
-                                              : quantity_of_name(parser, typed);
+    if (wanted != QUANTITY_OTHER)
+        item->quantity = wanted;
+    else
+        item->quantity = is->unit ? dimension_quantity(is) : quantity_of_name(parser, typed);
     if (!isfinite(item->value.value))
         return error_at(error, typed, "%s: '%.*s' is not a finite number", what,
                         shown_length(typed), typed.data);

@@ -189,9 +189,11 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
         number = next;
         g->crossing[g->crossings++] =
             (struct snap_point){t, crossing[i].uncertainty, g->overview.mean, number};
-        const double t_falling = steady          ? t + 0.5 * beat.period.value
-                                 : i + 1 < count ? crossing[i + 1].t
-                                                 : (double)NAN;
+        double t_falling;
+        if (steady)
+            t_falling = t + 0.5 * beat.period.value;
+        else
+            t_falling = i + 1 < count ? crossing[i + 1].t : (double)NAN;
         g->peaks += peaks && peak_between(g, t, t_falling, &g->peak[g->peaks]);
     }
     return true;
@@ -359,9 +361,11 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
     snprintf(cursors->subject, sizeof cursors->subject, "%s", g->name);
     cursors->samples = g->series.n;
     cursors->quantity = g->series.quantity;
-    double periods = a > 0 && b > 0           ? abs(b - a)
-                     : g->overview.oscillates ? nearbyint(dt / g->overview.period)
-                                              : 0;
+    double periods;
+    if (a > 0 && b > 0)
+        periods = abs(b - a);
+    else
+        periods = g->overview.oscillates ? nearbyint(dt / g->overview.period) : 0;
     cursors->periods = periods >= 1 ? periods : NAN;
     for (int i = 0; i < 2; i++)
         cursors->cursor[i].amplitude =

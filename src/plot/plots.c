@@ -169,10 +169,11 @@ enum quantity plot_quantity(const struct session *session, enum plot_kind kind, 
     const struct plot_row *row = &rows[kind];
     if (row->horizontal == ACROSS_OTHER)
         return QUANTITY_NUMBER;
-    if (x)
-        return row->horizontal == ACROSS_STATE       ? first
-               : row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
-                                                     : QUANTITY_TIME;
+    if (x) {
+        if (row->horizontal == ACROSS_STATE)
+            return first;
+        return row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY : QUANTITY_TIME;
+    }
     if (row->observable)
         return model_quantity(model, observable_named(row->observable));
     /* The phase plot of a spring has v/omega0. */

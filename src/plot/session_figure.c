@@ -418,9 +418,10 @@ static bool label_axes(const struct drawing *d, const struct plot_row *row,
     const char *x_name = arena_text(d->arena, text_of(x_variable->name));
     if (!x_name)
         return error_memory(d->error);
-    figure->x = figure->plane ? quantity_axis(x_name, x_variable->quantity, size_of(d, true))
-                : row->axis   ? row->axis(d)
-                              : quantity_axis("t", QUANTITY_TIME, d->window[1]);
+    if (figure->plane)
+        figure->x = quantity_axis(x_name, x_variable->quantity, size_of(d, true));
+    else
+        figure->x = row->axis ? row->axis(d) : quantity_axis("t", QUANTITY_TIME, d->window[1]);
     figure->y = quantity_axis(drawing_y_label(d, 0), y_quantity(d), size_of(d, false));
     if (!figure->y.label)
         return error_memory(d->error);

@@ -134,7 +134,8 @@ CLONES static void extremes(const double *row, int64_t count, int n, int64_t *lo
  * of its extremes after it. Returns how many. */
 static inline size_t bucket_rows(int64_t first, int64_t low, int64_t high, int64_t place[3])
 {
-    const int64_t earlier = low < high ? low : high, later = low < high ? high : low;
+    const int64_t earlier = low < high ? low : high;
+    const int64_t later = low < high ? high : low;
     size_t rows = 1;
     place[0] = first;
     place[rows] = first + earlier;
@@ -258,7 +259,8 @@ bool trace_thin(struct trace *trace)
 ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, size_t first,
                                size_t low, size_t high)
 {
-    const size_t earlier = low < high ? low : high, later = low < high ? high : low;
+    const size_t earlier = low < high ? low : high;
+    const size_t later = low < high ? high : low;
     move_next(trace, writer, *step_at(trace, first), first);
     if (earlier != first)
         move_next(trace, writer, *step_at(trace, earlier), earlier);
@@ -380,8 +382,8 @@ static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t co
 static int64_t record_some(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     const int64_t skipped = trace->decimates ? 0 : trace->next - step,
-                  whole = whole_buckets(trace, step, count), in_bucket = trace->tail_end - step,
-                  bucket_rows = in_bucket < count ? in_bucket : count;
+                  whole = whole_buckets(trace, step, count), in_bucket = trace->tail_end - step;
+    const int64_t bucket_rows = in_bucket < count ? in_bucket : count;
     if (skipped > 0)
         return skipped < count ? skipped : count;
     if (whole > 0)

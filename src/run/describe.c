@@ -143,18 +143,19 @@ static const char *about_turns(const struct system *system, const struct method 
                "across)";
     if (system->oscillator.friction != 0)
         return "turning points: crossed (turning off), the order is lost there: dry friction jumps";
-    if (system->switches > 0 && (system->pieces || system->steps_across_kinks) && !adaptive)
-        return method_meets_switches(method, system)
-                   ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
-               : system->steps_across_kinks
+    if (system->switches > 0 && (system->pieces || system->steps_across_kinks) && !adaptive) {
+        if (method_meets_switches(method, system))
+            return "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)";
+        return system->steps_across_kinks
                    ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
                    : "switches (if, abs, sign, ...): crossed by this method, the order is lost "
                      "there";
+    }
     if (!system->kinks || method->order <= 2)
         return NULL;
-    return method_turns(method, system)
-               ? "turning points: located by extra steps ('set turning off' goes across)"
-           : system->steps_across_kinks
+    if (method_turns(method, system))
+        return "turning points: located by extra steps ('set turning off' goes across)";
+    return system->steps_across_kinks
                ? "turning points: crossed (turning off), the order is lost there"
                : "order is lost at turning points: quadratic drag is only C^1 there";
 }

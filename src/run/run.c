@@ -256,7 +256,9 @@ double run_rest(const struct run *run)
     size_t row = trace_count(trace);
     while (a[0] == 0 && row > 0 && trace_state(trace, row - 1)[1] == 0)
         row--;
-    return a[0] != 0 ? NAN : row < trace_count(trace) ? trace_time(trace, row) : run->t;
+    if (a[0] != 0)
+        return NAN;
+    return row < trace_count(trace) ? trace_time(trace, row) : run->t;
 }
 
 bool run_back(struct run *run, int64_t rows)
@@ -265,7 +267,11 @@ bool run_back(struct run *run, int64_t rows)
     struct trace *trace = run->trace;
     size_t last = trace_count(trace) - 1;
     bool enough = rows <= 0 || (uint64_t)rows <= last;
-    size_t row = rows <= 0 ? last : enough ? last - (size_t)rows : 0;
+    size_t row;
+    if (rows <= 0)
+        row = last;
+    else
+        row = enough ? last - (size_t)rows : 0;
     for (size_t i = p->kicks; i > 0 && row > 0 && rows > 0; i--)
         row -= p->kick[i - 1].step == trace_step(trace, row) + 1 &&
                p->kick[i - 1].t == trace_time(trace, row);

@@ -25,7 +25,10 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
                  trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
     if (trace->decimates) {
         /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
-        trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
+        if (trace->cap > LIMIT_SAMPLES)
+            trace->cap = LIMIT_SAMPLES;
+        else
+            trace->cap = trace->cap < 64 ? 64 : trace->cap;
     }
     trace->bucket = 1;
     return trace;

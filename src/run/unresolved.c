@@ -100,8 +100,8 @@ static void add_missed(const struct system *system, double t, double h, int prob
     double f[LIMIT_VARIABLES];
     for (int k = 0; k < probes + 3; k++) {
         const int seen = k - probes;
-        const double theta = seen < 0 ? (k + 0.5) / probes : rule->point[seen],
-                     weight = seen < 0 ? 1. / probes : -rule->weight[seen];
+        const double theta = seen < 0 ? (k + 0.5) / probes : rule->point[seen];
+        const double weight = seen < 0 ? 1. / probes : -rule->weight[seen];
         system_derivative(system, t + theta * h, system->start, f);
         for (int i = 0; i < system->n; i++)
             missed[i] += weight * h * f[i];
@@ -140,7 +140,8 @@ int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t eva
 {
     const int64_t share = evals / PROBED_EVALS_SHARE,
                   all = share > PROBED_EVALS_MIN ? share : PROBED_EVALS_MIN,
-                  most = all / (PROBES_MIN + 2), looks = steps < most ? steps : most;
+                  most = all / (PROBES_MIN + 2);
+    const int64_t looks = steps < most ? steps : most;
     *probes = PROBES_MIN;
     if (looks <= 0 || !run_force_may_pulse(system))
         return 0;

@@ -47,7 +47,9 @@ static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
     if (!(ahead >= h) || ahead <= 0)
         return 0;
     const double steps = h > 0 ? floor(ahead / run->settings.dt) : 1;
-    return steps < 1 ? 1 : steps < 1e15 ? (int64_t)steps : INT64_MAX;
+    if (steps < 1)
+        return 1;
+    return steps < 1e15 ? (int64_t)steps : INT64_MAX;
 }
 
 /* As many steps as are due, for at most a slice. True while there is more to do. */
@@ -61,7 +63,10 @@ static bool advance_slice(const struct clock_pace *pace, struct run *run,
         if (due == 0)
             return true;
         struct run_target part = *target;
-        part.steps = due < left ? due : last == INT64_MAX && due == INT64_MAX ? -1 : left;
+        if (due < left)
+            part.steps = due;
+        else
+            part.steps = last == INT64_MAX && due == INT64_MAX ? -1 : left;
         if (run_advance(run, &part, begin + SLICE_NS - now, cancel))
             return true;
         if (run->stop != STOP_END || run->t == target->t || run->steps >= last)
@@ -133,10 +138,13 @@ void live_refresh(struct session *session)
     struct live *live = &session->live;
     const struct run *run = session_run(session);
     const struct run_slot *slot = run ? session->runs.slot[session->runs.current] : NULL;
-    live->state = !run                                                       ? LIVE_IDLE
-                  : stop_is_pause(run->stop)                                 ? LIVE_PAUSED
-                  : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
-                                                                             : LIVE_IDLE;
+    if (!run)
+        live->state = LIVE_IDLE;
+    else if (stop_is_pause(run->stop))
+        live->state = LIVE_PAUSED;
+    else
+        live->state =
+            run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED : LIVE_IDLE;
     live->mark_count =
         slot ? journal_changes(slot->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
 }

@@ -294,10 +294,14 @@ const struct charset *session_charset(const struct session *session)
 void session_size(const struct session *session, int *width, int *height)
 {
     const struct settings *settings = &session->setup.settings;
-    *width = settings->width ? settings->width : session->front.width ? session->front.width : 80;
-    *height = settings->height        ? settings->height
-              : session->front.height ? session->front.height
-                                      : 24;
+    if (settings->width)
+        *width = settings->width;
+    else
+        *width = session->front.width ? session->front.width : 80;
+    if (settings->height)
+        *height = settings->height;
+    else
+        *height = session->front.height ? session->front.height : 24;
 }
 
 /* ---- text for people ---- */

@@ -35,8 +35,8 @@ double scene_period(const struct scene *scene)
 
 double scene_period_at(const struct scene *scene, double amplitude)
 {
-    const int angle = scene ? scene_param(scene, "theta0") : -1,
-              rate = scene ? scene_param(scene, "rate0") : -1;
+    const int angle = scene ? scene_param(scene, "theta0") : -1;
+    const int rate = scene ? scene_param(scene, "rate0") : -1;
     if (angle < 0 || rate < 0)
         return NAN;
     struct scene turned = *scene;

@@ -127,7 +127,10 @@ static size_t whole_statements(struct text line, int room)
             fits = i;
         }
         if (!end && (line.data[i] == '"' || line.data[i] == '\'')) {
-            quote = !quote ? line.data[i] : quote == line.data[i] ? 0 : quote;
+            if (!quote)
+                quote = line.data[i];
+            else
+                quote = quote == line.data[i] ? 0 : quote;
         }
     }
     return fits;

@@ -81,8 +81,8 @@ static void say_page(const struct press *press, struct buffer *line)
               scroll = session->view.scroll;
     const int rows = screen_log_rows(session, width, height),
               max = screen_log_max(session, width, height);
-    const int old_scroll = scroll < max ? scroll : max,
-              new_scroll = old_scroll + press->arg * press->count * (rows > 1 ? rows - 1 : 1);
+    const int old_scroll = scroll < max ? scroll : max;
+    const int new_scroll = old_scroll + press->arg * press->count * (rows > 1 ? rows - 1 : 1);
     buffer_format(line, "scroll %d", (new_scroll < max ? new_scroll : max) - scroll);
 }
 
@@ -338,12 +338,14 @@ static int on_key(int count, int last)
     if (!panes_active) {
         return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
     }
-    const struct key *on_cursors =
-        keys_on_plot() && panes_active->program->session->view.cursors.plane
-            ? find_key(point_keys, COUNT_OF(point_keys), &longest)
-        : keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest)
-        : keys_on_text() ? find_key(reading_keys, COUNT_OF(reading_keys), &longest)
-                         : NULL;
+    const struct key *on_cursors;
+    if (keys_on_plot() && panes_active->program->session->view.cursors.plane)
+        on_cursors = find_key(point_keys, COUNT_OF(point_keys), &longest);
+    else if (keys_on_plot())
+        on_cursors = find_key(cursor_keys, COUNT_OF(cursor_keys), &longest);
+    else
+        on_cursors =
+            keys_on_text() ? find_key(reading_keys, COUNT_OF(reading_keys), &longest) : NULL;
     key = on_cursors ? on_cursors : key;
     if (!key) {
         return rl_ding();

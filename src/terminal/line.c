@@ -305,9 +305,9 @@ static int go_to_word_end(int count, int key)
 {
     if (has_marks())
         return strchr("wWeE", key) ? rl_forward_word(count, key) : rl_ding();
-    return key == 'w' || key == 'W'   ? rl_vi_next_word(count, key)
-           : key == 'e' || key == 'E' ? rl_vi_end_word(count, key)
-                                      : rl_vi_complete(count, key);
+    if (key == 'w' || key == 'W')
+        return rl_vi_next_word(count, key);
+    return key == 'e' || key == 'E' ? rl_vi_end_word(count, key) : rl_vi_complete(count, key);
 }
 
 void line_drop(void)

@@ -135,9 +135,9 @@ static bool take_size(struct options *options, const char *value)
 /* Returns true if a value has to follow; that of --resume may be left out. */
 static bool wants_value(const struct option_row *row, const char *next)
 {
-    return row->value == VALUE_RESUME   ? next && session_keeper()->is_name(next)
-           : row->value == VALUE_MODULE ? row->module->takes_first
-                                        : row->value != VALUE_NONE;
+    if (row->value == VALUE_RESUME)
+        return next && session_keeper()->is_name(next);
+    return row->value == VALUE_MODULE ? row->module->takes_first : row->value != VALUE_NONE;
 }
 
 /* value NULL: none was given. */

@@ -262,13 +262,15 @@ bool panes_read(struct panes *panes, int64_t deadline)
     struct session *session = panes_session(panes);
     deadline = earliest(deadline, input_due(&panes->input));
     deadline = earliest(deadline, keeper_due());
-    if (panes->running) {
+    if (panes->running)
         deadline = earliest(deadline, pacing_due(&panes->pacing, session));
-    }
     int timeout = -1;
     if (deadline < INT64_MAX) {
         const int64_t left = deadline - clock_ns();
-        timeout = left <= 0 ? 0 : left > 3600000000000 ? 3600000 : (int)((left + 999999) / 1000000);
+        if (left <= 0)
+            timeout = 0;
+        else
+            timeout = left > 3600000000000 ? 3600000 : (int)((left + 999999) / 1000000);
     }
     struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
                               {.fd = signals_pipe(), .events = POLLIN}};

@@ -290,7 +290,10 @@ static int row_cost(const struct cell *a, const struct cell *b, int n)
     int cost = 0;
     for (int i = 0; i < n; i++) {
         if (a[i].codepoint != b[i].codepoint || a[i].style != b[i].style) {
-            cost += a[i].codepoint < 0x80 ? 1 : a[i].codepoint < 0x800 ? 2 : 3;
+            if (a[i].codepoint < 0x80)
+                cost += 1;
+            else
+                cost += a[i].codepoint < 0x800 ? 2 : 3;
         }
     }
     return cost > 0 ? cost + MOVE_COST : 0;
@@ -321,5 +324,7 @@ enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes,
     screen->stale &= i < all;
     move(cursor_y, cursor_x);
     refresh();
-    return i < all ? SHOWN_PART : sent > 0 ? SHOWN_ALL : SHOWN_NOTHING;
+    if (i < all)
+        return SHOWN_PART;
+    return sent > 0 ? SHOWN_ALL : SHOWN_NOTHING;
 }

@@ -94,7 +94,8 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
     bool shared = a->shared;
     for (int i = 0; i < count; i++)
         shared &= plot_is_timed(pane[i]);
-    int each = shared ? CURVE_ROWS + 1 : PLOT_ROWS, common = shared ? SHARED_ROWS : 0;
+    int each = shared ? CURVE_ROWS + 1 : PLOT_ROWS;
+    int common = shared ? SHARED_ROWS : 0;
     while (count > 1 && area.height < count * each + common)
         count--;
     int fractions = a->first + count - 1, frames = shared ? count : 0,

@@ -88,9 +88,11 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",
                       keys[] = "F1 help  F5 run  F7 cursors";
     int width = screen->canvas->width;
-    const uint32_t line_glyph = screen->charset->words   ? ' '
-                                : screen->charset->plain ? '-'
-                                                         : 0x2500;
+    uint32_t line_glyph;
+    if (screen->charset->words)
+        line_glyph = ' ';
+    else
+        line_glyph = screen->charset->plain ? '-' : 0x2500;
 
     for (int x = 0; x < width; x++)
         canvas_put(screen->canvas, x, y, line_glyph, STYLE_DIM);

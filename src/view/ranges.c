@@ -83,10 +83,9 @@ static void extend_collected(const struct session *session, const struct figure 
         return;
     const bool rate =
         row->vertical == VERTICAL_RATE && (row->horizontal == ACROSS_TIME || vertical);
-    const double size = now->swing * (rate && !figure->equal ? TWO_PI / now->steady : 1),
-                 middle = rate || row->horizontal != ACROSS_TIME
-                              ? 0
-                              : now->middle - session_recording(session)->zero;
+    const double size = now->swing * (rate && !figure->equal ? TWO_PI / now->steady : 1);
+    const double middle =
+        rate || row->horizontal != ACROSS_TIME ? 0 : now->middle - session_recording(session)->zero;
     extend(extent, middle - size);
     extend(extent, middle + size);
 }

@@ -31,10 +31,12 @@ static bool choose_runs(struct session *session, const struct arguments *args,
     }
     if (runs->count == 0 && data->count == 0 && session->runs.current >= 0)
         index[request->runs++] = session->runs.current;
-    request->recording = data->count ? data->item->index
-                         : (runs->count && !plot_row(request->kind)->residual) || request->columns
-                             ? -1
-                             : figure_recording(session, request->kind);
+    if (data->count)
+        request->recording = data->item->index;
+    else
+        request->recording = (runs->count && !plot_row(request->kind)->residual) || request->columns
+                                 ? -1
+                                 : figure_recording(session, request->kind);
     if (request->runs == 0 && request->recording >= 0 && !plot_of_recordings(request->kind))
         return error_at(error, data->where, "recordings cannot be plotted as %s",
                         plot_row(request->kind)->row.name);

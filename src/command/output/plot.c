@@ -317,7 +317,10 @@ HANDLER(plot)
     const bool pixels = !file->count && shows_pixels(session, args, reply),
                drawn = chosen.writer || pixels;
     request.charset = drawn ? &charset_braille : session_charset(session);
-    request.width = drawn ? PICTURE_COLUMNS : request.charset->words ? WORDS_COLUMNS : width;
+    if (drawn)
+        request.width = PICTURE_COLUMNS;
+    else
+        request.width = request.charset->words ? WORDS_COLUMNS : width;
     if (!make_figure(session, args, &request, &figure, reply, error) ||
         !choose_words(args, &figure, error))
         return false;

@@ -69,10 +69,17 @@ HANDLER(scroll)
     }
     int max = log_rows_newest(&session->log, session->log.count, width_of(session));
     max -= max > 0;
-    double scroll = has_argument(args, "home") ? max : has_argument(args, "end") ? 0 : view->scroll;
+    double scroll;
+    if (has_argument(args, "home"))
+        scroll = max;
+    else
+        scroll = has_argument(args, "end") ? 0 : view->scroll;
     if (rows->count)
         scroll += rows->item->value.value;
-    view->scroll = scroll < 0 ? 0 : scroll > max ? max : (int)scroll;
+    if (scroll < 0)
+        view->scroll = 0;
+    else
+        view->scroll = scroll > max ? max : (int)scroll;
     return true;
 }
 #endif

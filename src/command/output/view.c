@@ -30,8 +30,8 @@ static void free_ranges(struct view *view)
 static void describe_layout(const struct session *session, struct buffer *text)
 {
     const struct view *view = &session->view;
-    const int width = session->front.width ? session->front.width : 80,
-              height = session->front.height ? session->front.height : 24;
+    const int width = session->front.width ? session->front.width : 80;
+    const int height = session->front.height ? session->front.height : 24;
     const enum layout drawn = layout_drawn(view->layout, width, height);
     const struct layout_row *row = layout_row(view->layout);
     /* A pane that no layout has takes the first place of each. */

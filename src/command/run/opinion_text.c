@@ -11,9 +11,11 @@ void seek_opinion(const struct session *session, struct run *run, const struct r
     const int kind = session->setup.settings.opinion;
     /* records have the error among their fields */
     const bool recorded = reply_wants_records(reply);
-    const enum opinion_effort effort = kind == OPINIONS_FULL ? OPINION_WHOLE
-                                       : recorded            ? OPINION_DEMANDED
-                                                             : OPINION_BRIEF;
+    enum opinion_effort effort;
+    if (kind == OPINIONS_FULL)
+        effort = OPINION_WHOLE;
+    else
+        effort = recorded ? OPINION_DEMANDED : OPINION_BRIEF;
     if (run->missed.t_begin == run->missed.t_end)
         run_missed_burst(run, &run->missed);
     if (kind == OPINIONS_FULL || (kind != OPINIONS_OFF && (recorded || !reply->quiet)))

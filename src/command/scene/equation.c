@@ -155,7 +155,11 @@ static int param_of(const struct scene *scene, const struct typed_line *line)
     const bool velocity = name.data[name.len - 1] == '\'';
     name.len -= velocity;
     const char last = name.data[name.len - 1];
-    const char *end = line->kind == TYPED_PARAM ? "" : last >= '0' && last <= '9' ? "_0" : "0";
+    const char *end;
+    if (line->kind == TYPED_PARAM)
+        end = "";
+    else
+        end = last >= '0' && last <= '9' ? "_0" : "0";
     snprintf(own, sizeof own, "%s%.*s%s", velocity ? "v" : "", (int)name.len, name.data, end);
     return scene_param(scene, own);
 }

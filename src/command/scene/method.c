@@ -56,12 +56,14 @@ HANDLER(method)
     if (tol->count && tol->item->value.value >= 1)
         return error_at(error, tol->item->text, "tol must be a number between 0 and 1");
     if (name->count || dt->count || tol->count || drag->count) {
-        setup->fixed = dt->count && !tol->count    ? true
-                       : tol->count || name->count ? false
-                                                   : setup->fixed;
-        setup->drag = drag->count   ? (enum drag)(drag->item->index + 1)
-                      : name->count ? DRAG_DEFAULT
-                                    : setup->drag;
+        if (dt->count && !tol->count)
+            setup->fixed = true;
+        else
+            setup->fixed = tol->count || name->count ? false : setup->fixed;
+        if (drag->count)
+            setup->drag = (enum drag)(drag->item->index + 1);
+        else
+            setup->drag = name->count ? DRAG_DEFAULT : setup->drag;
         setup->method = method;
         setup->method_chosen |= name->count > 0;
         if (dt->count)

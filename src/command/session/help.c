@@ -430,10 +430,12 @@ HANDLER(help)
 /* Each of the words, somewhere in what is said of the row. */
 static bool speaks_of(const struct catalog *catalog, const struct row *row, struct text words)
 {
-    const char *text = catalog == &command_catalog ? command_at(row)->text
-                       : catalog == &guide_catalog
-                           ? ((const struct guide_topic *)(const void *)row)->text
-                           : NULL;
+    const char *text;
+    if (catalog == &command_catalog)
+        text = command_at(row)->text;
+    else
+        text = catalog == &guide_catalog ? ((const struct guide_topic *)(const void *)row)->text
+                                         : NULL;
     const char *const said[] = {row->name, row->brief, row->citation, text};
     bool all = true;
     while (words.len > 0 && all) {

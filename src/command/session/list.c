@@ -126,9 +126,11 @@ HANDLER(list)
         return what->list(session, args->arena, reply);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
-        const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
-                                        : kind == LIST_DERIVED  ? scene_derived(scene)
-                                                                : catalogs[kind];
+        const struct catalog *catalog;
+        if (kind == LIST_PARAMETERS)
+            catalog = scene_params(scene);
+        else
+            catalog = kind == LIST_DERIVED ? scene_derived(scene) : catalogs[kind];
         for (size_t i = 0; i < catalog->count; i++)
             reply_listed(catalog, catalog_row(catalog, i), reply);
         for (int i = 0; kind == LIST_SCENES && i < session->setup.owns; i++)

@@ -79,20 +79,25 @@ static bool is_wanted(const struct wanted_methods *wanted, const struct method *
 static const char *use_of(const struct method *method)
 {
     const unsigned flags = method->flags;
-    return flags & METHOD_EXTERNAL ? "an independent check"
-           : flags & METHOD_EXACT  ? "scenes with a closed form"
-           : flags & METHOD_L_STABLE
-               ? flags & METHOD_ADAPTIVE ? "stiff scenes, by tol" : "stiff scenes"
-           : flags & METHOD_A_STABLE ? "any step; undamped, stiff"
-           : flags & METHOD_NO_VELOCITY
-               ? flags & METHOD_ADAPTIVE ? "no drag, many digits" : "no drag, smooth forces"
-           : flags & METHOD_SYMPLECTIC ? "long runs, bounded energy"
-           : flags & METHOD_ADAPTIVE
-               ? method->order >= 8 ? "many digits, by tol" : "accuracy by tol"
-           : flags & METHOD_IMPLICIT  ? "stiff scenes, fixed steps"
-           : flags & METHOD_MULTISTEP ? "expensive forces, fixed steps"
-           : method->order == 1       ? "for teaching: errors grow"
-                                      : "short runs, fixed steps";
+    if (flags & METHOD_EXTERNAL)
+        return "an independent check";
+    if (flags & METHOD_EXACT)
+        return "scenes with a closed form";
+    if (flags & METHOD_L_STABLE)
+        return flags & METHOD_ADAPTIVE ? "stiff scenes, by tol" : "stiff scenes";
+    if (flags & METHOD_A_STABLE)
+        return "any step; undamped, stiff";
+    if (flags & METHOD_NO_VELOCITY)
+        return flags & METHOD_ADAPTIVE ? "no drag, many digits" : "no drag, smooth forces";
+    if (flags & METHOD_SYMPLECTIC)
+        return "long runs, bounded energy";
+    if (flags & METHOD_ADAPTIVE)
+        return method->order >= 8 ? "many digits, by tol" : "accuracy by tol";
+    if (flags & METHOD_IMPLICIT)
+        return "stiff scenes, fixed steps";
+    if (flags & METHOD_MULTISTEP)
+        return "expensive forces, fixed steps";
+    return method->order == 1 ? "for teaching: errors grow" : "short runs, fixed steps";
 }
 
 static void put_stable(double limit, struct buffer *line)

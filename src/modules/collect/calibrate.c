@@ -192,7 +192,11 @@ static bool take_windows(struct session *session, struct text remaining, const d
         double edge[2];
         for (int k = 0; k < 2; k++) {
             size_t used = 0;
-            const char delimiter = i == 1 && k == 1 ? '\0' : k ? ',' : ':';
+            char delimiter;
+            if (i == 1 && k == 1)
+                delimiter = '\0';
+            else
+                delimiter = k ? ',' : ':';
             if (real_scan(remaining, '.', &edge[k], &used) != REAL_OK || used == 0 ||
                 (delimiter ? used >= remaining.len || remaining.data[used] != delimiter
                            : used != remaining.len))
@@ -285,9 +289,9 @@ HANDLER(zero)
         return error_hint(error, "collect SOURCE for=2s; zero; collect again");
     }
     const double end = recording->t[recording->rows - 1],
-                 period = session_collecting(session) ? session_collecting(session)->period : NAN,
-                 last = period > 0 ? fmax(1, floor(READING_SECONDS / period)) * period
-                                   : READING_SECONDS;
+                 period = session_collecting(session) ? session_collecting(session)->period : NAN;
+    const double last =
+        period > 0 ? fmax(1, floor(READING_SECONDS / period)) * period : READING_SECONDS;
     if (!take_reading(session, recording, end - last, end, &raw, error))
         return false;
     struct calibration c =

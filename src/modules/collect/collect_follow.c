@@ -157,10 +157,12 @@ static void tell_end(struct collection *c)
 {
     const int place = collect_own_place(c->session);
     const struct recording *shown = place >= 0 ? c->session->recording[place]->recording : NULL;
-    const double t_begin = c->trigger.wanted    ? c->trigger.t
-                           : shown && !c->again ? shown->t[0]
-                                                : NAN,
-                 end = t_begin + c->length + c->idle;
+    double t_begin;
+    if (c->trigger.wanted)
+        t_begin = c->trigger.t;
+    else
+        t_begin = shown && !c->again ? shown->t[0] : NAN;
+    const double end = t_begin + c->length + c->idle;
     c->state.growing.t_end = end < HUGE_VAL ? end : NAN;
 }
 

@@ -146,7 +146,10 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     text_skip_blanks(&parser->rest);
     const struct text way = peek_word(parser->rest, "");
     parser->rest = (struct text){way.data + way.len, parser->rest.len - way.len};
-    trigger->direction = text_is(way, "rising") ? 1 : text_is(way, "falling") ? -1 : 0;
+    if (text_is(way, "rising"))
+        trigger->direction = 1;
+    else
+        trigger->direction = text_is(way, "falling") ? -1 : 0;
     text_skip_blanks(&parser->rest);
     if (trigger->name.len == 0 || trigger->direction == 0)
         return error_at(error, all, "trigger= is NAME rising or falling VALUE: \"y rising 22 cm\"");

@@ -76,9 +76,9 @@ static const char *free_name(const struct arguments *args, const char *source)
 static bool read_wishes(const struct arguments *args, struct collection *c, struct error *error)
 {
     const struct item *unit =
-                          has_argument(args, "unit") ? argument_value(args, "unit")->item : NULL,
-                      *tunit =
-                          has_argument(args, "tunit") ? argument_value(args, "tunit")->item : NULL;
+        has_argument(args, "unit") ? argument_value(args, "unit")->item : NULL;
+    const struct item *tunit =
+        has_argument(args, "tunit") ? argument_value(args, "tunit")->item : NULL;
     const struct argument_value *decimal = argument_value(args, "decimal"),
                                 *sep = argument_value(args, "sep");
     c->options =
@@ -343,9 +343,10 @@ HANDLER(collect)
     if (input && !check_input(session, source, error))
         return false;
     const struct recording *previous = anew ? session_recording(session) : NULL;
-    c.calibration = session->setup.calibration.decided ? session->setup.calibration
-                    : previous                         ? previous->calibration
-                                                       : c.calibration;
+    if (session->setup.calibration.decided)
+        c.calibration = session->setup.calibration;
+    else
+        c.calibration = previous ? previous->calibration : c.calibration;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
     return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&
                           collection_start(&c, anew ? again : args, error)

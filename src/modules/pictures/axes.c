@@ -77,8 +77,8 @@ static void draw_minor_ticks(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
-    const double low = vertical ? page->top : page->left,
-                 high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
+    const double low = vertical ? page->top : page->left;
+    const double high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
     const int parts = decades ? (ticks->step > 1 ? (int)ticks->step : 9) : tick_parts(ticks);
     const double length = fabs(page_tick(page, vertical, tick_value(ticks, 1, decades)) -
                                page_tick(page, vertical, tick_value(ticks, 0, decades)));
@@ -87,9 +87,11 @@ static void draw_minor_ticks(struct page *page, bool vertical)
     for (int i = -1; i < ticks->count; i++) {
         for (int part = 1; part < parts; part++) {
             const double power = ticks->first + i * ticks->step;
-            const double value = !decades          ? power + part * ticks->step / parts
-                                 : ticks->step > 1 ? pow(10, power + part)
-                                                   : (part + 1) * pow(10, power);
+            double value;
+            if (!decades)
+                value = power + part * ticks->step / parts;
+            else
+                value = ticks->step > 1 ? pow(10, power + part) : (part + 1) * pow(10, power);
             const double position = page_tick(page, vertical, value);
             if (position >= low && position <= high)
                 draw_tick(page, vertical, position, page->style.minor_tick);
@@ -189,8 +191,8 @@ static void draw_axis_title(struct page *page, bool vertical)
     const struct picture_style *style = &page->style;
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
     /* the title of x stays clear of the title of y */
-    const double low = vertical ? page->from_y : page->from_x + 1.6 * style->font,
-                 high = vertical ? page->to_y : page->to_x + style->edge;
+    const double low = vertical ? page->from_y : page->from_x + 1.6 * style->font;
+    const double high = vertical ? page->to_y : page->to_x + style->edge;
     struct buffer name = {0}, unit = {0};
     put_name_symbols(&name, text_of(axis->label));
     put_axis_unit(vertical ? &page->layout.y_ticks : &page->layout.x_ticks, text_of(axis->unit),
@@ -240,8 +242,8 @@ static bool labels_apart(const struct page *page, bool vertical)
     double end = -INFINITY;
     for (int i = 0; i < ticks->count && (vertical || page->x_labels); i++) {
         const double place = page_tick(page, vertical, tick_value(ticks, i, decades)),
-                     width = vertical ? 0 : page_text_width(page, tick_label(page, vertical, i)),
-                     position = vertical ? -place : x_label_middle(page, place, width) - width / 2;
+                     width = vertical ? 0 : page_text_width(page, tick_label(page, vertical, i));
+        const double position = vertical ? -place : x_label_middle(page, place, width) - width / 2;
         if (position < end + apart)
             return false;
         end = position + width;

@@ -34,7 +34,10 @@ static bool entry_at(struct page *page, int e, struct legend_entry *entry)
     const int i = e % page->figure->curves;
     const struct curve *curve = &page->figure->curve[i];
     *entry = (struct legend_entry){.curve = i, .band = e >= page->figure->curves};
-    entry->label = !entry->band ? curve->label : curve->spread ? curve->spread_label : NULL;
+    if (!entry->band)
+        entry->label = curve->label;
+    else
+        entry->label = curve->spread ? curve->spread_label : NULL;
     if (!entry->label || !*entry->label || !curve_drawn(page->figure, i))
         return false;
     entry->sample = (entry->band ? page_band_sample : page_sample)(page, i, 0, 0, false) +

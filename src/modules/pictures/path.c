@@ -153,7 +153,8 @@ static void trace_line(struct tracer *tracer, double x, double y)
         tracer->whole = false;
         return;
     }
-    double x1 = end < 1 ? x0 + end * (x - x0) : x, y1 = end < 1 ? y0 + end * (y - y0) : y;
+    double x1 = end < 1 ? x0 + end * (x - x0) : x;
+    double y1 = end < 1 ? y0 + end * (y - y0) : y;
     x0 += begin * (x - x0);
     y0 += begin * (y - y0);
     /* Rounding of a line that is clipped far away exceeds the margin. */

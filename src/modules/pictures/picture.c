@@ -95,7 +95,10 @@ static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
         if (page_text_width(page, buffer_view(&foot->line[0])) <= available)
             break;
     }
-    foot->lines = foot->line[1].len ? 2 : foot->line[0].len || *caption ? 1 : 0;
+    if (foot->line[1].len)
+        foot->lines = 2;
+    else
+        foot->lines = foot->line[0].len || *caption ? 1 : 0;
     foot->caption = foot->lines &&
                     page_text_width(page, buffer_view(&foot->line[foot->lines - 1])) <= available &&
                     *caption;

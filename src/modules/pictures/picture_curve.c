@@ -244,7 +244,10 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
             continue;
         if (floor(x / BAND_BIN_POINTS) != bin && isfinite(edge))
             surface_line(page->surface, last_x, edge);
-        edge = floor(x / BAND_BIN_POINTS) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
+        if (floor(x / BAND_BIN_POINTS) != bin)
+            edge = y;
+        else
+            edge = side > 0 ? fmin(edge, y) : fmax(edge, y);
         bin = floor(x / BAND_BIN_POINTS);
         last_x = x;
     }
@@ -366,10 +369,12 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const struct picture_style *style = &page->style;
     const struct curve *curve = &page->figure->curve[index];
-    const double width = on_line(curve)      ? style->sample
-                         : has_letter(curve) ? 0.7 * style->font
-                                             : style->mark_sample,
-                 middle = x + width / 2;
+    double width;
+    if (on_line(curve))
+        width = style->sample;
+    else
+        width = has_letter(curve) ? 0.7 * style->font : style->mark_sample;
+    const double middle = x + width / 2;
     const bool dense = curve->points && is_dense(page, curve);
 
     if (!draw)

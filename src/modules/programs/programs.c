@@ -72,9 +72,11 @@ static void put_row(struct scene_program *p, int row)
 {
     const struct written *w = &p->written;
     const bool splits = p->method->splitting && w->system.velocity;
-    const struct expr *expr = !splits                 ? w->all[row]
-                              : p->drag == DRAG_EXACT ? w->force[row]
-                                                      : w->split[row];
+    const struct expr *expr;
+    if (!splits)
+        expr = w->all[row];
+    else
+        expr = p->drag == DRAG_EXACT ? w->force[row] : w->split[row];
     buffer_put(p->output, w->dry ? TEXT("with_friction(") : TEXT(""));
     if (expr)
         program_expr(p, expr);
@@ -303,10 +305,13 @@ static bool write(const struct session *session, size_t kind, struct arena *aren
     fine = fine && !cancelled(p.written.cancel) && make_plan(&p) &&
            (!computes || (refuse_pieces(&p) && refuse_method(&p) && refuse_events(&p))) &&
            make_names(&p);
-    if (fine)
-        fine = p.dialect == DIALECT_TEX   ? program_tex(&p)
-               : p.dialect == DIALECT_XPP ? program_xpp(&p)
-                                          : make_formulas(&p) && program_computes(&p);
+    if (fine) {
+        if (p.dialect == DIALECT_TEX)
+            fine = program_tex(&p);
+        else
+            fine = p.dialect == DIALECT_XPP ? program_xpp(&p)
+                                            : make_formulas(&p) && program_computes(&p);
+    }
     written_free(&p.written);
     buffer_put(output, buffer_text(&text));
     output->failed |= text.failed;

@@ -17,9 +17,9 @@ TEMPLATE(octave)
 
 static const char *template_of(enum dialect dialect)
 {
-    return dialect == DIALECT_C        ? program_c
-           : dialect == DIALECT_PYTHON ? program_python
-                                       : program_octave;
+    if (dialect == DIALECT_C)
+        return program_c;
+    return dialect == DIALECT_PYTHON ? program_python : program_octave;
 }
 
 /* ---- names ---- */

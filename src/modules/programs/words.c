@@ -263,7 +263,9 @@ static const char *solver(const struct scene_program *p)
         return python ? "Radau" : "ode15s";
     if (!python)
         return "ode45";
-    return order <= 3 ? "RK23" : order >= 7 ? "DOP853" : "RK45";
+    if (order <= 3)
+        return "RK23";
+    return order >= 7 ? "DOP853" : "RK45";
 }
 
 /* Appends a word that is a condition or a number. */

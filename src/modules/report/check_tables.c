@@ -83,8 +83,8 @@ static size_t find_row(const struct values *a, size_t i, const struct values *b)
  * values in their digits. */
 static bool agree(struct measured stated, struct measured computed)
 {
-    const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0,
-                 v = isfinite(stated.uncertainty) ? fabs(stated.uncertainty) : 0;
+    const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0;
+    const double v = isfinite(stated.uncertainty) ? fabs(stated.uncertainty) : 0;
     return fabs(stated.value - computed.value) <= fmax(u, SAME_DIGITS * fabs(computed.value)) &&
            fabs(v - u) <= SAME_UNCERTAINTY * u;
 }
@@ -179,9 +179,11 @@ static void compare_column(const struct table *handed, const struct table *again
     const double tolerance =
         data_tolerance_relative + (has_unit || !(scale > 0) ? 0 : data_tolerance_of_one / scale);
     for (size_t i = 0; i < handed->rows; i++) {
-        const double relative = a->value ? number_difference(a->value[i], b->value[i], scale)
-                                : strcmp(a->text[i], b->text[i]) != 0 ? HUGE_VAL
-                                                                      : 0;
+        double relative;
+        if (a->value)
+            relative = number_difference(a->value[i], b->value[i], scale);
+        else
+            relative = strcmp(a->text[i], b->text[i]) != 0 ? HUGE_VAL : 0;
         if (relative <= tolerance)
             continue;
         found->count++;

@@ -53,7 +53,8 @@ static void put_recording(long seed, bool disk, struct buffer *output)
 {
     double v[TRUTHS];
     truths(seed, v);
-    const double mass = v[disk ? DISK_MASS : BARE_MASS] / 1000, gamma = disk ? v[DRAG] : 0.008;
+    const double mass = v[disk ? DISK_MASS : BARE_MASS] / 1000;
+    const double gamma = disk ? v[DRAG] : 0.008;
     const double omega = sqrt(v[SPRING] / mass - gamma * gamma / 4);
     uint64_t state = (uint64_t)seed + (disk ? 1000003 : 1000033);
     buffer_put(output, TEXT("Time (s)\tDistance (cm)\n"));

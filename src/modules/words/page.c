@@ -102,9 +102,12 @@ static void page_table_put(const struct figure *figure, int room, struct buffer 
     buffer_char(output, '\n');
     for (int row = 0; row < CURVE_ROWS; row++) {
         const double part = (double)row / (CURVE_ROWS - 1);
-        const double x = row + 1 == CURVE_ROWS ? x_end
-                         : figure->x.log       ? x_begin * pow(x_end / x_begin, part)
-                                               : x_begin + part * (x_end - x_begin);
+        double x;
+        if (row + 1 == CURVE_ROWS)
+            x = x_end;
+        else
+            x = figure->x.log ? x_begin * pow(x_end / x_begin, part)
+                              : x_begin + part * (x_end - x_begin);
         page_number_put(x, &figure->x, wide[0], output);
         for (int i = 0; i < columns; i++) {
             const struct curve *curve = &figure->curve[i];

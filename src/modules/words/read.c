@@ -301,7 +301,8 @@ static double points_value(const struct points *p, double x)
 static struct curve_distance distance_between(const struct points *source,
                                               const struct points *target, bool at_from)
 {
-    const struct points *here = at_from ? source : target, *there = at_from ? target : source;
+    const struct points *here = at_from ? source : target;
+    const struct points *there = at_from ? target : source;
     struct curve_distance distance = {.largest = NAN, .x = NAN, .rms = NAN};
     double sum = 0; /* sum of squares, in units of the largest */
     size_t n = 0;
@@ -400,8 +401,8 @@ static void read_ranges(const struct figure *figure, const struct points *points
     for (int end = 0; end < 2; end++)
         for (int panel = 0; panel < 2; panel++) {
             const struct axis *x_axis = axis[panel][0], *y_axis = axis[panel][1];
-            const double fixed_x = end ? x_axis->last_value : x_axis->first_value,
-                         fixed_y = end ? y_axis->last_value : y_axis->first_value;
+            const double fixed_x = end ? x_axis->last_value : x_axis->first_value;
+            const double fixed_y = end ? y_axis->last_value : y_axis->first_value;
             const double seen_x = x_axis->fixed ? fixed_x : x[panel][end];
             *(panel ? &reading->second_x[end] : &reading->x[end]) = seen_x;
             reading->y[panel][end] = y_axis->fixed ? fixed_y : y[panel][end];

@@ -76,7 +76,10 @@ static double middle(const struct turn *turn, size_t count, size_t i)
 {
     if (count < 3)
         return 0.5 * (turn[0].y + turn[count - 1].y);
-    i = i < 1 ? 1 : i + 2 > count ? count - 2 : i;
+    if (i < 1)
+        i = 1;
+    else
+        i = i + 2 > count ? count - 2 : i;
     return 0.25 * (turn[i - 1].y + 2 * turn[i].y + turn[i + 1].y);
 }
 
@@ -105,8 +108,8 @@ static double crossing(const struct points *p, size_t search_first, size_t searc
         return NAN;
     double sum = 0;
     for (int end = 0; end < 2; end++) {
-        const struct curve_point a = point_at(p, (end ? last : first) - 1),
-                                 b = point_at(p, end ? last : first);
+        const struct curve_point a = point_at(p, (end ? last : first) - 1);
+        const struct curve_point b = point_at(p, end ? last : first);
         sum += 0.5 * (a.x + (b.x - a.x) * (level - a.y) / (b.y - a.y));
     }
     return sum;
@@ -257,12 +260,14 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
     if (count < 2 || !timed)
         return true;
     for (size_t i = 0; i <= count; i++) {
-        const size_t first = i ? turn[i - 1].index : 0,
-                     last = i < count ? turn[i].index : points->n - 1;
-        const double level = i == 0 ? middle(turn, count, 0)
-                             : i == count
-                                 ? middle(turn, count, count - 1)
-                                 : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
+        const size_t first = i ? turn[i - 1].index : 0;
+        const size_t last = i < count ? turn[i].index : points->n - 1;
+        double level;
+        if (i == 0)
+            level = middle(turn, count, 0);
+        else
+            level = i == count ? middle(turn, count, count - 1)
+                               : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
         const double x = crossing(points, first, last, level);
         if (isfinite(x))
             x_crossing[crossings++] = x;

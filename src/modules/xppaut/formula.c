@@ -157,12 +157,14 @@ static bool ode_node_value(node expr, const struct scope *scope, int depth, doub
         return argument && ode_node_value(argument, where, depth + 1, value);
     } else if (expr->kind == NODE_JOIN && strchr("+-*/", expr->op) &&
                ode_node_value(expr->argument[0], scope, depth + 1, &a) &&
-               ode_node_value(expr->argument[1], scope, depth + 1, &b))
-        *value = expr->op == '+'   ? a + b
-                 : expr->op == '-' ? a - b
-                 : expr->op == '*' ? a * b
-                                   : a / b;
-    else
+               ode_node_value(expr->argument[1], scope, depth + 1, &b)) {
+        if (expr->op == '+')
+            *value = a + b;
+        else if (expr->op == '-')
+            *value = a - b;
+        else
+            *value = expr->op == '*' ? a * b : a / b;
+    } else
         return false;
     return true;
 }
@@ -387,10 +389,13 @@ static bool is_link(node expr, bool sum)
 
 static bool put_link(struct ode_writing *w, node expr, const struct scope *scope)
 {
-    const char *sign = expr->op == '+'   ? " + "
-                       : expr->op == '-' ? " - "
-                       : expr->op == '*' ? "*"
-                                         : "/";
+    const char *sign;
+    if (expr->op == '+')
+        sign = " + ";
+    else if (expr->op == '-')
+        sign = " - ";
+    else
+        sign = expr->op == '*' ? "*" : "/";
     return ode_text_put(w, sign) &&
            formula_put(w, expr->argument[1], scope, is_link(expr, true) ? FACTOR : POWER);
 }

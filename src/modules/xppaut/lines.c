@@ -85,9 +85,12 @@ static bool subscript(struct text inside, const long *j, int number, long *value
     if (digits != rest.len || (!letter && rest.len == 0) || !strchr("+-*", sign))
         return ode_error(error, number, "[%.*s] is no place in an array: a number, j, j+1 or j*2",
                          (int)(inside.len < 40 ? inside.len : 40), inside.data);
-    *value = !letter       ? whole(rest)
-             : sign == '*' ? *j * whole(rest)
-                           : *j + (sign == '-' ? -whole(rest) : whole(rest));
+    if (!letter)
+        *value = whole(rest);
+    else if (sign == '*')
+        *value = *j * whole(rest);
+    else
+        *value = *j + (sign == '-' ? -whole(rest) : whole(rest));
     return true;
 }
 
@@ -197,7 +200,10 @@ static bool take_line(struct text *rest, int *number, struct buffer *line)
     }
     for (size_t i = 0; i < line->len; i++) {
         char *c = &line->data[i];
-        *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c == '\0' || *c == '\t' ? ' ' : *c;
+        if (*c >= 'A' && *c <= 'Z')
+            *c = (char)(*c - 'A' + 'a');
+        else
+            *c = *c == '\0' || *c == '\t' ? ' ' : *c;
     }
     return any;
 }

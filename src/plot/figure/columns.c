@@ -83,10 +83,12 @@ static bool column_value(const struct run *run, const struct chosen_column *colu
                                !observable_defined(column->observable, &run->system, false)))
         return error_set(error, ERROR_COMMAND, "%s is not known at events",
                          column->observable->row.name);
-    *value = column->observable ? column->observable->value(&sample)
-             : column->variable < n
-                 ? sample.y[column->variable]
-                 : system_observe(&run->system, column->variable - n, sample.t, sample.y);
+    if (column->observable)
+        *value = column->observable->value(&sample);
+    else
+        *value = column->variable < n
+                     ? sample.y[column->variable]
+                     : system_observe(&run->system, column->variable - n, sample.t, sample.y);
     return true;
 }
 

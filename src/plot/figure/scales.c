@@ -37,8 +37,8 @@ static bool fits_axis(const struct drawing *d, const struct figure_range *range,
 {
     if (range->quantity == QUANTITY_OTHER || range->quantity == quantity)
         return true;
-    const char *label = axis->label ? axis->label : "",
-               *unit = axis->unit && *axis->unit ? axis->unit : "1";
+    const char *label = axis->label ? axis->label : "";
+    const char *unit = axis->unit && *axis->unit ? axis->unit : "1";
     error_at(d->error, range->text, "the axis of %s is in %s", label, unit);
     return error_hint(d->error, "a number without a unit is in %s",
                       quantity_unit(quantity)[0] ? quantity_unit(quantity) : "1");
@@ -156,7 +156,8 @@ static bool part_panels(struct drawing *d, struct figure *figure, enum quantity 
     second[0] = figure->x;
     second[1] = figure->y;
     for (int panel = 0; panel < 2; panel++) {
-        struct axis *x = panel ? &second[0] : &figure->x, *y = panel ? &second[1] : &figure->y;
+        struct axis *x = panel ? &second[0] : &figure->x;
+        struct axis *y = panel ? &second[1] : &figure->y;
         y->label = drawing_y_label(d, panel);
         if (!y->label)
             return error_memory(d->error);
@@ -196,7 +197,10 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     figure->y.log = request->log;
     if (!drawing_ranges(d, figure, quantity))
         return false;
-    figure->y.flat = request->y ? -1 : kind_of(d)->flat ? ENERGY_FLAT_RELATIVE : 0;
+    if (request->y)
+        figure->y.flat = -1;
+    else
+        figure->y.flat = kind_of(d)->flat ? ENERGY_FLAT_RELATIVE : 0;
     const bool one = wanted || request->full || request->log;
     if (one)
         return true;

@@ -34,7 +34,10 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
     *smooth = (struct smooth){.n = 0};
     if (!is_smooth(run, rows, points))
         return true;
-    each = each < 2 ? 2 : each > SMOOTH_MAX ? SMOOTH_MAX : each;
+    if (each < 2)
+        each = 2;
+    else
+        each = each > SMOOTH_MAX ? SMOOTH_MAX : each;
     smooth->t = arena_array(arena, rows->n * each, sizeof *smooth->t);
     smooth->y = arena_array(arena, rows->n * each * (size_t)n, sizeof *smooth->y);
     if (!smooth->t || !smooth->y)
@@ -65,9 +68,11 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
 static int state_on_axis(const struct drawing *d, int coordinate)
 {
     const enum plot_kind kind = d->request->kind;
-    const struct chosen_column *column = !d->request->columns ? NULL
-                                         : coordinate < 0     ? &d->horizontal_column
-                                                              : &d->column[coordinate];
+    const struct chosen_column *column;
+    if (!d->request->columns)
+        column = NULL;
+    else
+        column = coordinate < 0 ? &d->horizontal_column : &d->column[coordinate];
     if (column)
         return !column->observable && column->variable < d->model->n ? column->variable : -1;
     if (coordinate < 0)

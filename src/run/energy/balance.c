@@ -52,7 +52,9 @@ static void same_work(const struct energy_tally *tally, struct work_done *done, 
 /* The largest of them in pairs; `min` at least. */
 static inline double largest_of_four(const double *x, double min)
 {
-    const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], max = a > b ? a : b;
+    const double a = x[0] > x[1] ? x[0] : x[1];
+    const double b = x[2] > x[3] ? x[2] : x[3];
+    const double max = a > b ? a : b;
     return max > min ? max : min;
 }
 

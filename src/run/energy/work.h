@@ -31,9 +31,9 @@ struct quintic {
  * otherwise, in a number as wide as those compared: loops over many steps vectorise. */
 static inline int64_t work_coarse(double h, double v0, double v1, double a0, double a1)
 {
-    const double velocity = fabs(v0) > fabs(v1) ? fabs(v0) : fabs(v1),
-                 change = fabs(h) * (fabs(a0) > fabs(a1) ? fabs(a0) : fabs(a1)),
-                 size = velocity > change ? velocity : change;
+    const double velocity = fabs(v0) > fabs(v1) ? fabs(v0) : fabs(v1);
+    const double change = fabs(h) * (fabs(a0) > fabs(a1) ? fabs(a0) : fabs(a1));
+    const double size = velocity > change ? velocity : change;
     return (fabs(v1 - v0 - h * (a0 + a1) / 2) > WORK_COARSE_CHANGE * size) |
            (fabs(h * (a1 - a0)) > WORK_COARSE_BEND * size);
 }

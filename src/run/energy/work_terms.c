@@ -213,8 +213,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
     if (terms & HAS(weight))
         take_sines(count + 1, b->q, 1, b->sine);
     for (int k = 0; k <= count; k++) {
-        const double cosine = terms & HAS(drive) ? b->cosine[0][k] : 0,
-                     sine = terms & HAS(weight) ? b->sine[k] : 0;
+        const double cosine = terms & HAS(drive) ? b->cosine[0][k] : 0;
+        const double sine = terms & HAS(weight) ? b->sine[k] : 0;
         b->a[k] = acceleration(terms, line, b->q[k], b->v[k], cosine, sine);
         b->d[k] = drag_power_of(terms, line, b->q[k], b->v[k]);
         b->p[k] = terms & HAS(drive) ? force * cosine * b->v[k] : 0;

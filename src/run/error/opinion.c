@@ -290,7 +290,11 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         const bool bind = epoch && epoch->first < step, jump = kick && kick->step <= step;
         const bool first = bind && !(jump && kick->step <= epoch->first);
         const struct response *miss = saltation_next_miss(run, &second->saltation, step);
-        const double t = first ? epoch->t : jump ? kick->t : NAN;
+        double t;
+        if (first)
+            t = epoch->t;
+        else
+            t = jump ? kick->t : NAN;
         if (miss && !((miss->t - t) * (run->t - run->system.t0) > 0)) {
             if (!second_go(run, second, miss->t, max, cancel) ||
                 !saltation_pass_miss(run, &second->saltation, second->follower.y))

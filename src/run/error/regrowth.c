@@ -123,8 +123,8 @@ static void find_rest(struct regrowth *r, int i)
         r->scale[i] = scale_add(&mean, r->run, row, i);
         const double error = r->run->controller.tol * r->scale[i],
                      rest_max = error > REST_MAX * r->scale[i] ? error : REST_MAX * r->scale[i],
-                     many = REST_TOLERANCES * error, tolerance = many < rest_max ? many : rest_max,
-                     away = AWAY_TOLERANCES * error;
+                     many = REST_TOLERANCES * error;
+        const double tolerance = many < rest_max ? many : rest_max, away = AWAY_TOLERANCES * error;
         const bool small = rest_add(&zero, trace, row, fabs(y), tolerance, min_time),
                    still = rest_add(&any, trace, row, fabs(y - any.value), error, min_time);
         if (any.count == 0)
@@ -253,7 +253,8 @@ static bool rest_is_unstable(const struct regrowth *r)
            *work = malloc(3 * (size_t)n * (size_t)n * sizeof *work);
     bool unstable = !work;
     for (size_t k = 0; k <= count && count > 0 && !unstable; k++) {
-        const size_t last = k > 0 ? k - 1 : 0, next = k < count ? k + 1 : count;
+        const size_t last = k > 0 ? k - 1 : 0;
+        const size_t next = k < count ? k + 1 : count;
         const double dt = (trace_time(trace, r->row + next * rows / count) -
                            trace_time(trace, r->row + last * rows / count)) /
                           2;

@@ -207,8 +207,8 @@ static void search_way(struct burst_search *search, const double t[2], const dou
                        const double *y_end, size_t ways)
 {
     const int64_t part = search->allowed / (int64_t)ways * LOOKS_A_WAY,
-                  given = part > LOOKS_ONE_WAY ? part : LOOKS_ONE_WAY,
-                  allowed = given < search->allowed ? given : search->allowed;
+                  given = part > LOOKS_ONE_WAY ? part : LOOKS_ONE_WAY;
+    const int64_t allowed = given < search->allowed ? given : search->allowed;
     int64_t left = allowed;
     search->count = bursts_within(&search->run->system, t, y_begin, y_end, true, &left,
                                   search->burst, search->count, SEGMENT_BURSTS_MAX);

@@ -49,9 +49,11 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
             return false;
     }
     const size_t word = position;
-    const int direction = take_word(text, &position, TEXT("rising"))    ? 1
-                          : take_word(text, &position, TEXT("falling")) ? -1
-                                                                        : 0;
+    int direction;
+    if (take_word(text, &position, TEXT("rising")))
+        direction = 1;
+    else
+        direction = take_word(text, &position, TEXT("falling")) ? -1 : 0;
     made.touching = direction == 0 && take_word(text, &position, TEXT("touching"));
     if ((direction != 0 || made.touching) && made.right)
         return error_at(error, (struct text){text.data + word, position - word},

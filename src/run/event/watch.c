@@ -122,10 +122,12 @@ double events_watch_value(struct event_watch *watch, const struct watched *watch
 {
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        watch->value[i] = column->kind == MOVING_TIME ? t
-                          : column->kind == MOVING_STATE
-                              ? y[column->index]
-                              : load_other(watch, watched, column->index, t, y);
+        if (column->kind == MOVING_TIME)
+            watch->value[i] = t;
+        else
+            watch->value[i] = column->kind == MOVING_STATE
+                                  ? y[column->index]
+                                  : load_other(watch, watched, column->index, t, y);
     }
     const struct expr_scope scope = {.context = watch->value, .load = load_value};
     const double value = expr_value(watched->left, &scope);
@@ -183,10 +185,12 @@ struct jet events_watch_bounds(struct event_watch *watch, const struct watched *
     path_make(&watch->path);
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        watch->jet[i] = column->kind == MOVING_TIME ? time_jet(path, a, b)
-                        : column->kind == MOVING_STATE
-                            ? path_jet(path, column->index, a, b)
-                            : other_jet(watch, watched, column->index, a, b);
+        if (column->kind == MOVING_TIME)
+            watch->jet[i] = time_jet(path, a, b);
+        else
+            watch->jet[i] = column->kind == MOVING_STATE
+                                ? path_jet(path, column->index, a, b)
+                                : other_jet(watch, watched, column->index, a, b);
     }
     return event_value_jet(watch, watched);
 }
@@ -200,10 +204,12 @@ static struct interval value_within(struct event_watch *watch, const struct watc
 {
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        const double value = column->kind == MOVING_TIME ? t
-                             : column->kind == MOVING_STATE
-                                 ? y[column->index]
-                                 : load_other(watch, watched, column->index, t, y);
+        double value;
+        if (column->kind == MOVING_TIME)
+            value = t;
+        else
+            value = column->kind == MOVING_STATE ? y[column->index]
+                                                 : load_other(watch, watched, column->index, t, y);
         const double size = column->kind == MOVING_STATE
                                 ? fmax(fabs(value), watch->size[column->index])
                                 : fabs(value);

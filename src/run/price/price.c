@@ -54,7 +54,11 @@ static double rows_price(const struct run_scenario *s, const struct run_work *wo
     if (s->events || (s->plan->adaptive && !has_kernel))
         return one_by_one * work->steps;
     const bool thins = s->settings->record.rule == RECORD_AUTO && work->steps >= LIMIT_SAMPLES;
-    const double each = s->plan->adaptive ? in_place_adaptive : s->plan->propagates ? 0 : in_place;
+    double each;
+    if (s->plan->adaptive)
+        each = in_place_adaptive;
+    else
+        each = s->plan->propagates ? 0 : in_place;
     return (each + (thins ? thinned : 0)) * work->steps;
 }
 

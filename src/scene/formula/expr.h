@@ -30,7 +30,9 @@ struct function {
 
 static inline int function_arity(const struct function *function)
 {
-    return function->one ? 1 : function->two ? 2 : 3;
+    if (function->one)
+        return 1;
+    return function->two ? 2 : 3;
 }
 
 /* Functions that have to return NaN for a NaN argument, and that programs know without a call. */
@@ -113,7 +115,9 @@ struct expr {
 /* Operands of an operation that is not a value. */
 static inline int op_arity(const struct op *op)
 {
-    return op->kind == OP_NEG ? 1 : op->kind == OP_CALL ? function_arity(op->function) : 2;
+    if (op->kind == OP_NEG)
+        return 1;
+    return op->kind == OP_CALL ? function_arity(op->function) : 2;
 }
 
 /* Applies an operator or a function; top points behind the last value. Returns the new top. */

@@ -28,7 +28,9 @@ double function_step(double x)
 
 static double function_choose(double condition, double yes, double no)
 {
-    return isnan(condition) ? condition : condition > 0 ? yes : no;
+    if (isnan(condition))
+        return condition;
+    return condition > 0 ? yes : no;
 }
 
 /* fmod is exact, and has the sign of a. */

@@ -14,10 +14,11 @@ double scene_reynolds(const struct scene *scene, double speed)
 
 const char *reynolds_regime(double reynolds)
 {
-    return reynolds < 2300    ? "laminar"
-           : reynolds <= 4000 ? "transitional"
-           : reynolds > 4000  ? "turbulent"
-                              : "undefined";
+    if (reynolds < 2300)
+        return "laminar";
+    if (reynolds <= 4000)
+        return "transitional";
+    return reynolds > 4000 ? "turbulent" : "undefined";
 }
 
 /* ---- values: NaN where there is nothing to speak of ---- */

@@ -65,9 +65,9 @@ static bool read_all(struct compile *c)
 
 static enum quantity rate_of(enum quantity quantity)
 {
-    return quantity == QUANTITY_LENGTH  ? QUANTITY_VELOCITY
-           : quantity == QUANTITY_ANGLE ? QUANTITY_ANGULAR_FREQUENCY
-                                        : QUANTITY_NUMBER;
+    if (quantity == QUANTITY_LENGTH)
+        return QUANTITY_VELOCITY;
+    return quantity == QUANTITY_ANGLE ? QUANTITY_ANGULAR_FREQUENCY : QUANTITY_NUMBER;
 }
 
 static void incomplete(struct compile *c)
@@ -87,7 +87,10 @@ static bool lay_out(struct compile *c)
     for (int i = 0; i < c->unknowns; i++) {
         struct unknown *u = &c->unknown[i];
         const bool moves = u->velocity >= 0 && (u->speed || c->symbol[u->velocity].used);
-        u->order = u->equation ? u->equation->order : moves ? 2 : 1;
+        if (u->equation)
+            u->order = u->equation->order;
+        else
+            u->order = moves ? 2 : 1;
         second += u->order == 2;
     }
     model->order = c->unknowns > 0 && second == c->unknowns ? 2 : 1;

@@ -55,7 +55,8 @@ static struct drive_part product_of(const struct drive_part *a, const struct dri
     if (a->rate == 0 && b->rate == 0)
         return (struct drive_part){a->known && b->known, a->value * b->value, 0,
                                    common(a->period, b->period)};
-    const struct drive_part *moving = a->rate != 0 ? a : b, *other = a->rate != 0 ? b : a;
+    const struct drive_part *moving = a->rate != 0 ? a : b;
+    const struct drive_part *other = a->rate != 0 ? b : a;
     if (!steady(other) || !other->known)
         return neither;
     return (struct drive_part){moving->known, moving->value * other->value,
@@ -67,9 +68,11 @@ static struct drive_part call_of(const char *name, const struct drive_part *argu
     if (strcmp(name, "mod") == 0 && argument[0].rate != 0 && steady(&argument[1]) &&
         argument[1].known && argument[1].value != 0)
         return (struct drive_part){.period = fabs(argument[1].value / argument[0].rate)};
-    const double turn = strcmp(name, "sin") == 0 || strcmp(name, "cos") == 0 ? 2 * acos(-1)
-                        : strcmp(name, "tan") == 0                           ? acos(-1)
-                                                                             : 0;
+    double turn;
+    if (strcmp(name, "sin") == 0 || strcmp(name, "cos") == 0)
+        turn = 2 * acos(-1);
+    else
+        turn = strcmp(name, "tan") == 0 ? acos(-1) : 0;
     if (argument[0].rate != 0)
         return turn > 0 ? (struct drive_part){.period = turn / fabs(argument[0].rate)} : neither;
     return (struct drive_part){.period = argument[0].period};

@@ -29,7 +29,9 @@ static int degree(enum node_kind kind, int a, int b, int c)
     case NODE_DIV:
         return b == 0 ? a : 2;
     case NODE_IF:
-        return a > 0 ? 2 : b > c ? b : c;
+        if (a > 0)
+            return 2;
+        return b > c ? b : c;
     default:
         return a + b + c == 0 ? 0 : 2;
     }
@@ -155,7 +157,8 @@ static struct affine_form product(const struct affine_form *a, const struct affi
         return scaled(*a, b->part[CONSTANT], 1);
     if (has_only_parts(a, BIT(CONSTANT)))
         return scaled(*b, a->part[CONSTANT], 1);
-    const struct affine_form *rate = a->part[BY_SPEED] != 0 ? a : b, *v = rate == a ? b : a;
+    const struct affine_form *rate = a->part[BY_SPEED] != 0 ? a : b;
+    const struct affine_form *v = rate == a ? b : a;
     if (!has_only_parts(rate, BIT(CONSTANT) | BIT(BY_SPEED)) || !has_only_parts(v, BIT(BY_V)))
         return unknown;
     struct affine_form made = {.known = true};
@@ -209,9 +212,9 @@ static struct affine_form affine_of_node(const struct node *node, const struct a
     case NODE_DIV:
         return has_only_parts(b, constant) ? scaled(*a, 1, b->part[CONSTANT]) : unknown;
     case NODE_ONE:
-        return node->one == fixed_cos   ? affine_wave(a, 0)
-               : node->one == fixed_sin ? affine_wave(a, -quarter)
-                                        : unknown;
+        if (node->one == fixed_cos)
+            return affine_wave(a, 0);
+        return node->one == fixed_sin ? affine_wave(a, -quarter) : unknown;
     default:
         return unknown;
     }

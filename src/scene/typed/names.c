@@ -178,11 +178,14 @@ bool typed_initial(struct compile *c, struct text variable, const struct typed_l
     const char *const explanation =
         brief.failed ? NULL : arena_text(&c->typed->arena, buffer_text(&brief));
     const bool taken = symbol_named(c, buffer_text(&name));
-    const bool fine = taken ? refuse_initial(c, buffer_text(&name), variable, where)
-                      : !name.failed && explanation
-                          ? add_param(c, buffer_text(&name), line ? line->value : 0, quantity,
-                                      explanation, false, where)
-                          : error_memory(c->error);
+    bool fine;
+    if (taken)
+        fine = refuse_initial(c, buffer_text(&name), variable, where);
+    else if (!name.failed && explanation)
+        fine = add_param(c, buffer_text(&name), line ? line->value : 0, quantity, explanation,
+                         false, where);
+    else
+        fine = error_memory(c->error);
     buffer_free(&name);
     buffer_free(&brief);
     if (fine)

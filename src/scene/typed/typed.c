@@ -174,8 +174,8 @@ static const struct model *typed_lines_compile(struct typed_models *models, stru
         return typed_model_keep(models, typed);
     bool found = false;
     for (int i = 0; copy && error->where.data && !found && i < 2; i++) {
-        const struct text text = i == 0 ? copy->expr : copy->name,
-                          original = i == 0 ? chosen->expr : chosen->name;
+        const struct text text = i == 0 ? copy->expr : copy->name;
+        const struct text original = i == 0 ? chosen->expr : chosen->name;
         found = error->where.data >= text.data && error->where.data <= text.data + text.len;
         if (found)
             error->where.data = original.data + (error->where.data - text.data);

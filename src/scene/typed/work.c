@@ -205,8 +205,8 @@ static void around_origin(const struct force_path *path, double s, double *q, do
     const int rows = path->rows;
     const double r = length(path->q_end, rows), transverse = length(path->q_end + 1, rows - 1),
                  rate = fixed_log(r), radius = fixed_pow(r, s);
-    const double turn = rows > 1 ? fixed_atan2(transverse, path->q_end[0]) : 0,
-                 sign = rows == 1 && path->q_end[0] < 0 ? -1 : 1;
+    const double turn = rows > 1 ? fixed_atan2(transverse, path->q_end[0]) : 0;
+    const double sign = rows == 1 && path->q_end[0] < 0 ? -1 : 1;
     q[0] = sign * radius * fixed_cos(s * turn);
     tangent[0] = rate * q[0] - sign * radius * turn * fixed_sin(s * turn);
     for (int i = 1; i < rows; i++) {

@@ -58,9 +58,10 @@ static void link_request(struct request *request, struct request *previous)
     request->previous = previous;
     request->count = journal_count(previous) + 1;
     request->backs = request->kind == REQUEST_BACK || (previous && previous->backs);
-    request->go = previous && previous->kind == REQUEST_GO ? previous
-                  : previous                               ? previous->go
-                                                           : NULL;
+    if (previous && previous->kind == REQUEST_GO)
+        request->go = previous;
+    else
+        request->go = previous ? previous->go : NULL;
 }
 
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,

@@ -144,9 +144,10 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
             journal_put_change(run, next, text);
         }
         buffer_char(text, '\n');
-        step_begin = next->kind == REQUEST_BACK   ? next->end
-                     : next->kind == REQUEST_KICK ? next->start_step + 1
-                                                  : step_begin;
+        if (next->kind == REQUEST_BACK)
+            step_begin = next->end;
+        else
+            step_begin = next->kind == REQUEST_KICK ? next->start_step + 1 : step_begin;
     }
     free(list);
     /* Taken back to its start, but still on its way. */

@@ -81,9 +81,11 @@ static void save_settings(const struct settings *settings, enum save_extent exte
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
-        const bool wanted = extent == SAVE_SESSION ? !setting->typed
-                            : extent == SAVE_FILE  ? !setting->display
-                                                   : setting->of_run || setting->chosen;
+        bool wanted;
+        if (extent == SAVE_SESSION)
+            wanted = !setting->typed;
+        else
+            wanted = extent == SAVE_FILE ? !setting->display : setting->of_run || setting->chosen;
         if (wanted && setting_is_chosen(setting, settings) &&
             (setting->chosen || !setting_same(setting, settings, &defaults)))
             save_setting(setting, settings, text);

@@ -50,7 +50,9 @@ char *__wrap_setlocale(int category, const char *name)
 char *nl_langinfo(nl_item item)
 {
     static char plain[] = "ANSI_X3.4-1968", unicode[] = "UTF-8", none[] = "";
-    return item != CODESET ? none : utf8 ? unicode : plain;
+    if (item != CODESET)
+        return none;
+    return utf8 ? unicode : plain;
 }
 
 size_t __ctype_get_mb_cur_max(void)
@@ -61,11 +63,13 @@ size_t __ctype_get_mb_cur_max(void)
 /* Returns the length in bytes of a sequence that begins so, or 0 if none does. */
 static int sequence_length(unsigned char first)
 {
-    return first < 0x80                            ? 1
-           : !utf8 || first < 0xC2 || first > 0xF4 ? 0
-           : first < 0xE0                          ? 2
-           : first < 0xF0                          ? 3
-                                                   : 4;
+    if (first < 0x80)
+        return 1;
+    if (!utf8 || first < 0xC2 || first > 0xF4)
+        return 0;
+    if (first < 0xE0)
+        return 2;
+    return first < 0xF0 ? 3 : 4;
 }
 
 /* A state has the bytes that are still to come, the length of all, and the bits so far. */
@@ -117,7 +121,13 @@ size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
         errno = EILSEQ;
         return MULTIBYTE_INVALID;
     }
-    const size_t length = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+    size_t length;
+    if (c < 0x80)
+        length = 1;
+    else if (c < 0x800)
+        length = 2;
+    else
+        length = c < 0x10000 ? 3 : 4;
     const unsigned head = length > 1 ? 0xF00U >> length & 0xFF : 0;
     for (size_t i = 0; i < length; i++) {
         const unsigned bits = c >> 6 * (length - 1 - i);
@@ -198,8 +208,8 @@ int wctob(wint_t wide)
 
 int wcwidth(wchar_t wide)
 {
-    const unsigned c = (unsigned)wide;
-    if (c < ' ' || (c >= 0x7F && c < 0xA0) || c > (utf8 ? 0x10FFFF : 0x7F))
+    const unsigned c = (unsigned)wide, last = utf8 ? 0x10FFFF : 0x7F;
+    if (c < ' ' || (c >= 0x7F && c < 0xA0) || c > last)
         return c == 0 ? 0 : -1;
     return codepoint_width(c);
 }

@@ -73,7 +73,9 @@ static void least_squares(const struct arrivals *a, const double *place, double 
 static size_t block_of(const struct arrivals *a)
 {
     const size_t most = a->n / (2 * BLOCKS_MIN);
-    return most > BLOCK ? BLOCK : most > 0 ? most : 1;
+    if (most > BLOCK)
+        return BLOCK;
+    return most > 0 ? most : 1;
 }
 
 static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,

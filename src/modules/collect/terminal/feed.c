@@ -173,10 +173,13 @@ static void *feed_thread_run(void *context)
         struct pollfd ready[2] = {{.fd = feed->wake[0], .events = POLLIN},
                                   {.fd = feed->device.fd, .events = POLLIN}};
         const nfds_t count = feed->device.grows ? 1 : 2;
-        const int wait = feed->device.grows    ? GROWTH_MS
-                         : feed->lines.len > 0 ? GATHER_NS / 1000000
-                         : feed->dirty         ? SYNC_NS / 1000000
-                                               : -1;
+        int wait;
+        if (feed->device.grows)
+            wait = GROWTH_MS;
+        else if (feed->lines.len > 0)
+            wait = GATHER_NS / 1000000;
+        else
+            wait = feed->dirty ? SYNC_NS / 1000000 : -1;
         const int got = poll(ready, count, wait);
         if (feed->device.grows) {
             for (uint64_t old_bytes = UINT64_MAX; more && old_bytes != feed->look.bytes;) {

@@ -137,9 +137,10 @@ static bool simulation_begin(struct session *session, const char *const *word, i
         return false;
     }
     sensor->quantity = system_variable(&system, 0).quantity;
-    sensor->scale = sensor->quantity == QUANTITY_LENGTH  ? 100
-                    : sensor->quantity == QUANTITY_ANGLE ? 180 / M_PI
-                                                         : 1;
+    if (sensor->quantity == QUANTITY_LENGTH)
+        sensor->scale = 100;
+    else
+        sensor->scale = sensor->quantity == QUANTITY_ANGLE ? 180 / M_PI : 1;
     for (int i = 1; i < words; i++)
         if (!take_word(session, sensor, text_of(word[i])))
             return false;
@@ -183,9 +184,11 @@ static void simulated_start_put(const struct sensor *sensor, struct buffer *text
 {
     static const char *const stamps[] = {
         [STAMP_MS] = "time (ms),", [STAMP_S] = "time (s),", [STAMP_NONE] = ""};
-    const char *what = sensor->quantity == QUANTITY_LENGTH  ? "distance (cm)"
-                       : sensor->quantity == QUANTITY_ANGLE ? "angle (deg)"
-                                                            : "value";
+    const char *what;
+    if (sensor->quantity == QUANTITY_LENGTH)
+        what = "distance (cm)";
+    else
+        what = sensor->quantity == QUANTITY_ANGLE ? "angle (deg)" : "value";
     if (sensor->quirks > 0)
         buffer_format(text, "\r\nranging sensor, simulated by hooke\r\nwarming up ... ok\r\n");
     buffer_format(text, "%s%s\r\n", stamps[sensor->stamp], what);

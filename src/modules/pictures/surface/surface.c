@@ -113,8 +113,12 @@ double text_advance(struct text text)
             width += widths[c - ' '];
         else if (c == 0xB2 || c == 0xB3 || c == 0xB9 || (c >= superscript && c <= subscript_end))
             width += c == 0x207B ? 528 : 401;
-        else
-            width += c == 0xB7 ? 318 : codepoint_width(c) > 1 ? 1000 : 838;
+        else {
+            if (c == 0xB7)
+                width += 318;
+            else
+                width += codepoint_width(c) > 1 ? 1000 : 838;
+        }
     }
     return width / 1000;
 }

@@ -55,11 +55,15 @@ static void put_color(struct buffer *output, const char *name, const double *col
 static void put_escaped(struct buffer *output, const char *text)
 {
     for (; *text; text++) {
-        const char *name = *text == '<'   ? "&lt;"
-                           : *text == '>' ? "&gt;"
-                           : *text == '&' ? "&amp;"
-                           : *text == '"' ? "&quot;"
-                                          : NULL;
+        const char *name;
+        if (*text == '<')
+            name = "&lt;";
+        else if (*text == '>')
+            name = "&gt;";
+        else if (*text == '&')
+            name = "&amp;";
+        else
+            name = *text == '"' ? "&quot;" : NULL;
         if (name)
             buffer_put(output, text_of(name));
         else
@@ -119,7 +123,10 @@ static void put_point(struct path_writer *state, const struct path_point *point)
         buffer_char(state->output, 'z');
         state->command = 'z';
     }
-    state->x = point->kind == PATH_CLOSE ? state->start[0] : point->kind == PATH_CIRCLE ? x - r : x;
+    if (point->kind == PATH_CLOSE)
+        state->x = state->start[0];
+    else
+        state->x = point->kind == PATH_CIRCLE ? x - r : x;
     state->y = point->kind == PATH_CLOSE ? state->start[1] : y;
 }
 

@@ -303,7 +303,10 @@ static bool put_recording(struct output *output, struct recording_slot *slot)
     /* another file by now: that of the recording is gone */
     const bool wanted = sum != 0 && (slot->sum == 0 || slot->sum == sum);
     const bool there = has_recording(stored, sum);
-    slot->sum = wanted ? sum : slot->sum ? slot->sum : 1;
+    if (wanted)
+        slot->sum = sum;
+    else
+        slot->sum = slot->sum ? slot->sum : 1;
     if (!wanted || there)
         return true;
     stored->recording[stored->recordings++] = sum;

@@ -79,10 +79,11 @@ int64_t solver_cost(const struct solver *solver)
 
 enum stop solver_stop(enum step_status status)
 {
-    return status == STEP_OK            ? STOP_END
-           : status == STEP_NONFINITE   ? STOP_DIVERGED
-           : status == STEP_NO_SOLUTION ? STOP_NO_SOLUTION
-                                        : STOP_STALLED;
+    if (status == STEP_OK)
+        return STOP_END;
+    if (status == STEP_NONFINITE)
+        return STOP_DIVERGED;
+    return status == STEP_NO_SOLUTION ? STOP_NO_SOLUTION : STOP_STALLED;
 }
 
 /* ---- the common grid ---- */

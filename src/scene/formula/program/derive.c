@@ -48,12 +48,16 @@ static int slope_two(struct graph *g, double (*function)(double, double), int X,
 /* Sums and products of derivatives: node 0, the number 0, is what is not there. */
 static int sum_node(struct graph *g, int a, int b)
 {
-    return a && b ? ADD(a, b) : a ? a : b;
+    if (a && b)
+        return ADD(a, b);
+    return a ? a : b;
 }
 
 static int difference(struct graph *g, int a, int b)
 {
-    return a && b ? SUB(a, b) : b ? NEG(b) : a;
+    if (a && b)
+        return SUB(a, b);
+    return b ? NEG(b) : a;
 }
 
 static int product(struct graph *g, int factor, int slope)

@@ -262,7 +262,8 @@ static int simpler(struct graph *g, struct node node)
         if (g->binds &&
             (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
             const bool first = negated(g, a) >= 0;
-            const int other = first ? b : a, inner = negated(g, first ? a : b);
+            const int other = first ? b : a;
+            const int inner = negated(g, first ? a : b);
             if (node_is_number(g, other))
                 return graph_apply(g, NODE_MUL, graph_number(g, -g->node[other].number), inner, 0);
             return graph_apply(g, NODE_NEG, graph_apply(g, NODE_MUL, inner, other, 0), 0, 0);

@@ -245,10 +245,11 @@ static bool product_multiply(struct integration *integration, int i, double powe
 
 static int factor_node(struct graph *g, const struct factor *f)
 {
-    return f->exponent      ? POWER(f->base, f->exponent)
-           : f->power == 1  ? f->base
-           : f->power == -1 ? DIV(NUMBER(1), f->base)
-                            : POWER(f->base, NUMBER(f->power));
+    if (f->exponent)
+        return POWER(f->base, f->exponent);
+    if (f->power == 1)
+        return f->base;
+    return f->power == -1 ? DIV(NUMBER(1), f->base) : POWER(f->base, NUMBER(f->power));
 }
 
 /* All factors but one, without the constant. */
