@@ -68,11 +68,12 @@ static void take_error(void *context, const struct error *error, const struct so
     buffer_clear(&hooke->file);
     if (where && where->name && where->name != place)
         buffer_put(&hooke->file, text_of(where->name));
+    const char *const file = hooke->file.len > 0 ? buffer_view(&hooke->file) : NULL;
     hooke->error = (struct hooke_error){
         .status = (int)error->code,
         .line = where ? where->line : 0,
         .column = where ? (int)column : 0,
-        .file = hooke->file.len > 0 ? buffer_view(&hooke->file) : NULL,
+        .file = file,
         .code = error_name(error->code),
         .message = hooke->said.text,
         .hint = hooke->said.hint,

@@ -118,8 +118,9 @@ void buffer_base64(struct buffer *output, struct text bytes)
     const unsigned char *byte = (const unsigned char *)bytes.data;
     for (size_t i = 0; i < bytes.len; i += 3) {
         const size_t n = bytes.len - i < 3 ? bytes.len - i : 3;
-        const unsigned word = (unsigned)byte[i] << 16 | (n > 1 ? (unsigned)byte[i + 1] << 8 : 0) |
-                              (n > 2 ? (unsigned)byte[i + 2] : 0);
+        const unsigned middle = n > 1 ? (unsigned)byte[i + 1] << 8 : 0;
+        const unsigned word =
+            (unsigned)byte[i] << 16 | middle | (n > 2 ? (unsigned)byte[i + 2] : 0);
         for (size_t k = 0; k < 4; k++)
             buffer_char(output, k <= n ? digits[word >> (18 - 6 * k) & 63] : '=');
     }

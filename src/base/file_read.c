@@ -39,7 +39,8 @@ static void suggest_files(const char *path, struct error *error)
     struct suggestion suggestion = {.wanted = text_of(path + length)};
     if (length >= sizeof folder)
         return;
-    memcpy(folder, length > 0 ? path : ".", length > 0 ? length : 1);
+    const size_t copied = length > 0 ? length : 1;
+    memcpy(folder, length > 0 ? path : ".", copied);
     DIR *listed = opendir(folder);
     const struct dirent *entry;
     for (int i = 0; listed && i < ENTRIES_MAX && (entry = readdir(listed)); i++)
@@ -57,10 +58,13 @@ static bool cannot_read(struct error *error, const char *path, int number)
     if (number == EINTR)
         return error_set(error, ERROR_CANCELLED, "reading %s was interrupted",
                          safe_name(text_of(path), name));
-    error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
-              number != EISDIR                    ? system_message(number)
-              : strcmp(path, STANDARD_INPUT) == 0 ? "standard input is closed, or is a directory"
-                                                  : "it is a directory");
+    const char *reason;
+    if (number != EISDIR)
+        reason = system_message(number);
+    else
+        reason = strcmp(path, STANDARD_INPUT) == 0 ? "standard input is closed, or is a directory"
+                                                   : "it is a directory";
+    error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name), reason);
     if (number == ENOENT)
         suggest_files(path, error);
     return false;

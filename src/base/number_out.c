@@ -262,9 +262,11 @@ void buffer_phase(struct buffer *buffer, double radians)
         buffer_char(buffer, '-');
     else if (turns == 0)
         buffer_format(buffer, "%.1f deg", degrees + 0.0);
-    else
-        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s",
-                      rest < 0 ? '-' : '+', fabs(rest));
+    else {
+        const char sign = rest < 0 ? '-' : '+';
+        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s", sign,
+                      fabs(rest));
+    }
 }
 
 /* value rounded to a multiple of 10^place, zeros kept: 1.9370 for place -4. At most 17 digits. */

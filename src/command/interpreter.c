@@ -302,10 +302,11 @@ static void note_left_out(struct text rest, struct reply *reply)
     struct text statement = rest;
     struct error ignored;
     next_statement(&rest, &statement, &ignored);
-    if (statement.len > 0)
-        reply_note(reply, "not executed, because the run was paused: %.*s%s",
-                   (int)(statement.len < 80 ? statement.len : 80), statement.data,
+    if (statement.len > 0) {
+        const int shown = (int)(statement.len < 80 ? statement.len : 80);
+        reply_note(reply, "not executed, because the run was paused: %.*s%s", shown, statement.data,
                    rest.len > 0 ? "; ..." : "");
+    }
 }
 
 /* Frees memory that a cancelled statement left, when the next one begins. */

@@ -51,8 +51,8 @@ static struct ticks axis_ticks(const struct scale *scale, const struct axis *axi
            high = scale->last_value / axis_factor(axis);
     if (scale->log && !(low > 0)) /* the factor took it out of range */
         return (struct ticks){0};
-    return decades ? ticks_log(low, high, max)
-                   : ticks_linear(low, high, want < max ? want : max, max);
+    const int wanted = want < max ? want : max;
+    return decades ? ticks_log(low, high, max) : ticks_linear(low, high, wanted, max);
 }
 
 static int widest(const struct ticks *ticks, bool decades)

@@ -82,15 +82,19 @@ static void outside_curve_put(struct buffer *output, const struct figure *figure
     const struct axis *axis = outside->along_x ? &figure->x : &figure->y;
     const char mark[2] = {figure_mark(figure, index), '\0'};
 
-    buffer_put(output, text_of(curve->label && *curve->label ? curve->label
-                               : *mark                       ? mark
-                                                             : "the curve"));
+    const char *name;
+    if (curve->label && *curve->label)
+        name = curve->label;
+    else
+        name = *mark ? mark : "the curve";
+    buffer_put(output, text_of(name));
     buffer_put(output, text_of(!outside->leaves ? " is outside" : " leaves"));
     if (isfinite(outside->position)) {
         const struct axis time = {.unit = "s"};
         buffer_put(output, TEXT(" at "));
+        const int position_digits = figure->plane ? 3 : digits_on(&layout->x);
         axis_value_put(output, figure->plane ? &time : &figure->x, outside->position,
-                       figure->plane ? 3 : digits_on(&layout->x));
+                       position_digits);
     }
     if (detail > 0) {
         buffer_put(output, text_of(outside->is_beyond_upper ? ", up to " : ", down to "));

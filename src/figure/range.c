@@ -53,7 +53,8 @@ struct extent curves_extent(const struct curve *curve, int curves,
                 (ends &&
                  (isnan(other_value[i]) || other_value[i] < ends[0] || other_value[i] > ends[1])))
                 continue;
-            const double half = fmax(band ? band[i] : 0, bar && isfinite(bar[i]) ? bar[i] : 0);
+            const double margin = bar && isfinite(bar[i]) ? bar[i] : 0;
+            const double half = fmax(band ? band[i] : 0, margin);
             extent.low = fmin(extent.low, value[i] - half);
             extent.high = fmax(extent.high, value[i] + half);
         }
@@ -151,12 +152,13 @@ struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
     const struct axis *other = vertical ? &figure->x : &figure->y;
     const bool follows = vertical && fixed_range(other), wide = vertical && !axis->log,
                whole = !vertical && !figure->plane;
-    const double other_range[2] = {follows ? other->first_value : min_of(other),
-                                   follows ? other->last_value : NAN};
+    const double first = follows ? other->first_value : min_of(other);
+    const double other_range[2] = {first, follows ? other->last_value : NAN};
+    const int panel = whole ? 0 : figure->panel + 1;
     const struct extent_window window = {.vertical = vertical,
                                          .other_range = other_range,
                                          .min = axis->log ? min_of(axis) : 0,
-                                         .panel = whole ? 0 : figure->panel + 1,
+                                         .panel = panel,
                                          .bands = wide,
                                          .bars = wide && bars};
     struct extent extent =

@@ -285,7 +285,8 @@ void raster_arrows(const struct raster *raster, const struct curve *curve)
                          fraction_of(&layout->y, curve->y[i]);
         const double turn = atan2(2 * layout->rows * y, layout->columns * x) / eighth;
         const bool lines = layout->charset->plain;
-        const int arrow_index = (int)floor((lines ? turn / 2 : turn) + 0.5) & (lines ? 3 : 7);
+        const int mask = lines ? 3 : 7;
+        const int arrow_index = (int)floor((lines ? turn / 2 : turn) + 0.5) & mask;
         raster_put(raster, column, row, lines ? (uint32_t)plain[arrow_index] : arrow[arrow_index]);
     }
 }

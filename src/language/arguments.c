@@ -154,9 +154,9 @@ static bool unknown_argument(const struct command *command, enum argument_form f
 {
     if (!argument_is_in(command, form, name, error))
         return false;
+    const int shown = (int)(name.len < 64 ? name.len : 64);
     error_at(error, name, "%s has no %s '%.*s'", command->row.name,
-             form == FORM_OPTION ? "option" : "argument", (int)(name.len < 64 ? name.len : 64),
-             name.data);
+             form == FORM_OPTION ? "option" : "argument", shown, name.data);
     struct suggestion suggestion = {.wanted = name};
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form)

@@ -294,10 +294,12 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
     const struct snap_point *points = points_of(cursors, g, &count);
     while (next < count && points[next].t <= (forward ? t + t_tolerance : t - t_tolerance))
         next++;
-    if (forward ? next == count : next == 0)
+    if (forward ? next == count : next == 0) {
+        const char *const direction = forward ? "after" : "before";
         return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
-                         cursors->snap == SNAP_PEAK ? "peak" : "up-crossing",
-                         forward ? "after" : "before", t, g->name);
+                         cursors->snap == SNAP_PEAK ? "peak" : "up-crossing", direction, t,
+                         g->name);
+    }
     put_point(cursors, cursors->active, &points[forward ? next : next - 1]);
     return true;
 }

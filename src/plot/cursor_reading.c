@@ -28,15 +28,18 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
     const bool damped = scene && fabs(param_value(scene, "gamma")) > 0;
     double decrement = copysign(1, dt) * log(c->cursor[0].amplitude / c->cursor[1].amplitude) / n;
     decrement = fabs(decrement) < READING_ROUNDING ? 0 : decrement;
+    const char *theory;
+    if (!spring)
+        theory = "period";
+    else
+        theory = damped ? "T_d" : "T0";
     *reading =
         (struct cursor_reading){.dt = dt,
                                 .periods = n,
                                 .period = {period, spread},
                                 .frequency = {1 / period, spread / (period * period)},
                                 .theory = scene_period(scene),
-                                .theory_name = !spring  ? "period"
-                                               : damped ? "T_d"
-                                                        : "T0",
+                                .theory_name = theory,
                                 .decrement = decrement,
                                 .quality = decrement > READING_ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;

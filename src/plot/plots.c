@@ -156,9 +156,12 @@ bool plot_offered(const struct session *session, enum plot_kind kind)
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
 {
     const enum plot_vertical vertical = rows[kind].vertical;
-    return &model->variable[vertical == VERTICAL_FIRST                         ? 0
-                            : vertical == VERTICAL_SECOND || model->order == 1 ? 1
-                                                                               : model->n / 2];
+    int index;
+    if (vertical == VERTICAL_FIRST)
+        index = 0;
+    else
+        index = vertical == VERTICAL_SECOND || model->order == 1 ? 1 : model->n / 2;
+    return &model->variable[index];
 }
 
 enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x)

@@ -301,8 +301,8 @@ const char *drawing_y_label(const struct drawing *d, int panel)
         const char *name = drawing_label(d, i);
         if (d->coordinates > 1 && d->curve[i].panel != panel)
             continue;
-        buffer_format(&text, "%s%s%s", text.len ? ", " : "", d->request->next ? "next " : "",
-                      name ? name : "");
+        const char *const next = d->request->next ? "next " : "";
+        buffer_format(&text, "%s%s%s", text.len ? ", " : "", next, name ? name : "");
     }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -465,9 +465,12 @@ bool session_figure(const struct session *session, const struct figure_request *
         x_variable = chosen_variable(&run_of(&d, 0)->system, &d.horizontal_column);
     else if (plane && d.model)
         x_variable = d.model->variable[0];
-    *figure = (struct figure){.title = values           ? "values"
-                                       : is_kinetic(&d) ? "kinetic"
-                                                        : row->row.name,
+    const char *title;
+    if (values)
+        title = "values";
+    else
+        title = is_kinetic(&d) ? "kinetic" : row->row.name;
+    *figure = (struct figure){.title = title,
                               .curve = d.curve,
                               .curves = d.curves,
                               .plane = plane,
@@ -479,10 +482,12 @@ bool session_figure(const struct session *session, const struct figure_request *
         return false;
     if (!row->residual && !row->run_curve && !request->event.len)
         mark_present(&d, figure);
-    const enum quantity quantities[2] = {plane                                 ? x_variable.quantity
-                                         : row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
-                                                                               : QUANTITY_TIME,
-                                         y_quantity(&d)};
+    enum quantity horizontal;
+    if (plane)
+        horizontal = x_variable.quantity;
+    else
+        horizontal = row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY : QUANTITY_TIME;
+    const enum quantity quantities[2] = {horizontal, y_quantity(&d)};
     return drawing_scales(&d, figure, quantities) &&
            (request->follow || !cancelled(session->front.cancel) ||
             error_set(error, ERROR_CANCELLED, "stopped"));

@@ -48,10 +48,12 @@ static void reply_event_record(const struct session *session, const struct run_s
     reply_begin(reply, "event");
     reply_int(reply, "run", run->number);
     reply_string(reply, "name", event_name(slot, i));
-    reply_string(reply, "direction",
-                 record->direction > 0   ? "rising"
-                 : record->direction < 0 ? "falling"
-                                         : "touching");
+    const char *direction;
+    if (record->direction > 0)
+        direction = "rising";
+    else
+        direction = record->direction < 0 ? "falling" : "touching";
+    reply_string(reply, "direction", direction);
     reply_real(reply, "t", record->t);
     reply_object(reply, "state");
     for (int c = 0; c < columns_of(run); c++) {

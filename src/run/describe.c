@@ -63,8 +63,8 @@ static void describe_scene(const struct scene *scene, const struct system *syste
     buffer_format(text, "%s: state", scene->preset ? scene->preset->row.name : "typed");
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s %s", i ? "," : "", system_variable(system, i).name);
-    buffer_format(text, "; %s, %s%s\n", system->linear ? "linear" : "not linear",
-                  system->autonomous ? "autonomous" : "driven by time",
+    const char *const driven = system->autonomous ? "autonomous" : "driven by time";
+    buffer_format(text, "; %s, %s%s\n", system->linear ? "linear" : "not linear", driven,
                   system->conservative ? ", conservative" : "");
     for (int i = 0; i < system->terms; i++) {
         const struct row *row = &system->term[i].row->row;

@@ -83,7 +83,12 @@ static int64_t next_look(const struct clock_pace *pace, const struct run *run,
     if (ahead > 0 && ahead >= h)
         return now;
     const double wait = (h - ahead) / pace->speed * 1e9;
-    return now + (wait < SLICE_NS ? SLICE_NS : wait > WAIT_NS ? WAIT_NS : (int64_t)wait);
+    int64_t delay;
+    if (wait < SLICE_NS)
+        delay = SLICE_NS;
+    else
+        delay = wait > WAIT_NS ? WAIT_NS : (int64_t)wait;
+    return now + delay;
 }
 
 static double fraction_done(const struct run *run, const struct run_target *target, double t_begin,
@@ -102,8 +107,8 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
     const int64_t first = run->steps,
                   last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
     const double t_begin = run->t;
-    struct clock_pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
-                              target->t < run->t ? -1 : 1};
+    const double begin_speed = clocked ? live->speed : HUGE_VAL;
+    struct clock_pace pace = {clock_ns(), run->t, begin_speed, target->t < run->t ? -1 : 1};
     struct clock_pace window = pace;
     live->state = LIVE_RUNNING;
     live->pausing = false;

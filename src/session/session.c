@@ -273,9 +273,10 @@ struct run_settings session_run_settings(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;
     const bool adaptive = (session->setup.method->flags & METHOD_ADAPTIVE) && !session->setup.fixed;
+    const double tol = adaptive ? settings->tol : 0;
     return (struct run_settings){.dt = adaptive && settings->tol > 0 ? session_first_step(session)
                                                                      : settings->dt,
-                                 .tol = adaptive ? settings->tol : 0,
+                                 .tol = tol,
                                  .drag = session->setup.drag,
                                  .kernel = (enum kernel)settings->kernel,
                                  .compensated = settings->sums == SUMS_COMPENSATED,

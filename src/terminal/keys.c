@@ -32,15 +32,18 @@ static void say_help(const struct press *press, struct buffer *line)
 static void say_run(const struct press *press, struct buffer *line)
 {
     const enum live_state state = press->session->live.state;
-    buffer_put(line, state == LIVE_RUNNING  ? TEXT("pause")
-                     : state == LIVE_PAUSED ? TEXT("continue")
-                                            : TEXT("run"));
+    struct text word;
+    if (state == LIVE_RUNNING)
+        word = TEXT("pause");
+    else
+        word = state == LIVE_PAUSED ? TEXT("continue") : TEXT("run");
+    buffer_put(line, word);
 }
 
 static void say_step(const struct press *press, struct buffer *line)
 {
-    buffer_format(line, press->count < 0 ? "back %d" : "step %d",
-                  press->count < 0 ? -press->count : press->count);
+    const int steps = press->count < 0 ? -press->count : press->count;
+    buffer_format(line, press->count < 0 ? "back %d" : "step %d", steps);
 }
 
 static void say_charset(const struct press *press, struct buffer *line)
@@ -366,10 +369,12 @@ static int on_key(int count, int last)
             history_keep(buffer_view(&line), panes_active->program->reply);
             using_history(); /* the line being edited is behind it now */
         }
-        panes_enqueue(panes_active, buffer_text(&line),
-                      entered              ? LINE_TYPED
-                      : key->kind == LOOKS ? LINE_SILENT
-                                           : LINE_KEY);
+        enum line_from origin;
+        if (entered)
+            origin = LINE_TYPED;
+        else
+            origin = key->kind == LOOKS ? LINE_SILENT : LINE_KEY;
+        panes_enqueue(panes_active, buffer_text(&line), origin);
     }
     buffer_free(&line);
     return 0;

@@ -229,9 +229,9 @@ static bool read_long(struct options *options, const char *word, const char **ne
     const char *equals = strchr(word, '=');
     const struct text name = {word + 2, equals ? (size_t)(equals - word - 2) : strlen(word + 2)};
     struct option_row row;
-    return find_long(name, &row)
-               ? read_option(options, &row, word, equals ? equals + 1 : NULL, next)
-               : refuse_unknown(name, word);
+    const char *const value = equals ? equals + 1 : NULL;
+    return find_long(name, &row) ? read_option(options, &row, word, value, next)
+                                 : refuse_unknown(name, word);
 }
 
 /* Letters; behind one that wants a value is its value. */

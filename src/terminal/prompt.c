@@ -29,7 +29,12 @@ static void save_when_due(bool line)
 static void set_alarm(void)
 {
     const int64_t due = keeper_due(), now = clock_ns();
-    signals_alarm(due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000);
+    int64_t delay;
+    if (due == INT64_MAX)
+        delay = 0;
+    else
+        delay = due <= now ? 1000000 : due - now + 1000000;
+    signals_alarm(delay);
 }
 
 static void executed(void *context)

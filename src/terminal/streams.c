@@ -61,9 +61,8 @@ static bool streams_put_output(void *context, struct text text)
     if (streams->split && split_takes(streams->split, text))
         return true;
     buffer_put(&streams->output, text);
-    return streams->output.len < (streams->holding ? HELD_BYTES_MAX : GATHER_BYTES)
-               ? !streams->broken
-               : streams_flush(streams);
+    const size_t limit = streams->holding ? HELD_BYTES_MAX : GATHER_BYTES;
+    return streams->output.len < limit ? !streams->broken : streams_flush(streams);
 }
 
 static bool streams_put_error(void *context, struct text text)

@@ -62,10 +62,11 @@ static void put_cursor(struct buffer *output, const struct cursors *cursors, int
     if (cursors->cursor[i].crossing > 0)
         buffer_format(output, "  up-crossing #%d", cursors->cursor[i].crossing);
     /* the portrait sheet shows the amplitude here */
-    else if (isfinite(cursors->cursor[i].amplitude))
-        buffer_format(output, "  amplitude %.2f %s",
-                      cursors->cursor[i].amplitude / (unit ? unit->factor : 1),
+    else if (isfinite(cursors->cursor[i].amplitude)) {
+        const double factor = unit ? unit->factor : 1;
+        buffer_format(output, "  amplitude %.2f %s", cursors->cursor[i].amplitude / factor,
                       unit ? unit->row.name : quantity_unit(cursors->quantity));
+    }
 }
 
 static void put_interval(struct buffer *output, const struct cursor_reading *reading)
@@ -141,11 +142,14 @@ void cursors_table(const struct screen *screen, struct rectangle area)
         larger(CURSOR_DETAILS_WIDTH,
                larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
     for (int i = 0, y = area.y; i < TABLE_ROWS; i++) {
-        if (shown[i])
-            line_draw(screen, area.x, y++, area.width, buffer_text(&line[i]),
-                      i == cursors->active ? STYLE_BOLD
-                      : i < 4              ? STYLE_PLAIN
-                                           : STYLE_DIM);
+        if (shown[i]) {
+            enum style style;
+            if (i == cursors->active)
+                style = STYLE_BOLD;
+            else
+                style = i < 4 ? STYLE_PLAIN : STYLE_DIM;
+            line_draw(screen, area.x, y++, area.width, buffer_text(&line[i]), style);
+        }
         buffer_free(&line[i]);
     }
     char side[2][LIMIT_NAME + 32];

@@ -19,9 +19,10 @@ void labels_shorten(struct screen *screen, int width, int height,
     struct figure_layout layout;
     char number[16];
     figure_layout(figure, width, height, screen->charset, &layout);
+    const int power = layout.y_ticks.exponent ? POWER_CELLS : 0;
     int need = FRAME_CELLS + text_width(text_of(figure->title)) + (*figure->title ? 1 : 0) +
                text_width(text_of(figure->y.label)) + text_width(text_of(figure->y.unit)) + 3 +
-               (layout.y_ticks.exponent ? POWER_CELLS : 0);
+               power;
     for (int i = 0; i < figure->curves; i++)
         need += figure->curve[i].label
                     ? text_width(text_of(figure->curve[i].label)) + LEGEND_MARK_CELLS

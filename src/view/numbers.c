@@ -26,8 +26,9 @@ static void put_energy(struct buffer *output, const struct run *run, double ener
     const struct unit *unit = unit_display(
         quantity,
         fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
-    buffer_format(output, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin",
-                  energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
+    const double factor = unit ? unit->factor : 1;
+    buffer_format(output, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin", energy / factor,
+                  unit ? " " : "", unit ? unit->row.name : "");
 }
 
 /* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */

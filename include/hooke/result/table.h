@@ -14,7 +14,7 @@ struct table_column {
     const char *name, *unit;
     const double *value; /* [rows], or NULL and `text` */
     const char *const *text;
-    bool detail; /* for programs: documents leave it out */
+    bool detail; /* left out of documents; meant for programs */
 };
 
 struct table_key {

@@ -116,7 +116,12 @@ void complete_formula(struct completion *c, const struct command *command, struc
             complete_offer(c, "off", "remove it");
         complete_value(c, value, var || param ? QUANTITY_OTHER : QUANTITY_COUNT, offer_names);
     } else if (count_words(rest) == 0) {
-        offer_lines(c, param ? TYPED_PARAM : observe ? TYPED_OBSERVE : TYPED_VAR);
+        enum typed_kind kind;
+        if (param)
+            kind = TYPED_PARAM;
+        else
+            kind = observe ? TYPED_OBSERVE : TYPED_VAR;
+        offer_lines(c, kind);
     } else if ((var || param || observe) && count_words(rest) == 1) {
         complete_offer(c, "off", "remove it");
     }

@@ -260,11 +260,12 @@ HANDLER(print)
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
     reply_real(reply, "value", item->is_string || named.error_floor > 0 ? NAN : item->value.value);
-    reply_string(reply, "unit",
-                 !item->is_string && item->quantity != QUANTITY_OTHER
-                     ? quantity_unit(item->quantity)
-                 : unit.len > 0 ? buffer_view(&unit)
-                                : NULL);
+    const char *shown;
+    if (!item->is_string && item->quantity != QUANTITY_OTHER)
+        shown = quantity_unit(item->quantity);
+    else
+        shown = unit.len > 0 ? buffer_view(&unit) : NULL;
+    reply_string(reply, "unit", shown);
     reply_end(reply);
     buffer_free(&unit);
     buffer_free(&text);
@@ -282,11 +283,12 @@ HANDLER(echo)
     if (quoted && !parse_word(&parser, "", &whole, error))
         return false;
     struct buffer text = {0};
-    safe_text(&text,
-              quoted && parser.rest.len == 0 ? whole.text
-              : rest->count                  ? rest->item->text
-                                             : TEXT(""),
-              true);
+    struct text shown;
+    if (quoted && parser.rest.len == 0)
+        shown = whole.text;
+    else
+        shown = rest->count ? rest->item->text : TEXT("");
+    safe_text(&text, shown, true);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;

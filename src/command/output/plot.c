@@ -269,7 +269,8 @@ static int move_legend(struct figure *figure, int width, struct arena *arena, st
             used = 0;
             count++;
         }
-        buffer_format(lines, "%*s%s %s", used ? GAP : 0, "", *mark ? mark : "--", label.data);
+        const int gap = used ? GAP : 0;
+        buffer_format(lines, "%*s%s %s", gap, "", *mark ? mark : "--", label.data);
         used += GAP + cells;
     }
     buffer_char(lines, '\n');

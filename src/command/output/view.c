@@ -37,8 +37,9 @@ static void describe_layout(const struct session *session, struct buffer *text)
     /* A pane that no layout has takes the first place of each. */
     const struct plot_row *focus = plot_row(view_focus(view));
     const bool guest = !focus->in_layouts && view->layout != LAYOUT_LOG;
+    const char *const name = guest ? focus->row.name : "";
     buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
-                  guest ? "; first, until 'focus position': " : "", guest ? focus->row.name : "");
+                  guest ? "; first, until 'focus position': " : "", name);
     if (drawn == view->layout)
         return;
     buffer_format(text, "\nit needs %d columns", row->width);

@@ -183,9 +183,11 @@ static void advance_report(struct session *session, const struct advance *advanc
 {
     const bool paused = stop_is_pause(advance->slot->run->stop);
     const bool whole = advance->requests == 1 && advance->steps == 0;
-    if (paused || journal_changed(advance->slot, advance->requests))
-        journal_write(session, advance->slot, whole ? 0 : advance->requests,
-                      whole ? -1 : advance->steps, 0, false, &session->history.happened);
+    if (paused || journal_changed(advance->slot, advance->requests)) {
+        const int64_t steps = whole ? -1 : advance->steps;
+        journal_write(session, advance->slot, whole ? 0 : advance->requests, steps, 0, false,
+                      &session->history.happened);
+    }
 }
 
 static void reply_event(const struct run_slot *slot, const struct event_line *stopped,

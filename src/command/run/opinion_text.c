@@ -171,9 +171,9 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
     if (count > NAMED)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
+        const char *const advice = first < 0 ? "; a smaller tol may help" : "";
         reply_line(reply, "no digit of %s is certain: below %s tolerance or error%s",
-                   buffer_view(&names), count > 1 ? "their" : "its",
-                   first < 0 ? "; a smaller tol may help" : "");
+                   buffer_view(&names), count > 1 ? "their" : "its", advice);
         if (first >= 0)
             reply_line(reply, "'atol %s = VALUE' sets a smaller tolerance",
                        system_variable(&run->system, first).name);

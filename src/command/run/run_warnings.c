@@ -42,7 +42,12 @@ void reply_assumed(struct session *session, bool adapts, bool by_setting, struct
     if (first)
         buffer_format(text, "first step dt = %s",
                       SHOWN_VALUE(session_first_step(session), QUANTITY_TIME, 4));
-    buffer_format(text, " ('%s = ...' sets it)", duration ? "duration" : tol ? "tol" : "dt");
+    const char *setting;
+    if (duration)
+        setting = "duration";
+    else
+        setting = tol ? "tol" : "dt";
+    buffer_format(text, " ('%s = ...' sets it)", setting);
 }
 
 void reply_shorter(const struct session *session, struct reply *reply)

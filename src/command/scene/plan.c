@@ -12,15 +12,18 @@ static void plan_prices(const struct session *session, const struct system *syst
 {
     const struct setup *setup = &session->setup;
     const int opinion = setup->settings.opinion;
+    int effort;
+    if (opinion == OPINIONS_OFF)
+        effort = 0;
+    else
+        effort = opinion == OPINIONS_FULL ? 2 : 1;
     const struct run_scenario scenario = {.scene = &setup->scene,
                                           .system = system,
                                           .method = setup->method,
                                           .settings = settings,
                                           .plan = plan,
                                           .span = setup->settings.duration,
-                                          .opinion = opinion == OPINIONS_OFF    ? 0
-                                                     : opinion == OPINIONS_FULL ? 2
-                                                                                : 1,
+                                          .opinion = effort,
                                           .events = setup->events != NULL,
                                           .cancel = session->front.cancel};
     struct run_work work;

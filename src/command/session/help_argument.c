@@ -28,8 +28,8 @@ static const struct argument *find_argument(const struct command *command, struc
 /* Appends the argument's name as used in a sentence, such as "dt=", "--force" or "until". */
 static void put_name(const struct argument *argument, struct buffer *text)
 {
-    buffer_format(text, "%s%s%s", argument->form == FORM_OPTION ? "--" : "", argument->name,
-                  argument->form == FORM_KEY ? "=" : "");
+    const char *const dashes = argument->form == FORM_OPTION ? "--" : "";
+    buffer_format(text, "%s%s%s", dashes, argument->name, argument->form == FORM_KEY ? "=" : "");
 }
 
 static bool stands_in(struct text sentence, struct text name)

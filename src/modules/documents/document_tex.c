@@ -39,7 +39,14 @@ void buffer_tex(struct buffer *output, struct text text)
     struct buffer known = {0};
     for (size_t i = 0; i < text.len; i++) {
         const unsigned char c = (unsigned char)text.data[i];
-        buffer_char(&known, c < 0x20 ? ' ' : c >= 0xC4 ? '?' : text.data[i]);
+        char shown;
+        if (c < 0x20)
+            shown = ' ';
+        else if (c >= 0xC4)
+            shown = '?';
+        else
+            shown = text.data[i];
+        buffer_char(&known, shown);
         while (c >= 0xC4 && i + 1 < text.len && ((unsigned char)text.data[i + 1] & 0xC0) == 0x80)
             i++; /* the rest of a letter beyond Latin-1 */
     }

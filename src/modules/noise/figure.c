@@ -44,12 +44,13 @@ static bool draw_table(struct drawing *d, bool ensemble, struct figure *figure)
         return error_memory(d->error);
     for (size_t i = 0; i < table->rows; i++)
         size = fmax(size, fabs(value->value[i]) + (spread ? spread[i] : 0));
+    const char *const spread_label = ensemble ? "+- standard deviation" : NULL;
     *curve = (struct curve){.label = ensemble ? "mean" : label,
                             .x = t->value,
                             .y = value->value,
                             .n = table->rows,
                             .spread = spread,
-                            .spread_label = ensemble ? "+- standard deviation" : NULL,
+                            .spread_label = spread_label,
                             .cancel = d->session->front.cancel};
     const double window[2] = {t->value[0], t->value[table->rows - 1]};
     *figure = (struct figure){.title = command,

@@ -66,8 +66,8 @@ static const char *page_symbols(const struct page *page,
 static const char *tick_label(const struct page *page, bool vertical, int i)
 {
     char text[TICK_TEXT_SIZE];
-    tick_text(vertical ? &page->layout.y_ticks : &page->layout.x_ticks, i,
-              vertical ? page->layout.y_decades : page->layout.x_decades, text);
+    const struct ticks *const ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
+    tick_text(ticks, i, vertical ? page->layout.y_decades : page->layout.x_decades, text);
     return page_symbols(page, put_number_symbols, text);
 }
 

@@ -102,10 +102,14 @@ static void put_rates(struct scene_program *p)
         buffer_put(p->output, lines ? TEXT("    return [\n        ") : TEXT("    return ["));
     }
     for (int i = 0; i < n && !cancelled(p->written.cancel); i++) {
-        buffer_put(p->output, text_of(!i       ? ""
-                                      : c      ? ";\n"
-                                      : octave ? "; ...\n    "
-                                               : python_between));
+        const char *separator;
+        if (!i)
+            separator = "";
+        else if (c)
+            separator = ";\n";
+        else
+            separator = octave ? "; ...\n    " : python_between;
+        buffer_put(p->output, text_of(separator));
         if (c)
             buffer_format(p->output, "    rate[%d] = ", i);
         if (i < positions)
@@ -113,7 +117,14 @@ static void put_rates(struct scene_program *p)
         else
             put_row(p, i - positions);
     }
-    buffer_put(p->output, text_of(c ? ";" : octave ? "];\n" : lines ? ",\n    ]" : "]"));
+    const char *closing;
+    if (c)
+        closing = ";";
+    else if (octave)
+        closing = "];\n";
+    else
+        closing = lines ? ",\n    ]" : "]";
+    buffer_put(p->output, text_of(closing));
     for (int i = 0; octave && i < n; i++)
         buffer_format(p->output, "%s, state(%d)", i ? "" : "derivatives = @(t, state) equations(t",
                       i + 1);

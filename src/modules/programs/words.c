@@ -25,7 +25,12 @@ static void put_list(struct scene_program *p, const double *value, int count)
 
 static void put_title(struct scene_program *p)
 {
-    program_title(p, p->dialect == DIALECT_C ? " * " : p->dialect == DIALECT_PYTHON ? "# " : "% ");
+    const char *comment;
+    if (p->dialect == DIALECT_C)
+        comment = " * ";
+    else
+        comment = p->dialect == DIALECT_PYTHON ? "# " : "% ";
+    program_title(p, comment);
 }
 
 static void put_comment(struct scene_program *p, const char *unit, const char *brief)
@@ -33,9 +38,10 @@ static void put_comment(struct scene_program *p, const char *unit, const char *b
     const bool c = p->dialect == DIALECT_C;
     if (!unit[0] && !brief[0])
         return;
-    buffer_put(p->output, c                              ? TEXT(" /* ")
+    struct text comment = c                              ? TEXT(" /* ")
                           : p->dialect == DIALECT_PYTHON ? TEXT("  # ")
-                                                         : TEXT("  % "));
+                                                         : TEXT("  % ");
+    buffer_put(p->output, comment);
     if (unit[0])
         buffer_format(p->output, "[%s]%s", unit, brief[0] ? " " : "");
     buffer_format(p->output, "%s%s", brief, c ? " */" : "");
@@ -54,8 +60,8 @@ static void put_constants(struct scene_program *p)
         const bool typed = strcmp(row->row.brief, "typed by the user") == 0;
         if (!program_reads(p, i))
             continue;
-        buffer_format(p->output, "%s%s%s = ", count++ ? "\n" : "",
-                      p->dialect == DIALECT_C ? "static const double " : "", p->name[i]);
+        const char *const type = p->dialect == DIALECT_C ? "static const double " : "";
+        buffer_format(p->output, "%s%s%s = ", count++ ? "\n" : "", type, p->name[i]);
         buffer_real(p->output, p->scene->value[i - w->params]);
         buffer_put(p->output, text_of(statement_terminator(p)));
         put_comment(p, row->row.unit, typed ? "" : row->row.brief);
@@ -90,9 +96,12 @@ static void put_label(struct scene_program *p)
 static void program_start_put(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++) {
-        buffer_put(p->output, !i                             ? TEXT("")
-                              : p->dialect == DIALECT_OCTAVE ? TEXT("; ")
-                                                             : TEXT(", "));
+        struct text separator;
+        if (!i)
+            separator = TEXT("");
+        else
+            separator = p->dialect == DIALECT_OCTAVE ? TEXT("; ") : TEXT(", ");
+        buffer_put(p->output, separator);
         buffer_real(p->output, p->written.system.start[i]);
     }
 }
@@ -193,10 +202,14 @@ static void put_weights_of(struct scene_program *p, const double *weight, int co
         char z[REAL_TEXT_SIZE];
         long top, bottom;
         const bool wraps = p->output->len - start > line_max;
-        buffer_put(p->output, !i                             ? TEXT("")
-                              : !wraps                       ? TEXT(", ")
-                              : p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ")
-                                                             : TEXT(",\n    "));
+        struct text separator;
+        if (!i)
+            separator = TEXT("");
+        else if (!wraps)
+            separator = TEXT(", ");
+        else
+            separator = p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ") : TEXT(",\n    ");
+        buffer_put(p->output, separator);
         start = wraps ? p->output->len : start;
         if (real_format(weight[i], z) <= 4 || !fraction_of(weight[i], &top, &bottom))
             buffer_put(p->output, text_of(z));
@@ -220,16 +233,25 @@ static void put_matrix(struct scene_program *p)
     if (!has_table(p, &table))
         return;
     for (int s = 0; s < table.stages; s++) {
-        buffer_format(p->output, "%s    %s", s ? "\n" : "", c ? "{" : octave ? "" : "[");
+        const char *opening;
+        if (c)
+            opening = "{";
+        else
+            opening = octave ? "" : "[";
+        buffer_format(p->output, "%s    %s", s ? "\n" : "", opening);
         put_weights_of(p, table.a + s * (s - 1) / 2, s);
         if (octave) {
             buffer_put(p->output, s ? TEXT(", ") : TEXT(""));
             put_weights_of(p, zero, table.stages - s);
         }
-        buffer_put(p->output, c && s == 0 ? TEXT("0},")
-                              : c         ? TEXT("},")
-                              : octave    ? TEXT("")
-                                          : TEXT("],"));
+        struct text closing;
+        if (c && s == 0)
+            closing = TEXT("0},");
+        else if (c)
+            closing = TEXT("},");
+        else
+            closing = octave ? TEXT("") : TEXT("],");
+        buffer_put(p->output, closing);
     }
 }
 

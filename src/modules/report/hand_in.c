@@ -108,10 +108,10 @@ static void hand_in_reply(const struct report *report, const struct item *folder
 {
     struct buffer shown = {0};
     safe_text(&shown, folder->text, false);
+    const char *const next = report->latex ? ", or type: pdflatex report.tex" : " or report.md";
     reply_line(reply, "report written to %s: %d figure%s, %d values, %d files; open report.html%s",
                buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s",
-               report->values, report->files,
-               report->latex ? ", or type: pdflatex report.tex" : " or report.md");
+               report->values, report->files, next);
     report_missing(report, say_missing, reply);
     reply_begin(reply, "report");
     reply_string(reply, "folder", path);

@@ -114,8 +114,9 @@ static void put_run(const struct lab *lab, struct buffer *line)
 {
     const double most = lab->decays ? DAMPED_S : UNDAMPED_S;
     const double whole = floor(recording_span(lab->recording) + 0.5);
+    const double duration = whole >= 1 && whole < most ? whole : most;
     buffer_format(line, "method %s dt=%g ms; run %g s", lab->decays ? "rk4" : "euler",
-                  1000 * STEP_S, whole >= 1 && whole < most ? whole : most);
+                  1000 * STEP_S, duration);
 }
 
 static void put_plots(const struct lab *lab, struct buffer *line)

@@ -52,8 +52,8 @@ static int column_width(const struct buffer *heading)
 static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *output)
 {
     struct buffer text = {0};
-    buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name,
-                  axis->unit ? axis->unit : "");
+    const char *const unit = axis->unit ? axis->unit : "";
+    buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name, unit);
     const int width = column_width(&text) <= room ? column_width(&text) : 0;
     if (width)
         page_cell_put(buffer_text(&text), width, output);

@@ -127,8 +127,8 @@ static void put_trend(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
     const bool rises = c->course == COURSE_RISES;
-    buffer_format(output, "%s %s", rises ? "rises" : "falls",
-                  c->all_along ? "all along" : "on the whole");
+    const char *const extent = c->all_along ? "all along" : "on the whole";
+    buffer_format(output, "%s %s", rises ? "rises" : "falls", extent);
     if (c->factor > 0 && fabs(log(c->factor)) > AMPLITUDE_CHANGE_MIN) {
         buffer_put(output, TEXT(", by a factor of "));
         figure_number(c->factor > 1 ? c->factor : 1 / c->factor, output);
@@ -279,9 +279,11 @@ static bool put_course(const struct described *s, struct buffer *output)
 
 static void put_gaps(const struct described *s, struct buffer *output)
 {
-    if (s->curve->gaps > 0)
+    if (s->curve->gaps > 0) {
+        const char *const verb = s->curve->gaps == 1 ? "has" : "have";
         buffer_format(output, ", with %zu sample%s that %s no place in it", s->curve->gaps,
-                      s->curve->gaps == 1 ? "" : "s", s->curve->gaps == 1 ? "has" : "have");
+                      s->curve->gaps == 1 ? "" : "s", verb);
+    }
     if (!(s->curve->hole[1] > s->curve->hole[0]))
         return;
     buffer_format(output, ", without samples from %s = ", s->x->label);
@@ -375,21 +377,28 @@ static void put_intro(const struct figure_reading *reading, struct buffer *outpu
         }
         put_range(&figure->second[1], reading->y[1], output);
     }
-    if (figure->x.log || figure->y.log)
-        buffer_format(output, " (%s logarithmic)",
-                      figure->x.log && figure->y.log ? "both axes"
-                      : figure->x.log                ? "horizontally"
-                                                     : "vertically");
-    if (figure->curves == 1)
-        buffer_format(output, ", %s %s, %zu point%s",
-                      figure->curve[0].points ? "points of" : "a line:", reading->curve[0].label,
+    if (figure->x.log || figure->y.log) {
+        const char *which;
+        if (figure->x.log && figure->y.log)
+            which = "both axes";
+        else
+            which = figure->x.log ? "horizontally" : "vertically";
+        buffer_format(output, " (%s logarithmic)", which);
+    }
+    if (figure->curves == 1) {
+        const char *const kind = figure->curve[0].points ? "points of" : "a line:";
+        buffer_format(output, ", %s %s, %zu point%s", kind, reading->curve[0].label,
                       reading->curve[0].n, reading->curve[0].n == 1 ? "" : "s");
-    for (int i = 0; figure->curves > 1 && i < figure->curves; i++)
-        buffer_format(output, "%s%s%s",
-                      i == 0                    ? ", curves: "
-                      : i + 1 == figure->curves ? " and "
-                                                : ", ",
-                      reading->curve[i].label, figure->curve[i].points ? " (points)" : "");
+    }
+    for (int i = 0; figure->curves > 1 && i < figure->curves; i++) {
+        const char *separator = ", ";
+        if (i == 0)
+            separator = ", curves: ";
+        else if (i + 1 == figure->curves)
+            separator = " and ";
+        buffer_format(output, "%s%s%s", separator, reading->curve[i].label,
+                      figure->curve[i].points ? " (points)" : "");
+    }
     buffer_put(output, TEXT("."));
 }
 

@@ -45,8 +45,8 @@ bool ode_number(int line, struct text name, struct text value, double *number, s
 {
     if (real_parse(value, number) == REAL_OK && isfinite(*number))
         return true;
-    return ode_error(error, line, "%.*s=%.*s: XPPAUT takes a number there",
-                     (int)(name.len < 40 ? name.len : 40), name.data,
+    const int shown = (int)(name.len < 40 ? name.len : 40);
+    return ode_error(error, line, "%.*s=%.*s: XPPAUT takes a number there", shown, name.data,
                      (int)(value.len < 40 ? value.len : 40), value.data);
 }
 

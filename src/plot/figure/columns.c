@@ -34,8 +34,9 @@ bool drawing_columns(struct drawing *d, const struct system *system)
             continue;
         const struct variable first = chosen_variable(system, &d->column[0]),
                               one = chosen_variable(system, &d->column[i]);
+        const char *const second_unit = its[0] ? its : "1";
         error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis",
-                 first.name, unit[0] ? unit : "1", one.name, its[0] ? its : "1");
+                 first.name, unit[0] ? unit : "1", one.name, second_unit);
         return error_hint(d->error, "plot %s against %s", one.name, first.name);
     }
     return true;

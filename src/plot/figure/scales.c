@@ -182,8 +182,9 @@ static bool note_flat(struct drawing *d, struct figure *figure)
         !(varies > 1e-15 && varies <= figure->y.flat))
         return true;
     struct buffer text = {0};
-    buffer_format(&text, "%s%svaries by %.2g of its size, 'y=:' shows it",
-                  figure->note ? figure->note : "", figure->note ? ", " : "", varies);
+    const char *const note = figure->note ? figure->note : "";
+    buffer_format(&text, "%s%svaries by %.2g of its size, 'y=:' shows it", note,
+                  figure->note ? ", " : "", varies);
     figure->note = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
     buffer_free(&text);
     return figure->note || error_memory(d->error);

@@ -150,9 +150,9 @@ bool drawing_table(struct drawing *d, struct figure *figure)
             return false;
         first = first ? first : y;
         if (strcmp(first->unit, y->unit) != 0) {
+            const char *const unit = y->unit[0] ? y->unit : "1";
             error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis",
-                     first->name, first->unit[0] ? first->unit : "1", y->name,
-                     y->unit[0] ? y->unit : "1");
+                     first->name, first->unit[0] ? first->unit : "1", y->name, unit);
             return false;
         }
         for (int g = 0; g < groups; g++)

@@ -90,9 +90,9 @@ static bool repeat_steps(const struct run *run, struct run *again)
     for (size_t i = 1; trace->grid && i <= trace->grids; i++) {
         const struct time_grid *next = i < trace->grids ? &trace->grid[i] : NULL;
         const double end = next ? next->origin : run->t;
+        const int64_t end_step = next ? next->first : run->steps;
         const struct run_target target = {.t = run->plan.adaptive ? trace->grid[i - 1].origin : end,
-                                          .steps =
-                                              (next ? next->first : run->steps) - again->steps};
+                                          .steps = end_step - again->steps};
         if (target.steps > 0)
             run_advance(again, &target, 0, run->cancel);
     }

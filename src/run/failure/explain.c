@@ -146,11 +146,15 @@ static bool explain_state(const struct run *run, struct buffer *text)
             buffer_format(text,
                           "%s' is not a finite number at t = ", system_variable(system, i).name);
             put_time(text, t, 6);
-            buffer_put(text, system->autonomous ? TEXT(", in the state reached there")
-                             : run->plan.adaptive
-                                 ? TEXT("; no step begins there, a run can begin behind it")
-                                 : TEXT("; choose dt so that no step ends there, or a method that "
-                                        "adapts"));
+            struct text reason;
+            if (system->autonomous)
+                reason = TEXT(", in the state reached there");
+            else
+                reason = run->plan.adaptive
+                             ? TEXT("; no step begins there, a run can begin behind it")
+                             : TEXT("; choose dt so that no step ends there, or a method that "
+                                    "adapts");
+            buffer_put(text, reason);
             return true;
         }
     }

@@ -258,12 +258,14 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     list_add(list, strange_price(s, work), "steps across singularities");
     list_add(list, bursts_price(s, work), "look for short pulses");
     list_add(list, unresolved_price(s, work), "look for forces faster than steps");
-    if (balances(s, work))
-        list_add(list, balance_price(s, work),
-                 keeps_balance(s, work) ? "energy balance, kept between rows"
-                 : s->plan->ledger      ? "energy balance of the summary"
-                                        : "dE/E0 of the summary");
-    else if (s->system->energy && ledger_is_sampled(s->system, s->plan))
+    if (balances(s, work)) {
+        const char *purpose;
+        if (keeps_balance(s, work))
+            purpose = "energy balance, kept between rows";
+        else
+            purpose = s->plan->ledger ? "energy balance of the summary" : "dE/E0 of the summary";
+        list_add(list, balance_price(s, work), purpose);
+    } else if (s->system->energy && ledger_is_sampled(s->system, s->plan))
         list_add(list, balance_row_price(s) * LEDGER_SAMPLE, "dE/E0 of a sample of rows");
     if (adaptive && s->opinion > 0)
         list_add(list, opinion_price(s, work),

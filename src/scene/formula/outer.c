@@ -40,8 +40,8 @@ struct outer outer_add(struct outer a, struct outer b)
 /* Multiplies numbers with a gap by those of an interval above 0. */
 static struct outer stretched(struct interval gap, struct interval factor)
 {
-    return with_gap(gap.lo * (gap.lo <= 0 ? factor.lo : factor.hi),
-                    gap.hi * (gap.hi >= 0 ? factor.lo : factor.hi));
+    const double lo_factor = gap.lo <= 0 ? factor.lo : factor.hi;
+    return with_gap(gap.lo * lo_factor, gap.hi * (gap.hi >= 0 ? factor.lo : factor.hi));
 }
 
 static bool has_zero_in_gap(struct outer a)

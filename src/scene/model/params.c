@@ -114,8 +114,9 @@ static bool in_range(const struct param_row *row, double value, struct error *er
         return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name,
                          got);
     real_format(row->min, min);
-    return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
-                     row->min_excluded ? ">" : ">=", min, got, *unit ? " " : "", unit);
+    const char *const relation = row->min_excluded ? ">" : ">=";
+    return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name, relation,
+                     min, got, *unit ? " " : "", unit);
 }
 
 bool params_coherent(const double *param, struct error *error)

@@ -112,10 +112,12 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
             error_hint(c->error, "var NAME = VALUE begins an empty scene");
             return -1;
         }
-        error_at(c->error, where, "'%.*s' is defined twice%s", (int)name.len, name.data,
-                 c->symbol[i].kind == SYMBOL_VELOCITY ? ": it is the velocity of another variable"
-                 : c->symbol[i].hidden                ? ": it is an initial value"
-                                                      : "");
+        const char *role;
+        if (c->symbol[i].kind == SYMBOL_VELOCITY)
+            role = ": it is the velocity of another variable";
+        else
+            role = c->symbol[i].hidden ? ": it is an initial value" : "";
+        error_at(c->error, where, "'%.*s' is defined twice%s", (int)name.len, name.data, role);
         error_hint(c->error, "choose another name, as %.*s_1", (int)name.len, name.data);
         return -1;
     }
@@ -159,10 +161,11 @@ static bool refuse_initial(const struct compile *c, struct text name, struct tex
     const struct typed_line *param = typed_line_of(c->typed, TYPED_PARAM, name),
                             *var = typed_line_of(c->typed, TYPED_VAR, name);
     const struct typed_line *line = param ? param : var;
+    const char *const kind = param ? "parameter" : "variable";
     return error_at(c->error, line ? line->name : where,
                     "%.*s is the initial value of %.*s: the %s %.*s needs another name",
-                    (int)name.len, name.data, (int)variable.len, variable.data,
-                    param ? "parameter" : "variable", (int)name.len, name.data);
+                    (int)name.len, name.data, (int)variable.len, variable.data, kind, (int)name.len,
+                    name.data);
 }
 
 /* y0 of y, x1_0 of x1. */

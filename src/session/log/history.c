@@ -240,8 +240,8 @@ void history_label(const struct session *session, size_t index, char label[LIMIT
     size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
     while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
         len--;
-    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "",
-             len < text.len ? "..." : "");
+    const char *const ellipsis = len < text.len ? "..." : "";
+    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "", ellipsis);
     buffer_free(&text);
 }
 

@@ -46,8 +46,8 @@ static void save_method(const struct setup *setup, struct buffer *text)
 {
     if (!setup->method_chosen && !setup->fixed && setup->drag == DRAG_DEFAULT)
         return;
-    buffer_format(text, "method%s%s", setup->method_chosen ? " " : "",
-                  setup->method_chosen ? setup->method->row.name : "");
+    const char *const name = setup->method_chosen ? setup->method->row.name : "";
+    buffer_format(text, "method%s%s", setup->method_chosen ? " " : "", name);
     if (setup->fixed) {
         buffer_put(text, TEXT(" dt="));
         buffer_exact(text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME);

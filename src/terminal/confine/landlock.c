@@ -83,8 +83,8 @@ static bool allow_all(int rules, uint64_t writing, const char *const *folder, in
 bool confine_writing(const char *const *folder, int folders, struct error *error)
 {
     const int version = confine_version();
-    const uint64_t writing = WRITE_FILE | ACCESS_REMOVE | MAKE_FOLDER | MAKE_FILE |
-                             (version >= 2 ? ACCESS_REFER : 0) |
+    const uint64_t refer = version >= 2 ? ACCESS_REFER : 0;
+    const uint64_t writing = WRITE_FILE | ACCESS_REMOVE | MAKE_FOLDER | MAKE_FILE | refer |
                              (version >= 3 ? ACCESS_TRUNCATE : 0);
     const struct ruleset ruleset = {writing | ACCESS_EXECUTE | MAKE_OTHERS,
                                     version >= 4 ? ACCESS_NETWORK : 0};

@@ -363,14 +363,19 @@ static void warn_clock(struct recording *recording, const struct collected *coll
     if (collected->lost > 0)
         recording_warn(recording, "%zu %s lost on the way", collected->lost,
                        collected->lost == 1 ? "line was" : "lines were");
-    if (!collected->lost_known)
-        recording_warn(recording, "whether %slines were lost on the way cannot be known: %s",
-                       collected->lost > 0 ? "more " : "",
-                       collected->by_rate ? "the arrivals are too uneven, or not at rate="
-                       : collected->clock == CLOCK_DEVICE ? "the device's times are uneven"
-                       : collected->clock == CLOCK_UNEVEN
-                           ? "they arrive unevenly"
-                           : "they are few, or come several at a time");
+    if (!collected->lost_known) {
+        const char *const more = collected->lost > 0 ? "more " : "";
+        const char *reason;
+        if (collected->by_rate)
+            reason = "the arrivals are too uneven, or not at rate=";
+        else if (collected->clock == CLOCK_DEVICE)
+            reason = "the device's times are uneven";
+        else
+            reason = collected->clock == CLOCK_UNEVEN ? "they arrive unevenly"
+                                                      : "they are few, or come several at a time";
+        recording_warn(recording, "whether %slines were lost on the way cannot be known: %s", more,
+                       reason);
+    }
 }
 
 /* Returns the unit of the value stated in the command that collected it. */

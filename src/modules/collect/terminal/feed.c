@@ -151,8 +151,8 @@ static bool read_some(struct feed *feed)
         return true;
     if (got == 0 && feed->device.grows)
         return true;
-    feed_finish(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED,
-                got < 0 ? strerror(errno) : "");
+    const char *const reason = got < 0 ? strerror(errno) : "";
+    feed_finish(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED, reason);
     return false;
 }
 

@@ -145,10 +145,11 @@ static struct piece number_piece(struct printer *p, double value)
     const bool scaled =
         p->dialect == DIALECT_TEX && memchr(text.data ? text.data : "", '\\', text.len);
     const bool pi = value == 3.14159265358979323846;
+    const enum zero_kind zero = value == 0 ? NUMBER_ZERO : NOT_ZERO;
     return (struct piece){.text = printed_text_keep(p, &text),
                           .binds = scaled && !pi ? PRODUCT : ATOM,
                           .negative = signbit(value) != 0,
-                          .zero = value == 0 ? NUMBER_ZERO : NOT_ZERO,
+                          .zero = zero,
                           .number = true,
                           .value = value};
 }
@@ -184,10 +185,14 @@ static struct piece product_of(struct printer *p, struct piece a, struct piece b
                       b.text.data);
     } else {
         put_piece(p, &text, &a, PRODUCT);
-        buffer_put(&text, is_quotient ? TEXT("/")
-                          : !tex      ? TEXT("*")
-                          : b.number  ? TEXT(" \\cdot ")
-                                      : TEXT(" "));
+        struct text sign;
+        if (is_quotient)
+            sign = TEXT("/");
+        else if (!tex)
+            sign = TEXT("*");
+        else
+            sign = b.number ? TEXT(" \\cdot ") : TEXT(" ");
+        buffer_put(&text, sign);
         put_piece(p, &text, &b, tex ? PRODUCT : FACTOR);
     }
     return (struct piece){.text = printed_text_keep(p, &text),

@@ -113,8 +113,9 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     if (found) {
         buffer_format(&path, "%s%s", folder, found->name);
     } else {
-        error_set(error, ERROR_USAGE, "there is no saved session%s%s in %s", name ? " " : "",
-                  name ? name : "", folder);
+        const char *const which = name ? name : "";
+        error_set(error, ERROR_USAGE, "there is no saved session%s%s in %s", name ? " " : "", which,
+                  folder);
         for (int i = 0; i < list.count && i < AUTOSAVE_KEPT; i++) {
             const size_t used = strlen(error->hint);
             snprintf(error->hint + used, sizeof error->hint - used, "%s%s",

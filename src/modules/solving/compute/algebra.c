@@ -59,9 +59,12 @@ double matrix_determinant(int n, double *a)
             frexp((int)pivot[p] == p ? product / a[p * n + p] : -product / a[p * n + p], &more);
         exponent += more;
     }
-    return ldexp(product, exponent < -EXPONENT_MAX  ? -EXPONENT_MAX
-                          : exponent > EXPONENT_MAX ? EXPONENT_MAX
-                                                    : exponent);
+    int bounded;
+    if (exponent < -EXPONENT_MAX)
+        bounded = -EXPONENT_MAX;
+    else
+        bounded = exponent > EXPONENT_MAX ? EXPONENT_MAX : exponent;
+    return ldexp(product, bounded);
 }
 
 /* Eigenvalues, and where `vector` is not NULL the eigenvectors as its columns. */

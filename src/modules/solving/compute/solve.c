@@ -243,9 +243,8 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0;
     const bool bulk = s->kernel && (!sampler->grid || met);
     s->step.h = h;
-    const enum stop stop =
-        bulk ? run_kernel(s, steps, sampler->grid ? all / (STUDY_TIMES - 1) : 0, sampler, cancel)
-             : STOP_END;
+    const int64_t each = sampler->grid ? all / (STUDY_TIMES - 1) : 0;
+    const enum stop stop = bulk ? run_kernel(s, steps, each, sampler, cancel) : STOP_END;
     for (int64_t i = 0; i < steps && !bulk; i++) {
         s->step.t = t0 + (double)i * h;
         const enum step_status status = solver_step(s, NULL, 0, sampler);
