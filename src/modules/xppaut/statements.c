@@ -77,8 +77,8 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
     }
     const struct ode_symbol *other = kind == ODE_AUX ? NULL : ode_find(ode, name);
     if (other)
-        ode_error(ode->error, line, "'%.*s' is there twice: in line %d, too", shown(name),
-                  name.data, other->line);
+        ode_error(ode->error, line, "'%.*s' is defined twice: in line %d", shown(name), name.data,
+                  other->line);
     else if (kind != ODE_AUX && (text_is(name, "t") || text_is(name, "pi")))
         ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.data);
     else if (ode->symbols == ODE_SYMBOLS)
