@@ -12,9 +12,10 @@ TEST(markdown_shows_text_as_text)
     static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "a *b*\nc"}};
     static const double y[] = {-0.5, NAN};
     static const char *const words[] = {"a|b", "<i>"};
-    static const struct table_column column[] = {{"y_0", "m", y, NULL}, {"word", "", NULL, words}};
+    static const struct table_column column[] = {{.name = "y_0", .unit = "m", .value = y},
+                                                 {.name = "word", .unit = "", .text = words}};
     struct buffer out = {0};
-    const struct table table = {keys, 2, column, 2, 2, NULL};
+    const struct table table = {keys, 2, column, 2, 2, NULL, 0};
     table_put(&table, documents_markdown, &out);
     assert_string_equal(buffer_view(&out), "- dt: 10 ms\n- note: a \\*b\\*\\\\x0ac\n\n"
                                            "| y\\_0 (m) | word |\n| ---: | --- |\n"
@@ -27,9 +28,9 @@ TEST(html_and_latex_show_text_as_text)
     static const struct table_key keys[] = {{"note", "5 % <b>"}};
     static const double y[] = {-0.5, 2.5e-17, NAN};
     static const char *const words[] = {"a&b", "[_{i}^2$", "--\\"};
-    static const struct table_column column[] = {{"y_0", "m/s^2", y, NULL},
-                                                 {"word", "", NULL, words}};
-    const struct table table = {keys, 1, column, 2, 3, NULL};
+    static const struct table_column column[] = {{.name = "y_0", .unit = "m/s^2", .value = y},
+                                                 {.name = "word", .unit = "", .text = words}};
+    const struct table table = {keys, 1, column, 2, 3, NULL, 0};
     struct buffer out = {0};
     table_put(&table, documents_latex, &out);
     assert_string_equal(buffer_view(&out),

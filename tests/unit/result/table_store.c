@@ -87,7 +87,7 @@ TEST(fields_are_columns_called_by_their_path)
 TEST(the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is)
 {
     static const double x[] = {1, 2};
-    static const struct table_column column[] = {{"x", "m", x, NULL}};
+    static const struct table_column column[] = {{.name = "x", .unit = "m", .value = x}};
     const struct table whole = {.column = column, .columns = 1, .rows = 2};
     struct table_store made = {0}, store = {0};
     struct arena arena = {0};
@@ -138,13 +138,14 @@ TEST(what_is_written_reads_back_the_same)
     static const char *const word[] = {"a,b\n\"c\"", "=1+1", "'=x",
                                        "",           "1e5",  "\xf0\x9f\x98\x80\t"};
     static const char *const more[] = {"-", "inf", "''@", "true", " x ", "nan"};
-    static const struct table_column column[] = {
-        {"x y", "m/s^2", number, NULL}, {"a b", "", NULL, word}, {"state.y", "", NULL, more}};
+    static const struct table_column column[] = {{"x y", "m/s^2", number, NULL, false},
+                                                 {"a b", "", NULL, word, false},
+                                                 {"state.y", "", NULL, more, false}};
     static table_format *const formats[] = {table_csv, table_tsv, table_json};
     static const char *const names[] = {"csv", "tsv", "json"};
     for (size_t f = 0; f < COUNT_OF(formats); f++)
         for (size_t rows = 0; rows <= 6; rows += 6) {
-            const struct table written = {keys, 2, column, 3, rows, NULL};
+            const struct table written = {keys, 2, column, 3, rows, NULL, 0};
             struct table read;
             struct arena arena = {0};
             struct buffer text = {0};

@@ -6,6 +6,7 @@
  * Derivatives of that equation are differences: they only lead to the point, which is as exact as
  * the equations are.
  */
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -228,6 +229,7 @@ static enum special special_of(const struct special_curve *c, int test)
 {
     static const enum special hopf[] = {SPECIAL_DOUBLE, SPECIAL_BAUTIN},
                               fold[] = {SPECIAL_CUSP, SPECIAL_DOUBLE};
+    assert(test == 0 || test == 1);
     return (c->kind == SPECIAL_HOPF ? hopf : fold)[test];
 }
 

@@ -12,9 +12,10 @@
 static const double times[] = {0, 0.1, 0.30000000000000004}, indices[] = {0.05, NAN, -1e-300};
 static const char *const notes[] = {"plain", "=1+1", "a,b \"c\"\n"};
 static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "two\nlines"}};
-static const struct table_column columns[] = {
-    {"t", "s", times, NULL}, {"y", "m", indices, NULL}, {"say \"hi\"", "", NULL, notes}};
-static const struct table small = {keys, 2, columns, 3, 3, NULL};
+static const struct table_column columns[] = {{"t", "s", times, NULL, false},
+                                              {"y", "m", indices, NULL, false},
+                                              {"say \"hi\"", "", NULL, notes, false}};
+static const struct table small = {keys, 2, columns, 3, 3, NULL, 0};
 
 TEST(csv_text)
 {
@@ -64,8 +65,8 @@ TEST(formulas_are_disarmed)
     static const char *const cells[] = {"=1", "+1", "-1", "@x", "\tx", "1-1"};
     static const char *const wanted[] = {"\"'=1\"", "\"'+1\"",  "\"'-1\"",
                                          "\"'@x\"", "\"'\tx\"", "1-1"};
-    const struct table_column column = {"=name", "", NULL, cells};
-    const struct table table = {NULL, 0, &column, 1, COUNT_OF(cells), NULL};
+    const struct table_column column = {"=name", "", NULL, cells, false};
+    const struct table table = {NULL, 0, &column, 1, COUNT_OF(cells), NULL, 0};
     struct buffer text = {0};
     table_put(&table, table_csv, &text);
     struct text rest = buffer_text(&text), line;
@@ -105,8 +106,8 @@ TEST(exported_tables_read_back)
     y[1] = 5e-324;
     y[2] = 1.7976931348623157e308;
     const struct table_column column[] = {
-        {"t", "s", t, NULL}, {"y", "m", y, NULL}, {"z", "m/s", z, NULL}};
-    const struct table table = {keys, 2, column, 3, rows, NULL};
+        {"t", "s", t, NULL, false}, {"y", "m", y, NULL, false}, {"z", "m/s", z, NULL, false}};
+    const struct table table = {keys, 2, column, 3, rows, NULL, 0};
     for (int tabs = 0; tabs < 2; tabs++) {
         table_format *format = tabs ? table_tsv : table_csv;
         struct error error = {0};
