@@ -106,8 +106,7 @@ static void describe_method(const struct method *method, bool compensated, struc
     buffer_format(text, "%s", method->row.name);
     if (method->order)
         buffer_format(text, ", order %d", method->order);
-    buffer_format(text, ", %d force evaluation%s per step", method->evals,
-                  method->evals == 1 ? "" : "s");
+    buffer_format(text, ", %d evaluation%s per step", method->evals, method->evals == 1 ? "" : "s");
     for (size_t i = 0; i < COUNT_OF(property); i++) {
         if (method->flags & property[i].flag)
             buffer_format(text, ", %s", property[i].word);

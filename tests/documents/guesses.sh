@@ -48,7 +48,7 @@ y[0] = 4 cm               | 'y0 = 4 cm'            | y0 = 4 cm; print y0        
 x = 5                     | 'y0 = 5'               | y0 = 5; print y0              | 5 m
 y = 5 cm                  | 'y0 = 5 cm'            | y0 = 5 cm; print y0           | 5 cm
 simulate                  | 'run'                  | run                           | t = 10 s
-compare dt=5 ms           | compare METHOD         | compare euler rk4 dt=5ms      | rk4
+compare dt=5 ms           | =                      | compare euler rk4 dt=5ms      | rk4
 euler                     | 'method euler'         | method euler                  | euler
 method = rk4              | 'method rk4'           | method rk4                    | rk4
 method: rk4               | 'method rk4'           | method rk4                    | rk4
@@ -58,8 +58,8 @@ scene harmonic            | 'scene spring'         | scene spring               
 scene mass-spring         | 'scene spring'         | scene spring                  | spring
 scene pendel              | 'scene pendulum'       | scene pendulum                | pendulum
 scene simple pendulum     | 'scene pendulum'       | scene pendulum                | pendulum
-run 5 s; plot x vs t      | 'plot COLUMN against COLUMN' | run 5 s; plot y against t | y [
-run 5 s; plot energy vs time | 'plot energy'       | run 5 s; plot energy          | energy
+run 5 s; plot x vs t      | it has y, v            | run 5 s; plot y vs t          | y [
+run 5 s; plot energy vs time | in plots the time is t | run 5 s; plot energy vs t  | energy
 run 1 s; show all > all.md | 'export FILE table'   | sweep k=10:20:5; export all.md table --force | rows of
 run 5 s; plot y(t)        | 'plot y'               | run 5 s; plot y               | y [
 run 5 s; plot position and velocity | plot velocity' | run 5 s; plot position; plot velocity | velocity

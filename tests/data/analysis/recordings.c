@@ -255,9 +255,9 @@ TEST(what_the_fit_says_about_them)
         {"uoft-pandhi/damped position.txt", "", 0, NULL, "not one exponential"},
         {"uoft-travelwithwind/position_damped.txt", "", 0, NULL, "not one exponential"},
         {"uoft-pankaj/undamped_point_data.txt", "", 0, NULL, "rejected"},
-        {"semicolon-stecu/experiment_1.csv", "2", 0, "mm", "model is poor"},
-        {"semicolon-stecu/experiment_2.csv", "2", 0, "mm", "model is poor"},
-        {"semicolon-stecu/experiment_3.csv", "2", 0, "mm", "model is poor"},
+        {"semicolon-stecu/experiment_1.csv", "2", 0, "mm", "fits poorly"},
+        {"semicolon-stecu/experiment_2.csv", "2", 0, "mm", "fits poorly"},
+        {"semicolon-stecu/experiment_3.csv", "2", 0, "mm", "fits poorly"},
         {"pasco-mattia04/Misure k statiche non_pretensionata.csv", "1", 100, NULL,
          "does not oscillate"},
     };

@@ -221,7 +221,7 @@ TEST(warnings_are_to_the_point)
         }
     struct recording *r = load("microbit-es2/data_913.txt", "", &error);
     assert_non_null(r);
-    assert_true(fixture_warns(r, "the last line (439) seems cut in mid-number ('-1')"));
+    assert_true(fixture_warns(r, "the last line (439) seems to end inside a number ('-1')"));
     assert_true(fixture_warns(r, "5 rows go back in time: dropped (first: line 387)"));
     assert_true(fixture_warns(r, "gaps between samples"));
     assert_true(fixture_warns(r, "tunit=ms"));

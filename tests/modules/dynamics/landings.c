@@ -185,7 +185,7 @@ static void test_no_orbit(void **state)
         struct orbit_request request = {
             .scene = &scene, .state = {starts[i], 0}, .span = 20, .settles = true};
         assert_false(orbit_find(&request, &orbit, &error));
-        assert_non_null(strstr(error.text, starts[i] < 1 ? "dies away" : "does not come back"));
+        assert_non_null(strstr(error.text, starts[i] < 1 ? "dies away" : "does not return"));
         orbit_free(&orbit);
     }
 }

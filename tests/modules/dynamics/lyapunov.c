@@ -147,7 +147,7 @@ static void test_limits(void **state)
     scene = TYPED("var x = 1", "x' = x^2");
     found = exponents(&scene, 100);
     assert_false(found.determined);
-    assert_non_null(strstr(found.reason, "leaves"));
+    assert_non_null(strstr(found.reason, "escapes"));
     scene = lorenz(1, 1, 1);
     found = exponents(&scene, 5);
     assert_false(found.determined);

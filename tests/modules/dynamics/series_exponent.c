@@ -217,11 +217,11 @@ TEST(test_not_determined)
     sines(n, 0.7, 0, 0, y);
     refused("two sines", y, n, "noise, or sines");
     sines(n, 0, 3, 0, y);
-    refused("damped sine", y, n, "does not stay as large as it is");
+    refused("damped sine", y, n, "the size of the motion changes");
     sines(n, 0, 0.3, 0, y);
     refused("sine, hardly damped", y, n, "noise, or sines");
     flow(vanderpol, 0.1, 0, 0, n, y);
-    refused("limit cycle", y, n, "do not go apart");
+    refused("limit cycle", y, n, "neighbours do not separate");
     const struct series_exponent cycle = analyse(y, n, 0.1);
     assert_false(fabs(cycle.dimension.value - 1) > 2 * cycle.dimension.uncertainty);
     flow(vanderpol, 0.1, 0, 0.1, n, y);

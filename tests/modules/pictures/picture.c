@@ -639,7 +639,7 @@ static void test_built_without_cairo(void **state)
     (void)state;
     assert_false(figure_picture(&figure, PICTURE_PDF, 0, 0, &out, &error));
     assert_int_equal(error.code, ERROR_COMMAND);
-    assert_non_null(strstr(error.text, "without cairo, which draws pdf files"));
+    assert_non_null(strstr(error.text, "without cairo, which is needed for pdf files"));
     assert_non_null(strstr(error.hint, "install libcairo2-dev"));
     assert_int_equal(out.len, 0);
 }

@@ -392,7 +392,7 @@ static void adopt_with(const char *header, double omega, double amplitude, doubl
     assert_says(&b.err, "its numbers were taken as metres");
     *start = let_value(&b, "y0");
     type_ok(&b, "method exact; run 7 s");
-    assert_says(&b.out, "are laid over the run as m");
+    assert_says(&b.out, "compared with the run as if in m");
     const struct run *run = session_run(b.session);
     *rms = run_data_distance(run, b.session->recording[0]->recording).rms;
     bench_close(&b);

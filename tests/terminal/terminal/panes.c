@@ -129,7 +129,7 @@ static void test_interrupt_of_searches(void **state)
     type(&p, "branch mm=0.1:100 of orbit step=0.0001 max=20000\r");
     expect(&p, " s left (Ctrl-C stops)");
     type(&p, "\x03");
-    expect(&p, "cancelled: what there is so far is kept");
+    expect(&p, "cancelled; the points found so far are kept");
     expect_prompt(&p, EMPTY_PROMPT);
     enter(&p, "list points");
     expect(&p, "  EP1  end  mm = 0.");
