@@ -208,7 +208,7 @@ TEST(test_refusals_and_ends)
         struct error error = {0};
         struct run_settings fixed = {.dt = 1e-3};
         assert_null(run_create(&scene, method_named(names[k]), &fixed, 1, &error));
-        assert_non_null(strstr(error.text, "chooses its own steps"));
+        assert_non_null(strstr(error.text, "chooses its steps itself"));
         assert_true(isnan(method_growth(method_named(names[k]), DRAG_DEFAULT, 0.1, 0)));
         assert_true(isnan(method_stable_limit(method_named(names[k]), DRAG_DEFAULT, 0)));
 
