@@ -219,6 +219,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         keeper->end();
     buffer_free(&program.offer);
     buffer_free(&program.later);
+    buffer_free(&program.passed);
     streams_free(&streams);
     scripted_destroy(session, &reply);
     return 0;
