@@ -186,13 +186,13 @@ size_t method_work_size(const struct method *method, int n);
  */
 bool method_begin(const struct method *method, struct step *step);
 void method_end(const struct method *method, struct step *step);
+/* Steps of fixed size end at switches, in pieces by method_turning_step(). */
+bool method_meets_switches(const struct method *method, const struct system *system);
 /*
  * A step across a kink of a force at v = 0 loses its order (unless the system asks to step across).
  * Methods above order 2 that may change their step therefore end a step at each turning point:
  * method_adapt() does so by itself, and method_turning_step() splits steps of fixed size.
  */
-/* Steps of fixed size end at switches, in pieces by method_turning_step(). */
-bool method_meets_switches(const struct method *method, const struct system *system);
 bool method_turns(const struct method *method, const struct system *system);
 /* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never
  * allocates. */
@@ -200,10 +200,10 @@ enum step_status method_step(const struct method *method, struct step *step);
 /* The same, where method_turns() in pieces that meet at the turning points; a dense output is that
  * of the last one. */
 enum step_status method_turning_step(const struct method *method, struct step *step);
-/* State inside the last step: [t - h, t]. before [n]: state at its start. */
-/* Its degree in theta, 0 if it is no polynomial; most: DENSE_DEGREE. */
+/* The degree in theta of the dense output, 0 if it is no polynomial; most: DENSE_DEGREE. */
 #define DENSE_DEGREE 12
 int method_dense_degree(const struct method *method);
+/* Computes the state inside the last step, [t - h, t]; y_begin [n] is the state at its start. */
 void method_dense(const struct method *method, const struct step *step, const double *y_begin,
                   double theta, double *y);
 

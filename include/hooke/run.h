@@ -190,7 +190,7 @@ struct run {
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
     bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
     bool warned_burst;
-    struct burst missed; /* the first that run_missed_burst() found; from == to: none */
+    struct burst missed; /* the first that run_missed_burst() found; t_begin == t_end if none */
     struct controller controller;
     struct opinion opinion; /* filled by run_second_opinion() */
     /* Ends computations that read the run; NULL if they cannot be cancelled. */
@@ -348,10 +348,10 @@ void run_second_opinion(struct run *run, enum opinion_effort effort, const struc
 /* Returns true if an opinion exists and has seen everything that the run may have missed: the
  * second solution has not seen what no step has seen, unless the two differ by much. */
 bool run_opinion_known(const struct run *run);
-/* Sets below [n] to the size [SI] under which each variable of an adaptive run has no certain
- * digit, because of the error that the run allows or has by its second opinion, and not only
- * because the variable passes through 0. Other variables get 0. Returns the number of variables
- * that are so small. */
+/* Sets magnitude_floor [n] to the size [SI] under which each variable of an adaptive run has no
+ * certain digit, because of the error that the run allows or has by its second opinion, and not
+ * only because the variable passes through 0. Other variables get 0. Returns the number of
+ * variables that are so small. */
 int run_below_tolerance(const struct run *run, double *magnitude_floor);
 /* A short time at which the equations do something that no step has seen, where all steps are
  * recorded; since it was last asked. */
@@ -418,11 +418,11 @@ const struct observable *observable_energy(const struct system *system);
 /* Finds the rest position about which the free motion of the oscillator swings; returns false if
  * there is none. */
 bool run_centre(const struct run *run, double *centre);
-/* Fills out [trace_count] with the observable for all rows of the trace. Returns false, with a
+/* Fills values [trace_count] with the observable for all rows of the trace. Returns false, with a
  * reason, if it is not defined for this run (no exact solution …), or if cancelled. */
 bool run_column(const struct run *run, const struct observable *observable, double *values,
                 struct error *error);
-/* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
+/* State variable i (0 … n - 1) over all rows of the trace into values [trace_count]. */
 void run_variable_column(const struct run *run, int i, double *values);
 /* Quantity i that a typed scene observes, likewise, and at the present state. */
 void run_observed_column(const struct run *run, int i, double *values);
@@ -446,8 +446,8 @@ struct moving {
 };
 
 struct moving run_scope_moving(const struct run *run, int slot);
-/* The largest speed of the first coordinate in recorded states from .. to [s], of a scene of second
- * order. */
+/* The largest speed of the first coordinate in recorded states from t_begin to t_end [s], of a
+ * scene of second order. */
 double run_speed_max(const struct run *run, double t_begin, double t_end);
 
 /*

@@ -17,7 +17,7 @@
 #define LIMIT_CHANGES 8192             /* times at which parameters of a run were changed */
 #define LIMIT_MEASUREMENTS 1024        /* measurements kept: the oldest go */
 #define LIMIT_FITS 256                 /* fits kept: the oldest go */
-#define LIMIT_HISTORY_TEXT (1u << 24)  /* bytes of them */
+#define LIMIT_HISTORY_TEXT (1u << 24)  /* bytes of all lines and statements kept */
 #define LIMIT_VARIABLES 64             /* state variables of a scene */
 #define LIMIT_COLUMNS 1024             /* columns of a data file */
 #define LIMIT_FILE (1u << 30)          /* bytes of a data file */

@@ -62,7 +62,7 @@ struct extent_window {
     bool bands, bars;          /* bands and error bars extend the range */
 };
 
-/* Returns what curves hold. An end of `across` that is NAN is open. */
+/* Returns what curves hold. An end of the window's other_range that is NAN is open. */
 struct extent curves_extent(const struct curve *curve, int curves,
                             const struct extent_window *window);
 /* Returns the extent along an axis that is not fixed, with error bars if those are drawn. */

@@ -18,7 +18,7 @@ enum { GRID_VALUES_USUAL = 51 };
 
 /*
  * Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, and nothing behind it, for a grid that has a name
- * and a quantity. `to` becomes the last value that the steps reach. Returns false with `error`
+ * and a quantity. `last` becomes the last value that the steps reach. Returns false with `error`
  * filled.
  */
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error);

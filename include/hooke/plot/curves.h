@@ -40,9 +40,9 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
                     struct error *error);
 /* State variable i at these rows. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values);
-/* The first variable between recorded rows; NAN outside. */
 /* Finds an observable of the catalog; returns NULL if there is none. */
 const struct observable *observable_named(const char *name);
+/* Returns the first variable at t, interpolated between recorded rows, or NAN outside the run. */
 double run_position(const struct run *run, double t);
 /* Returns the first coordinate (derivative 0), its velocity (1) or acceleration (2) at t,
  * interpolated between rows by Hermite polynomials. Returns NAN outside of the run and if a

@@ -25,7 +25,7 @@ struct param_row {
     enum quantity quantity;
     double initial;    /* default, SI */
     double min;        /* smallest value allowed, -HUGE_VAL: any */
-    bool min_excluded; /* value > least */
+    bool min_excluded; /* value > min */
 };
 
 /* those of the oscillator: struct param_row, at most PARAM_MAX */
@@ -180,10 +180,11 @@ enum term_flag {
 
 /*
  * The scene as one oscillator, where it is one:
- *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity + drive
- * cos(omega t + phase) Closed-form steps and exact solutions use it where it is `whole`: nothing
- * else acts. Exact drag flows need no more than `drag_whole`; with several coordinates it is that
- * of each: v_i' = -damping v_i.
+ *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity
+ *         + drive cos(omega t + phase).
+ * Closed-form steps and exact solutions use it where it is `whole`: nothing else acts. Exact drag
+ * flows need no more than `drag_whole`; with several coordinates it is that of each: v_i' =
+ * -damping v_i.
  */
 struct oscillator {
     double stiffness; /* [1/s^2] k/m, any sign */
@@ -261,8 +262,10 @@ struct system {
     /* Number of switches, with branches that can be frozen: first those of typed equations, then
      * that of dry friction. */
     int switches;
-    bool extended; /* frozen, they may give numbers where there are none: ask what is not frozen */
-    bool dry;      /* the last of them is that of dry friction, at v = 0 */
+    /* A frozen branch may have values where the equations have none; the system that is not frozen
+     * decides. */
+    bool extended;
+    bool dry; /* the last of them is that of dry friction, at v = 0 */
     /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
     bool pieces;
     /* Sliding along switches of a frozen system; NULL if it slides along none. */
@@ -307,7 +310,7 @@ void system_force(const struct system *system, double t, const double *y, double
 void system_drag(const struct system *system, double t, const double *y, double *a);
 /*
  * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once
- * for many v: v keep/(least + pull |v|). Sign-preserving, exact at v = 0. Backwards in time
+ * for many v: v keep/(min + pull |v|). Sign-preserving, exact at v = 0. Backwards in time
  * quadratic drag has a pole: infinite beyond it.
  */
 struct drag_flow {

@@ -65,7 +65,7 @@ bool chosen_find(const struct model *model, struct text name, struct chosen_colu
 struct variable chosen_variable(const struct system *system, const struct chosen_column *column);
 /* SI, as in files. */
 const char *chosen_unit(const struct system *system, const struct chosen_column *column);
-/* Computes the column over all rows of the trace, into out [trace_count]. */
+/* Computes the column over all rows of the trace, into values [trace_count]. */
 bool chosen_values(const struct run *run, const struct chosen_column *column, double *values,
                    struct error *error);
 

@@ -108,7 +108,7 @@ static void thin_to(struct path_thinning *thinning, double x, double y)
 
 /* ---- samples to lines ---- */
 
-/* Narrows the part [from, to] of a line to where low <= at + part * way <= high. */
+/* Narrows [*begin, *end] to the parts s of a line where low <= point + s * way <= high. */
 static void line_part_clip(double point, double way, double low, double high, double *begin,
                            double *end)
 {
