@@ -230,8 +230,11 @@ static int session_front_run(const struct options *options)
         /* errors of lines typed at the prompt were shown there and do not change the status */
         status = session->execution.status;
         if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
-            struct front_program program = {
-                .session = session, .options = options, .streams = &streams, .reply = &reply};
+            struct front_program program = {.session = session,
+                                            .options = options,
+                                            .streams = &streams,
+                                            .reply = &reply,
+                                            .withheld = true};
             prompts_run(&program, kind);
             buffer_free(&program.offer);
             buffer_free(&program.later);

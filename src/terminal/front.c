@@ -136,14 +136,6 @@ static size_t whole_statements(struct text line, int room)
     return fits;
 }
 
-/* Returns the number of bytes of the first statement, or 0 if it is too wide. */
-static size_t first_statement(struct text line, int room)
-{
-    const char *end = memchr(line.data ? line.data : "", ';', line.len);
-    const size_t len = end ? (size_t)(end - line.data) : line.len;
-    return text_width((struct text){line.data, len}) <= room ? len : 0;
-}
-
 void offer_next(struct front_program *program, bool typed_ahead)
 {
     struct buffer *offer = &program->offer;
@@ -176,7 +168,7 @@ void offer_next(struct front_program *program, bool typed_ahead)
     const int room = typed_ahead ? 0 : width;
     size_t fits = whole_statements(buffer_text(offer), room - label);
     if (fits == 0) /* one that is longer than a line takes two, on the smallest of screens */
-        fits = first_statement(buffer_text(offer), 2 * room - label);
+        fits = whole_statements(buffer_text(offer), 2 * room - label);
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
         buffer_put(later, text_trim(text_after(whole, fits + 1)));

@@ -18,6 +18,15 @@ static void put_field(struct text report, struct text label, struct buffer *outp
         }
 }
 
+/* Returns true for a heading of Markdown, "## Energy", but not for "#1 is the reason". */
+static bool is_heading(struct text line)
+{
+    size_t marks = 0;
+    while (marks < line.len && line.data[marks] == '#')
+        marks++;
+    return marks > 0 && marks < line.len && line.data[marks] == ' ';
+}
+
 /* Returns true if a line of report.md holds something that the report does not leave there. */
 static bool is_written(struct text line)
 {
@@ -61,7 +70,7 @@ void check_answers(struct check *check, struct text report, struct text page)
     bool written = false, is_answer = false;
     put_field(report, name, &check->name);
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
-        if (text_starts(line, TEXT("#")) && (is_answer || memmem(line.data, line.len, " Q", 2))) {
+        if (is_heading(line) && (is_answer || memmem(line.data, line.len, " Q", 2))) {
             end_answer(check, question, written, page);
             const char *number = memmem(line.data, line.len, " Q", 2);
             const char *point =
@@ -75,7 +84,7 @@ void check_answers(struct check *check, struct text report, struct text page)
             written |= is_written(line);
         }
         if (!is_answer && !text_starts(line, name) && !text_starts(line, date)) {
-            buffer_put(&own, line);
+            buffer_put(&own, text_trim(line)); /* an editor may add carriage returns */
             buffer_char(&own, '\n');
         }
     }

@@ -86,7 +86,7 @@ checks bad 1
 ok "one that writes writes nothing" $?
 changed
 rm bad/session.hk
-checks bad 2 'cannot read bad/session.hk'
+checks bad 2 'session.hk: it is not there'
 ok "no session: exit status 2" $?
 checks nowhere 2
 ok "no folder: exit status 2" $?
@@ -149,6 +149,25 @@ ok "a folder instead of report.md" $?
 rmdir bad/report.md && mkfifo bad/report.md
 checks bad 1 'report.md: it is not a file'
 ok "a pipe instead of report.md" $?
+sleep 20 >bad/report.md & writer=$!
+(ulimit -t 5; exec timeout 15 "$hooke" -n --check bad >out 2>&1)
+[ $? -eq 1 ] && grep -q 'report.md: it is not a file' out
+ok "a pipe that somebody holds open keeps nobody waiting" $?
+kill $writer; wait $writer 2>/dev/null
+"$hooke" -n --check good ./good/ >out 2>&1 && ! grep -q 'its report is that of' out
+ok "a folder that is given twice is no copy of itself" $?
+changed
+sed -i 's/$/\r/' bad/report.md
+"$hooke" -n --check good bad >out 2>&1
+grep -q 'its report is that of good' out
+ok "a copy with other line ends is named" $?
+changed
+echo >>bad/figure-01-position.txt; for figure in bad/figure-*.svg; do echo >>"$figure"; break; done
+"$hooke" -n --format csv --check bad >out 2>&1
+python3 -c 'import csv
+row = [r for r in csv.DictReader(line for line in open("out") if "," in line)][-1]
+raise SystemExit(int(row["figures"]) - int(row["figures_agree"]) != 1)'
+ok "a figure and its text are one figure" $?
 changed
 rm bad/report.html
 "$hooke" -n --check good bad >out 2>&1
