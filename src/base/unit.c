@@ -188,7 +188,8 @@ const struct unit *unit_match(struct text text)
             continue;
         struct text name = text_of(units[i].row.name);
         if (name.len > longest && text_starts(text, name) &&
-            (name.len == text.len || !continues_word(text.data[name.len]))) {
+            (name.len == text.len || !continues_word(text.data[name.len]) ||
+             text_starts(text_after(text, name.len), TEXT("\u00b1")))) {
             best = &units[i];
             longest = name.len;
         }

@@ -291,8 +291,10 @@ static void explain(const struct session *session, struct text statement, struct
     if (is_kind(kind, "command") && text.len == 0)
         put_sentence(statement, guessed, &text);
     if (!kind && own && text_is(text_of(own->row.name), "plot") &&
-        catalog_find(&plot_catalog, where))
+        catalog_find(&plot_catalog, where)) {
+        buffer_put(&text, text.len ? TEXT("; ") : TEXT(""));
         put_use("'plot %1' is a plot of its own", where, &text);
+    }
     if (is_kind(kind, "method") && text.len == 0 && !error->hint[0])
         buffer_put(&text, TEXT("'list methods' lists them"));
     if (text.len > 0) {

@@ -241,6 +241,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     if (session->execution.restoring &&
         !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
         return refuse_in_saved(error);
+    names.letters = text_is(text_of(arguments->command->row.name), "print");
     /* Only a condition looks into a run that is about to start. */
     names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
@@ -249,7 +250,8 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     redirect_take(arguments->command, &statement, &redirect);
     parser.rest.len = (size_t)(statement.data + statement.len - parser.rest.data);
     if (!parse_arguments(&parser, arguments->command, arguments, error)) {
-        redirect_explain(arguments->command, typed, error);
+        if (redirect.file.len == 0) /* it was read as an argument */
+            redirect_explain(arguments->command, typed, error);
         return false;
     }
     if (session->execution.restoring && redirect.file.len > 0)

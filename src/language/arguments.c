@@ -114,8 +114,6 @@ static bool read_into(struct argument_progress *progress, int index, const char 
 
 static int find_argument(const struct command *command, enum argument_form form, struct text name)
 {
-    if (form == FORM_WORD && text_is(name, "vs"))
-        name = TEXT("against");
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form && text_is(name, command->argument[i].name))
             return i;
@@ -252,7 +250,10 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         /* A word that the place accepts, as in `measure energy`, has priority over a keyword of the
          * same name, as in `of energy`. */
         used = 0;
-    } else if ((index = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
+    } else if ((index = find_argument(progress->command, FORM_WORD,
+                                      text_is(name, "vs") && has_argument_at(progress->arguments, 0)
+                                          ? TEXT("against")
+                                          : name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {
         used = name.len;
     } else if (is_lead(progress->command, name)) {

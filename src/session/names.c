@@ -97,22 +97,20 @@ static bool lacks_energy(const struct run *run, const struct observable *observa
            !run->system.energy;
 }
 
-/* Finds a result by the letter under which it is printed, such as T. */
-static bool in_results(const struct session *session, struct text name, int *index)
+/* Finds the newest result that is printed as T or A. */
+static bool in_letters(const struct session *session, struct text name, int *index)
 {
     static const struct {
         const char *letter, *result;
     } printed[] = {
-        {"T", "fit_period"},         {"T", "measured_period"}, {"A", "fit_amplitude"},
-        {"A", "measured_amplitude"}, {"tau", "measured_tau"},  {"Q", "measured_Q"},
+        {"T", "fit_period"},    {"T", "measured_period"},    {"T", "fit_T"},
+        {"A", "fit_amplitude"}, {"A", "measured_amplitude"}, {"A", "fit_A"},
     };
-    if (in_values(session->results.value, session->results.count, name, index))
-        return true;
-    for (size_t i = 0; i < COUNT_OF(printed); i++)
-        if (text_is(name, printed[i].letter) &&
-            in_values(session->results.value, session->results.count, text_of(printed[i].result),
-                      index))
-            return true;
+    for (*index = session->results.count - 1; *index >= 0; --*index)
+        for (size_t i = 0; i < COUNT_OF(printed); i++)
+            if (text_is(name, printed[i].letter) &&
+                strcmp(session->results.value[*index].name, printed[i].result) == 0)
+                return true;
     return false;
 }
 
@@ -144,7 +142,10 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_SETTING;
     else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &index))
         kind = NAME_LET;
-    else if (!names->saved_only && in_results(session, name, &index))
+    else if (!names->saved_only &&
+             in_values(session->results.value, session->results.count, name, &index))
+        kind = NAME_RESULT;
+    else if (names->letters && in_letters(session, name, &index))
         kind = NAME_RESULT;
     else
         return false;
@@ -307,7 +308,7 @@ int names_of_scene(int slot, bool *derived)
 
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
-    const struct names names = {.session = session};
+    const struct names names = {.session = session, .letters = true};
     int slot;
     if (!find_name(&names, name, &slot))
         return false;

@@ -229,15 +229,16 @@ int session_find_recording(const struct session *session, struct text name)
 void session_set_result(struct session *session, const char *name, struct measured value,
                         enum quantity quantity)
 {
-    struct named_value *result = NULL;
-    for (int i = 0; i < session->results.count; i++)
-        if (strcmp(session->results.value[i].name, name) == 0)
-            result = &session->results.value[i];
-    if (!result && session->results.count == LIMIT_RESULTS)
-        memmove(session->results.value, session->results.value + 1,
-                (size_t)--session->results.count * sizeof *session->results.value);
-    if (!result)
-        result = &session->results.value[session->results.count++];
+    struct named_value *value_list = session->results.value, *result;
+    int replaced = 0;
+    while (replaced < session->results.count && strcmp(value_list[replaced].name, name) != 0)
+        replaced++;
+    if (replaced == session->results.count && replaced == LIMIT_RESULTS)
+        replaced = 0; /* the oldest: the newest is always the last */
+    if (replaced < session->results.count)
+        memmove(value_list + replaced, value_list + replaced + 1,
+                (size_t)(--session->results.count - replaced) * sizeof *value_list);
+    result = &value_list[session->results.count++];
     *result = (struct named_value){
         .value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
     snprintf(result->name, sizeof result->name, "%s", name);

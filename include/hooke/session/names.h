@@ -57,6 +57,9 @@ struct names {
     /* Excludes variables and results, so that the meaning is the same when a saved session is read
      * again. */
     bool saved_only;
+    /* T and A may name the newest period and amplitude. Not where an unknown name has a meaning of
+     * its own, such as a parameter of a fit. */
+    bool letters;
     const struct run *run; /* owner of state and observables; NULL for the current run */
 };
 

@@ -195,38 +195,40 @@ static bool bind_param(struct session *session, int param, const struct scene *p
     return false;
 }
 
-/* Explains a value that was probably meant otherwise: a number without a unit that is far from the
+/* Notes a value that was probably meant otherwise: a number without a unit that is far from the
  * scene's own value, or the frequency of a drive that is off. */
-static void put_slip(const struct session *session, int param, const struct item *item,
-                     struct buffer *text)
+static void note_slip(const struct session *session, int param, const struct item *item,
+                      struct reply *reply)
 {
     static const double far_ratio = 100; /* larger than every change that the lab asks for */
     const struct scene *scene = &session->setup.scene;
     const struct param_row *row = param_at(scene, param);
     const struct preset *preset = scene->preset;
-    double usual = row->initial;
+    const bool bare = strspn(item->text.data, "0123456789.eE+-") >= item->text.len;
+    const int force = scene_param(scene, "F0");
+    double usual = row->initial, meant = 0;
+    if (session->execution.reacting || session->execution.restoring || scene->model->typed)
+        return;
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
         if (strcmp(preset->value[i].param, row->row.name) == 0)
             usual = preset->value[i].value;
     const double ratio = usual != 0 ? fabs(item->value.value / usual) : 1;
-    const bool bare = strspn(item->text.data, "0123456789.eE+-") >= item->text.len;
-    if (bare && !item->unit && !scene->model->typed && ratio >= far_ratio) {
+    if (bare && ratio >= far_ratio) {
         const struct unit *shown = unit_display(row->quantity, usual);
-        double meant = 0;
-        buffer_format(text, "\n  (%s times the scene's %s",
-                      SHOWN_QUANTITY(ratio, QUANTITY_NUMBER, 3),
-                      SHOWN_QUANTITY(usual, row->quantity, 6));
+        struct buffer text = {0};
         if (shown && unit_convert(shown, row->quantity, item->value.value, &meant) &&
             fabs(log10(meant / usual)) < 1)
-            buffer_format(text, "; in %s: %s = %.*s %s", shown->row.name, row->row.name,
+            buffer_format(&text, "; in %s: %s = %.*s %s", shown->row.name, row->row.name,
                           (int)item->text.len, item->text.data, shown->row.name);
-        buffer_char(text, ')');
+        reply_note(reply, "  (%s times the scene's %s%s)",
+                   SHOWN_QUANTITY(ratio, QUANTITY_NUMBER, 3),
+                   SHOWN_QUANTITY(usual, row->quantity, 6), buffer_view(&text));
+        buffer_free(&text);
     }
-    const int force = scene_param(scene, "F0");
     if (scene->model == &oscillator_model && strcmp(row->row.name, "omega") == 0 && force >= 0 &&
         scene->value[force] == 0)
-        buffer_put(text, TEXT("\n  (the frequency of the drive, which is off: F0 = 0; for a spring "
-                              "with this frequency type: omega0 = VALUE)"));
+        reply_note(reply, "  (the frequency of the drive, which is off: F0 = 0; for a spring with "
+                          "this frequency type: omega0 = VALUE)");
 }
 
 static bool set_param(struct session *session, int param, const struct item *item,
@@ -242,8 +244,8 @@ static bool set_param(struct session *session, int param, const struct item *ite
     struct buffer text = {0};
     put_param(session, param, &text);
     buffer_since(&text, start_time);
-    put_slip(session, param, item, &text);
     reply_set(session, &text, reply);
+    note_slip(session, param, item, reply);
     return true;
 }
 

@@ -207,7 +207,7 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system,
         return false;
     accelerations(&w, step.t, y, a);
     int branch = onward(a);
-    if (y[1] != 0)
+    if (y[1] > 0 || y[1] < 0)
         branch = y[1] > 0 ? 1 : -1;
     go_on_branch(&w, branch);
     for (size_t k = 0; w.i < s->n; k++) {
