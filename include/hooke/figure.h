@@ -95,7 +95,7 @@ struct heat {
     const char *title, *unit;
     double factor;
     struct heat_axis x, y; /* y points up */
-    const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
+    const double *value;   /* [x.count][y.count]; NAN is shown as a missing value */
     /* Letters for the values -1, 0, 1 ...; the last one also marks all larger values. NULL draws
      * shades. */
     const char *letters;

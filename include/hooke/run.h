@@ -44,7 +44,7 @@ enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 extern const struct catalog kernel_catalog;
 
 struct run_settings {
-    double dt; /* [s] > 0: fixed step, and the first guess where adaptive */
+    double dt; /* [s] positive; fixed step, or first guess of an adaptive method */
     /* Tolerance of adaptive steps, if the method has them; 0 asks for fixed steps. */
     double tol;
     enum drag drag;

@@ -306,7 +306,7 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
     for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         double old_excess[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
-               excess[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
+               excess[4] = {-x, x - 1, -y, y - 1}; /* positive beyond a border */
         int side = -1;
         double part = 2; /* part of the way to the first border that is crossed */
         for (int s = 0; s < 4 && inside && !isnan(x + y); s++) {

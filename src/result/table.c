@@ -186,6 +186,14 @@ void table_tsv(const struct table *table, struct outlet *outlet)
     put_separated(table, '\t', outlet);
 }
 
+const struct table_column *table_column_named(const struct table *table, const char *name)
+{
+    for (int c = 0; name && c < table->columns; c++)
+        if (strcmp(table->column[c].name, name) == 0)
+            return &table->column[c];
+    return NULL;
+}
+
 void table_put(const struct table *table, table_format *format, struct buffer *output)
 {
     format(table, &(struct outlet){output, NULL});

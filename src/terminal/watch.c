@@ -83,7 +83,7 @@ static bool change(void *context, enum front_change change, struct error *error)
 }
 
 /* Shows the progress of a study in the row for messages on keys, and clears that row at its end
- * (fraction > 1). A run needs none: the panes draw it. */
+ * (fraction > 1). Nothing is shown for a run, which the panes draw. */
 static void show_progress(void *context, const struct run *run, double fraction)
 {
     struct panes *panes = context;

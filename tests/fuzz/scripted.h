@@ -118,7 +118,7 @@ static bool scripted_confirm(void *context, const char *question)
     return strlen(question) % 2;
 }
 
-/* NULL: no memory. */
+/* Returns NULL if out of memory. */
 static struct session *scripted_create(uint64_t choice, struct reply *reply)
 {
     struct front front = {.cancel = &scripted_cancel,

@@ -84,7 +84,7 @@ bool fields_sound(const struct field *field, size_t count, const void *object);
  */
 struct field_places {
     int rows, count;             /* length of the catalog; number of items in the file */
-    int index[LIMIT_PARAMETERS]; /* [rows] -1: the file has none */
+    int index[LIMIT_PARAMETERS]; /* [rows] position in the file, or -1 if the file has none */
     int row[LIMIT_PARAMETERS];   /* [count] of an item in the file; -1 if there is no such row */
 };
 

@@ -31,6 +31,9 @@ struct table {
     int digits; /* that documents show of a number that is not whole; 0 shows all */
 };
 
+/* Returns the column of that name, or NULL if name is NULL or no column is called so. */
+const struct table_column *table_column_named(const struct table *table, const char *name);
+
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
  * be a formula or contain the separator are quoted. */
 struct outlet; /* hooke/result/outlet.h */

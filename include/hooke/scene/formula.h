@@ -111,7 +111,8 @@ struct root_search {
     double min;             /* stretches are not cut below this length */
     int budget;             /* bounds asked for, beside some for each root */
 
-    /* sign of the last value that is not 0: before the stretch, then at its end */
+    /* Sign of the last value other than 0. The caller sets it for the time before the stretch; it
+     * is then that at the end. */
     int sign;
 
     int used, count;

@@ -68,7 +68,11 @@ static bool choose_methods(const struct arguments *args, struct figure_request *
         if (!is_method(&what->item[i]))
             return error_at(error, what->item[i].text, "'%.*s' is no method",
                             (int)what->item[i].text.len, what->item[i].text.data);
-        method[request->methods++] = what->item[i].row;
+        bool is_repeated = false;
+        for (int k = 0; k < request->methods; k++)
+            is_repeated |= method[k] == what->item[i].row;
+        if (!is_repeated)
+            method[request->methods++] = what->item[i].row;
     }
     request->kind = (enum plot_kind)what->item->index;
     request->method = method;
@@ -81,13 +85,14 @@ static bool make_study(struct session *session, const struct figure_request *req
 {
     const struct plot_row *row = plot_row(request->kind);
     struct table_store said = {0}, *outer = reply->store;
-    const bool muted = reply->muted;
+    const bool muted = reply->muted, recorded = reply->recorded;
     reply->store = &said;
     reply->muted = true;
     const bool ok = row->study(session, request->method, request->methods, reply, error);
     reply_flush(reply);
     reply->store = outer;
     reply->muted = muted;
+    reply->recorded = recorded;
     session_keep_results(session, &said, row->row.name);
     return ok;
 }

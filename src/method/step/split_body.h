@@ -88,7 +88,8 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
         for (int i = 0; i < d; i++)
             z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
     } else if (way->drag == DRAG_IMPLICIT) {
-        /* evaluated at (v + v')/2: half a kick from the end, then half a kick from there */
+        /* Drag at (v + v')/2 is half a kick that uses its end, then half one that uses its start.
+         */
         for (int i = 0; i < d; i++) {
             const double v = z[d + i];
             z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;

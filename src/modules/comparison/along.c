@@ -31,18 +31,26 @@ static const struct result_columns along_columns = RESULT_COLUMNS(of_along, stru
 struct contestant {
     const struct method *method;
     double dt, tol; /* NAN where it has the other one */
+    enum drag drag;
 };
 
 static double column_value(const struct table *table, const char *name, size_t row)
 {
-    for (int c = 0; c < table->columns; c++)
-        if (strcmp(table->column[c].name, name) == 0 && table->column[c].value)
-            return table->column[c].value[row];
-    return NAN;
+    const struct table_column *column = table_column_named(table, name);
+    return column && column->value ? column->value[row] : NAN;
+}
+
+/* Returns the drag variant of the compared run, or DRAG_DEFAULT if the run is no longer kept. */
+static enum drag drag_of_row(const struct session *session, const struct table *table, size_t row)
+{
+    char number[24];
+    snprintf(number, sizeof number, "%.0f", column_value(table, "run", row));
+    const int index = session_find_run(session, text_of(number));
+    return index < 0 ? DRAG_DEFAULT : session->runs.slot[index]->run->settings.drag;
 }
 
 /* Chooses the methods that are given, with the settings that are set, or those that were compared
- * last. Returns NULL if list of memory. */
+ * last. Returns NULL if out of memory. */
 static struct contestant *choose_contestants(const struct session *session,
                                              const struct row *const *method, int methods,
                                              int *count, struct arena *arena)
@@ -55,12 +63,12 @@ static struct contestant *choose_contestants(const struct session *session,
     for (size_t i = 0; list && i < rows; i++)
         list[(*count)++] =
             (struct contestant){method_find(last->column[0].text[i]), column_value(last, "dt", i),
-                                column_value(last, "tol", i)};
+                                column_value(last, "tol", i), drag_of_row(session, last, i)};
     for (int i = 0; list && i < methods; i++) {
         const struct method *one = method_from(method[i]);
         const bool adapts = one->flags & METHOD_ADAPTIVE && settings->tol > 0;
-        list[(*count)++] =
-            (struct contestant){one, adapts ? NAN : settings->dt, adapts ? settings->tol : NAN};
+        list[(*count)++] = (struct contestant){one, adapts ? NAN : settings->dt,
+                                               adapts ? settings->tol : NAN, DRAG_DEFAULT};
     }
     return list;
 }
@@ -80,13 +88,18 @@ static void name_curve(const struct contestant *contestants, int count, int i, c
                  SHOWN_QUANTITY(c->dt, QUANTITY_TIME, 4));
 }
 
-/* Solves once with a method, and appends its errors. Returns false if it does not apply. */
+/* Solves once with a method, and appends its errors. Returns false with an error if it does not
+ * apply or if out of memory. */
 static bool add_errors(const struct system *system, const struct reference *reference,
                        const struct contestant *c, const char *curve, const struct cancel *cancel,
-                       struct along_row *rows, size_t *n)
+                       struct along_row *rows, size_t *n, struct error *error)
 {
-    const struct run_settings settings = {
-        .dt = c->tol > 0 ? 0 : c->dt, .tol = c->tol > 0 ? c->tol : 0, .kernel = KERNEL_SPECIALISED};
+    struct run_settings settings = {.dt = c->tol > 0 ? 0 : c->dt,
+                                    .tol = c->tol > 0 ? c->tol : 0,
+                                    .drag = c->drag,
+                                    .kernel = KERNEL_SPECIALISED};
+    if (!method_applies(c->method, system, &settings.drag, error))
+        return false;
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)system->n * sizeof *grid);
     struct solver solver;
     const bool ok = grid && solver_init(&solver, system, c->method, &settings, reference->span);
@@ -103,7 +116,7 @@ static bool add_errors(const struct system *system, const struct reference *refe
         solver_free(&solver);
     }
     free(grid);
-    return ok;
+    return ok || error_memory(error);
 }
 
 static bool reply_along(struct session *session, const struct contestant *contestants, int count,
@@ -123,9 +136,10 @@ static bool reply_along(struct session *session, const struct contestant *contes
         return false;
     for (int i = 0; i < count && !cancelled(session->front.cancel); i++) {
         name_curve(contestants, count, i, curve);
+        struct error reason = {0};
         if (!add_errors(&system, &reference, &contestants[i], curve, session->front.cancel, rows,
-                        &n))
-            reply_note(reply, "left list: %s takes no such steps here", curve);
+                        &n, &reason))
+            reply_note(reply, "left out: %s", reason.text);
     }
     reference_free(&reference);
     if (cancelled(session->front.cancel))

@@ -87,17 +87,22 @@ static bool reply_orders(const struct session *session, const struct order *orde
     return true;
 }
 
-static void put_orders(const struct order *orders, int count, const struct buffer *absent,
-                       struct arena *arena, struct buffer *text)
+static void put_orders(const struct session *session, const struct order *orders, int count,
+                       const struct buffer *absent, struct arena *arena, struct buffer *text)
 {
-    struct text_table table = {.arena = arena, .gap = 2};
+    int width, height;
+    struct buffer lines = {0};
+    session_size(session, &width, &height);
+    struct text_table table = {.arena = arena, .gap = 2, .max = width};
     columns_text(&order_columns, orders, (size_t)count, true, &table);
     text_table_put(&table, text);
-    buffer_put(text, buffer_text(absent));
+    buffer_put(&lines, buffer_text(absent));
     for (int i = 0; i < count; i++)
         if (orders[i].words[0])
-            buffer_format(text, "%s: %s\n", orders[i].choice.method->row.name, orders[i].words);
-    buffer_put(text, TEXT("'plot order' draws the errors; 'order METHOD' lists those of one\n"));
+            buffer_format(&lines, "%s: %s\n", orders[i].choice.method->row.name, orders[i].words);
+    buffer_put(&lines, TEXT("'plot order' draws the errors; 'order METHOD' lists those of one\n"));
+    put_folded_lines(&lines, width, text);
+    buffer_free(&lines);
 }
 
 bool order_study(struct session *session, const struct row *const *method, int methods,
@@ -148,7 +153,7 @@ HANDLER(order)
     if (count > 0 && reply_wants_text(reply) && wanted == 1)
         put_order(session, orders, args->arena, reply_buffer(reply));
     else if (count > 0 && reply_wants_text(reply))
-        put_orders(orders, count, &absent, args->arena, reply_buffer(reply));
+        put_orders(session, orders, count, &absent, args->arena, reply_buffer(reply));
     buffer_free(&absent);
     return (count == 0 || reply_orders(session, orders, count, args->arena, reply, error)) && ok;
 }

@@ -111,11 +111,6 @@ static void put_scene(struct buffer *output, const struct session *session,
 #define REGION_ROWS_MAX 17
 #define REGION_ROWS_MIN 7
 
-static double finite_or(double value, double otherwise)
-{
-    return isfinite(value) && value > 0 ? value : otherwise;
-}
-
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
 static void put_region(struct buffer *output, const struct stability *s, int width, int height)
 {
@@ -266,16 +261,24 @@ static struct method_choice *last_studied(const struct session *session, int *co
                                           struct arena *arena)
 {
     const struct table *last = drawing_stored(session, "stability");
-    const struct row **method = arena_array(arena, last ? last->rows + 1 : 1, sizeof *method);
-    for (size_t i = 0; method && last && i < last->rows; i++) {
+    const size_t rows = last ? last->rows : 0;
+    struct method_choice *choice = arena_array(arena, rows + 1, sizeof *choice);
+    const struct table_column *drags = last ? table_column_named(last, "drag") : NULL,
+                              *steps = last ? table_column_named(last, "dt") : NULL;
+    for (size_t i = 0; choice && i < rows; i++) {
         const struct method *known = method_find(last->column[0].text[i]);
+        const struct row *drag =
+            drags && drags->text ? catalog_find(&drag_catalog, text_of(drags->text[i])) : NULL;
         if (known)
-            method[(*count)++] = &known->row;
-        for (int c = 0; c < last->columns; c++)
-            if (strcmp(last->column[c].name, "dt") == 0)
-                *dt = last->column[c].value[i];
+            choice[(*count)++] = (struct method_choice){
+                known,
+                drag ? (enum drag)(catalog_index(&drag_catalog, drag) + DRAG_EXACT) : DRAG_DEFAULT};
+        if (steps && steps->value)
+            *dt = steps->value[i];
     }
-    return method ? methods_choice(session, method, count, arena) : NULL;
+    if (choice && *count == 0)
+        choice[(*count)++] = (struct method_choice){session->setup.method, session->setup.drag};
+    return choice;
 }
 
 /* Studies each method, then traces the boundaries. */

@@ -124,7 +124,7 @@ struct orbit_request {
 
 struct found_orbit {
     struct solution solution;
-    bool family; /* A multiplier is 1: the orbit belongs to a family, or is at a fold. */
+    bool family; /* True if a multiplier is 1, as in a family of orbits and at a fold. */
     /* [s] period of the orbit from which it was followed to this one, or 0 */
     double family_from;
     bool given_up; /* It is unstable, and the search for a stable one was given up. */

@@ -15,15 +15,6 @@ const struct table *drawing_stored(const struct session *session, const char *ki
     return stored ? &stored->table : NULL;
 }
 
-/* Returns the column of that name, or NULL if the table has none. */
-static const struct table_column *column_named(const struct table *table, const char *name)
-{
-    for (int c = 0; name && c < table->columns; c++)
-        if (strcmp(table->column[c].name, name) == 0)
-            return &table->column[c];
-    return NULL;
-}
-
 static double row_value(const struct table_column *column, size_t row)
 {
     return column && column->value ? column->value[row] : NAN;
@@ -51,7 +42,7 @@ static bool row_is_in(const struct study *s, const struct study_layer *layer, co
 static const char *curve_label(const struct study *s, const struct study_layer *layer,
                                const char *name)
 {
-    const struct table_column *value = column_named(s->table, layer->value);
+    const struct table_column *value = table_column_named(s->table, layer->value);
     struct buffer text = {0};
     size_t row = 0;
     while (value && row < s->table->rows &&
@@ -75,7 +66,7 @@ static const char *curve_label(const struct study *s, const struct study_layer *
 static bool add_layer_curve(struct study *s, const struct study_layer *layer, const char *name)
 {
     struct drawing *d = s->d;
-    const struct table_column *y = column_named(s->table, layer->y);
+    const struct table_column *y = table_column_named(s->table, layer->y);
     double *x_of = arena_array(d->arena, 2 * s->table->rows + 1, sizeof *x_of),
            *y_of = x_of + s->table->rows;
     size_t n = 0, known = 0;
@@ -210,8 +201,8 @@ static struct axis edged_axis(struct heat_axis *places, enum quantity quantity)
 static bool draw_shades(struct study *s, struct figure *figure)
 {
     struct drawing *d = s->d;
-    const struct table_column *y = column_named(s->table, s->picture->layer[0].y),
-                              *shade = column_named(s->table, s->picture->shade);
+    const struct table_column *y = table_column_named(s->table, s->picture->layer[0].y),
+                              *shade = table_column_named(s->table, s->picture->shade);
     struct heat *heat = arena_alloc(d->arena, sizeof *heat);
     if (!heat)
         return error_memory(d->error);
@@ -253,7 +244,7 @@ static struct axis study_axis(const struct study *s, bool vertical)
 {
     const struct drawing *d = s->d;
     const struct table_column *column =
-        vertical ? column_named(s->table, s->picture->layer[0].y) : s->x;
+        vertical ? table_column_named(s->table, s->picture->layer[0].y) : s->x;
     const char *label = vertical ? s->picture->y_label : s->picture->x_label;
     struct axis axis = {.label = label ? label : column->name,
                         .unit = column->unit,
@@ -273,9 +264,9 @@ bool drawing_study(struct drawing *d, const struct study_picture *picture, struc
         error_set(d->error, ERROR_COMMAND, "there is nothing of '%s' to plot", picture->table);
         return error_hint(d->error, "type: %s", picture->made_by);
     }
-    s.x = column_named(s.table, picture->x);
-    s.key_column = column_named(s.table, picture->group);
-    s.part = column_named(s.table, "part");
+    s.x = table_column_named(s.table, picture->x);
+    s.key_column = table_column_named(s.table, picture->group);
+    s.part = table_column_named(s.table, "part");
     *figure = (struct figure){.title = kind_of(d)->row.name, .note = picture->note};
     if (picture->shade)
         return draw_shades(&s, figure);
@@ -293,5 +284,5 @@ bool drawing_study(struct drawing *d, const struct study_picture *picture, struc
     return drawing_ranges(
         d, figure,
         (enum quantity[]){column_quantity(s.x),
-                          column_quantity(column_named(s.table, picture->layer[0].y))});
+                          column_quantity(table_column_named(s.table, picture->layer[0].y))});
 }

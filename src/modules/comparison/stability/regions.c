@@ -69,11 +69,6 @@ static double growth_in_damped(const void *context, double zeta, double x)
 
 /* ---- how far the plane reaches ---- */
 
-static double finite_or(double value, double otherwise)
-{
-    return isfinite(value) && value > 0 ? value : otherwise;
-}
-
 /* Returns the largest Re z at which a step of a method that is stable far to the left grows, or 0
  * if there is none. */
 static double unstable_reach(const struct method_choice *choice)

@@ -2,6 +2,8 @@
 /* Boundaries of stability, as rows of a table. */
 #pragma once
 
+#include <math.h>
+
 #include "modules/comparison/compute/stability.h"
 
 /* Planes in which boundaries are drawn. */
@@ -34,3 +36,9 @@ const struct result_columns *region_columns(enum region_plane plane);
 bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error);
 void region_free(struct region *region);
+
+/* Returns the limit if it is positive and finite, and otherwise the other value. */
+static inline double finite_or(double limit, double otherwise)
+{
+    return isfinite(limit) && limit > 0 ? limit : otherwise;
+}

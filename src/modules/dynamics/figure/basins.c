@@ -184,7 +184,7 @@ static const struct heat *colours_of(struct drawing *d, const struct grid *g)
 /* ---- all ---- */
 
 /* "Attractor reached by each start, over x from -2 to 2 and v from -2 to 2: A equilibrium at ..."
- * NULL: no memory. */
+ * Returns NULL if out of memory. */
 static const char *words_of(const struct drawing *d, const struct grid *g)
 {
     struct buffer text = {0};

@@ -23,7 +23,7 @@ double motion_frequency(const struct session *session, const struct recording *r
 {
     if (recording_is_fitted(session, recording))
         return fits_of(session)->fit.omega.value;
-    if (session_grows(session, recording)) /* it is looked for now and then */
+    if (session_grows(session, recording)) /* recomputed at intervals while rows arrive */
         return TWO_PI / session->growing->steady;
     return series_peak_frequency(series, arena);
 }
