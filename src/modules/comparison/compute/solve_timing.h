@@ -13,22 +13,22 @@
 
 struct buffer;
 
-#define TIMING_SAMPLES 15
+#define TIMING_SAMPLES 15 /* number of samples of one solve with `timing full` */
 
 /* Processor time of one solve, in seconds; NAN if it was not timed. */
 struct timing_result {
     double minimum, median;
     double spread; /* relative difference of the second shortest sample from the shortest */
-    /* Mean number of other threads that ran meanwhile. Where some did, the time may be up to
+    /* Mean number of other threads that ran meanwhile. Above TIMING_OTHERS the time may be up to
      * TIMING_CONTENTION times too long: processors share units, caches and memory. */
     double others;
     int samples;
-    bool few; /* fewer samples than asked for */
+    bool few; /* fewer samples than the protocol of the setting `timing` has */
 };
 
 #define TIMING_SPREAD 0.1 /* spread above which a time is flagged and not ranked */
 
-/* Fewest samples that show whether a time is sound. */
+/* Fewest samples that show whether a time can be trusted. */
 enum { TIMING_SAMPLES_MIN = 3 };
 
 /* Largest factor by which other threads may change a time, and the mean number of them that is
@@ -36,10 +36,12 @@ enum { TIMING_SAMPLES_MIN = 3 };
 #define TIMING_CONTENTION 2.2
 #define TIMING_OTHERS 0.25
 
-/* Adds a line that says how busy the machine was, if it was. */
+/* Appends a line that says how busy the machine was, if more than TIMING_OTHERS threads ran beside
+ * the timed one. */
 void timing_put_machine(double others, struct buffer *text);
 
-/* Returns true if at least three samples were taken and the two shortest agree. */
+/* Returns true if the time can be trusted: at least TIMING_SAMPLES_MIN samples were taken and the
+ * two shortest differ by at most TIMING_SPREAD. */
 bool timing_is_sound(const struct timing_result *time);
 
 /* Returns the shortest time per step [ns], or NAN if it was not timed. */
