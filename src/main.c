@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The program hooke: reads the options of the command line, chooses a front end (batch, prompt or
- * panes) and runs one session in it. */
+/* hooke: options, then the front end that fits. */
 #include "terminal/parts.h"
 
 #include <hooke/base/cancel.h>
@@ -13,9 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Sets the setting of the same name as an option (--charset, --color, --format); a NULL value
- * leaves it unchanged. Returns false after an error message if the value is not one of its
- * words. */
+/* A setting given as an option: --charset, --color, --format. */
 static bool option_setting(struct session *session, const char *name, const char *value)
 {
     if (!value) {
@@ -38,8 +35,7 @@ static bool option_setting(struct session *session, const char *name, const char
     return true;
 }
 
-/* Returns true if no commands are read from standard input, so that a command may read data
- * there. */
+/* No commands come from standard input. */
 static bool input_is_free(const struct options *options, enum front_kind kind)
 {
     bool is_free = kind == FRONT_END && options->tasks > 0 && !options->only;
@@ -48,8 +44,7 @@ static bool input_is_free(const struct options *options, enum front_kind kind)
     return is_free;
 }
 
-/* Chooses the front end before anything is printed: batch without a terminal or with tasks, else
- * panes if the terminal can show them, else the plain prompt. */
+/* Chooses the front end before anything is printed. */
 static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
@@ -70,7 +65,6 @@ static enum front_kind choose_front(const struct options *options)
     return FRONT_IS_PLAIN;
 }
 
-/* Writes the session to its file when the program crashes or memory runs out. */
 static void save_without_memory(void)
 {
     struct error error;
@@ -88,8 +82,7 @@ static void keep_at_end(const struct session_keeper *keeper)
     keeper->end();
 }
 
-/* Runs the prompt and the panes, one after the other, as long as the commands `plain` and `panes`
- * ask for the other one. */
+/* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
 static void prompts_run(struct front_program *program, enum front_kind kind)
 {
     const struct session_keeper *keeper = session_keeper();
@@ -109,7 +102,6 @@ static void prompts_run(struct front_program *program, enum front_kind kind)
         keep_at_end(keeper);
 }
 
-/* Prints the lines of the log, oldest first, to standard output. */
 static void print_log(const struct session *session, struct streams *streams)
 {
     for (int i = session->log.count - 1; i >= 0; i--) {
@@ -118,8 +110,6 @@ static void print_log(const struct session *session, struct streams *streams)
     }
 }
 
-/* Resumes a stored session if an option asks for it (*session is then another one), and applies
- * options that are settings. Returns false after an error message. */
 static bool begin_session(struct session **session, const struct options *options,
                           struct buffer *messages)
 {
@@ -135,8 +125,7 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
-/* Runs an option of a module, such as one that checks a hand-in, with the words of the command line
- * as its arguments. Returns the exit status. */
+/* Runs an option of a module with the words of the command line. Returns the exit status. */
 static int run_option(struct session *session, const struct options *options, struct reply *reply)
 {
     const char **word = malloc(((size_t)options->tasks + 1) * sizeof *word);
@@ -159,8 +148,7 @@ static int run_option(struct session *session, const struct options *options, st
     return status;
 }
 
-/* Runs what the command line gives (an option of a module, or files and commands), without a
- * prompt. Leaves the exit status in the session. */
+/* Runs the tasks that need no prompt. */
 static void tasks_run(struct session *session, const struct options *options, enum front_kind kind,
                       struct reply *reply, struct streams *streams)
 {
@@ -174,8 +162,8 @@ static void tasks_run(struct session *session, const struct options *options, en
     }
 }
 
-/* Confines writing for --safe, after all files are open, to the current folder and, with a prompt,
- * to the folder with the states of sessions. */
+/* Confines the program after all files are open; the state of a session is beside the folder of
+ * the user. */
 static void confine(const struct options *options, bool prompt, struct reply *reply)
 {
     struct error error = {0};
@@ -189,8 +177,6 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
-/* Runs the whole life of one session: front end, options, rc file, tasks, prompt, and closing of
- * files. Returns the exit status of the program. */
 static int session_front_run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);

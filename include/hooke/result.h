@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * result: what leaves a command: lines and records, tables for people, errors with their place.
+ * result: everything that a command writes: lines and records (struct reply), tables for people
+ * (struct text_table), results described by columns (struct result_columns), and errors with their
+ * position.
  *
- * Nothing here knows what the numbers mean, and nothing prints: a struct sink takes what is said.
+ * Nothing here knows what the numbers mean, and nothing is printed directly: a struct sink receives
+ * the finished output. The interpreter calls reply_init() once, reply_command_begin() and
+ * reply_command_end() around each command, and reply_free(); handlers call the functions in
+ * between.
  */
 #pragma once
 
@@ -12,149 +17,189 @@
 struct cancel;
 struct catalog;
 
-/* ---- reply: what a command says ----
+/*
+ * ---- reply: everything that a command writes ----
  *
- * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records;
- * FORMAT_JSON writes one object a line, and the lines of a command that made no record as {kind,
- * text}; FORMAT_CSV writes rows with a header whenever the kind changes, lines without a record as
- * comments.
+ * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records.
+ * FORMAT_JSON writes each record as one object per line, and the lines of a command without a
+ * record as {kind, text}. FORMAT_CSV writes records as rows, with a header whenever the columns
+ * change, and the lines of a command without a record as comments.
  */
 
+/* Form of the results, chosen by the option --format. */
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 
 struct source; /* position of a line in its source, defined below */
 
+/* Receiver of finished output; copied by reply_init(). */
 struct sink {
-    /* Writes results. Returns false if they cannot be written (closed, full device). */
+    /* Writes results. Returns false if they cannot be written (closed stream, full device). */
     bool (*output)(void *context, struct text text);
-    bool (*err)(void *context, struct text text); /* messages */
+    /* Writes warnings, notes and errors; returns false if that fails, which is ignored. */
+    bool (*err)(void *context, struct text text);
+    /* Argument of both functions. */
     void *context;
 };
 
-/* Takes what nobody wants to see: the sink of results, or of messages, of a reply whose other half
- * is read. */
+/* Discards a text and returns true: the function of a sink whose results, or messages, nobody
+ * reads. */
 bool sink_nothing(void *context, struct text text);
 
+/* Largest nesting of objects and arrays in a record. */
 #define REPLY_DEPTH 8
-#define REPLY_NAME 48 /* [byte] of an object in an array, for its columns */
+#define REPLY_NAME 48 /* Size [byte] of the name of an object in an array. */
 
+/* Output of commands and its state. Handlers only pass it on; all members but `muted`, `store`,
+ * `part` and `error`, which front ends set, are private to src/result and the interpreter. */
 struct reply {
+    /* Receives all output. */
     struct sink sink;
-    bool quiet; /* lines are left out (option -q); records, warnings and errors stay */
-    enum output_format format; /* follows the session's setting, statement by statement */
-    bool failed;               /* the sink refused results; nothing more is written there */
-    struct buffer json;        /* the record under construction */
-    struct buffer header, row; /* its CSV form */
-    struct buffer lines;       /* lines of a command that may yet make a record */
-    struct buffer last_header; /* header above the last CSV row */
-    const char *kind;          /* kind of the record */
-    bool begun;                /* there was a table in CSV */
-    /* Called, with the sink's context, when another table in CSV begins. If NULL, a blank line
-     * and a comment with the table's kind are written. */
+    bool quiet; /* Lines are not written (option -q); records, warnings and errors are. */
+    enum output_format format; /* Form of the results of the current statement. */
+    bool failed;        /* The sink could not write results; no more results are sent to it. */
+    struct buffer json; /* The record that is being made, as JSON. */
+    struct buffer header, row; /* The same record as the header and the row of a CSV table. */
+    /* Lines that have not been written, because the command may still make a record. */
+    struct buffer lines;
+    struct buffer last_header; /* Header of the last CSV row that was written. */
+    const char *kind;          /* Kind of the record, such as "fit"; a constant. */
+    bool begun;                /* A CSV table has been written. */
+    /* Called, with the sink's context, when a CSV table with other columns begins. If NULL, a blank
+     * line and a comment with the table's kind separate the tables. */
     void (*part)(void *context, const char *kind);
-    /* Called, with the sink's context, for each error, in addition to its message. column counts
-     * from 1 in the line at `where`, 0 if unknown. May be NULL. */
+    /* Called, with the sink's context, for each error in addition to its message; `column` counts
+     * from 1 in the line at `where`, and is 0 if unknown. May be NULL. */
     void (*error)(void *context, const struct error *error, const struct source *where,
                   size_t column);
-    bool recorded;             /* this command made a record */
-    bool muted;                /* lines and records are not written, only collected */
-    struct table_store *store; /* records are rows of its tables, too; NULL if they are not */
-    int depth;                 /* objects and arrays open in the record */
+    bool recorded; /* The current command has made a record. */
+    bool muted;    /* Lines and records are not written; records are only added to `store`. */
+    struct table_store *store; /* Tables to which records are added as rows, or NULL; not owned. */
+    int depth;                 /* Number of objects and arrays that are open in the record. */
     struct {
-        const char *key;
-        bool array, empty;
-        int element;           /* current element of an array, from 1 */
-        char name[REPLY_NAME]; /* first field of an object in an array, if that is "name" */
+        const char *key; /* Key of the open object or array. */
+        bool array;      /* It is an array. */
+        bool empty;      /* It has no element yet. */
+        /* Number of the current element of an array, from 1. */
+        int element;
+        /* Value of the field "name" if that is an object's first field, which then names its
+         * columns. */
+        char name[REPLY_NAME];
     } level[REPLY_DEPTH];
 };
 
+/* Initialises a reply that writes to `sink`; reply_free() ends it. */
 void reply_init(struct reply *reply, struct sink sink);
+/* Frees the memory of a reply. */
 void reply_free(struct reply *reply);
-/* one or more lines, without the last newline */
+/* Writes one or more lines of text; the format has no newline at its end. Control characters are
+ * made visible. */
 void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
-void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
-/* Returns the buffer to which lines for people can be appended. They are written, with a newline at
- * their end, before anything else that the command says, or when it ends. */
+/* Does the same with a text that is written unchanged. */
+void reply_text(struct reply *reply, struct text text);
+/* Returns a buffer to which a handler can append lines. They are written, with a newline at their
+ * end, before any other output or when the command ends. The buffer belongs to the reply. */
 struct buffer *reply_buffer(struct reply *reply);
-/* the same, broken between words into lines of at most `width` columns */
+/* Writes a text, broken between words into lines of at most `width` columns. */
 void reply_paragraph(struct reply *reply, struct text text, int width);
-/* Writes data that was asked for without changes, also when quiet and among records in CSV. */
+/* Writes a text unchanged as the command's result, also with -q; in CSV it begins a table of this
+ * kind. */
 void reply_data(struct reply *reply, const char *kind, struct text text);
+/* Writes "warning: TEXT" to the messages, or a record {kind: "warning", text} in JSON. */
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
-/* a message on the error stream, as it is */
+/* Writes a line to the messages without "warning: ", in every format. */
 void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* Return true if the records of a command, or its lines of text, are wanted. A command that
- * makes records may skip its text. */
+/* Return true if records, or lines, of the command have any effect, so that a handler can skip
+ * making them. */
 bool reply_wants_records(const struct reply *reply);
 bool reply_wants_text(const struct reply *reply);
-/* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
+/* Begins a record. Until reply_end(), the functions below add a field to the innermost open object,
+ * or, with key = NULL, an element to the innermost open array. Keys are constants. Numbers that are
+ * not finite become null. A failed allocation shows in reply->failed. */
 void reply_begin(struct reply *reply, const char *kind);
-/* a NULL value is written as null */
+/* Adds a text; NULL gives null. */
 void reply_string(struct reply *reply, const char *key, const char *value);
+/* Adds a number without a unit. */
 void reply_real(struct reply *reply, const char *key, double value);
-/* the same; its column has that unit */
+/* Adds a number; `unit` is the unit of its column in tables. */
 void reply_quantity(struct reply *reply, const char *key, double value, const char *unit);
+/* Adds an integer. */
 void reply_int(struct reply *reply, const char *key, int64_t value);
+/* Adds true or false. */
 void reply_bool(struct reply *reply, const char *key, bool value);
+/* Adds null. */
 void reply_null(struct reply *reply, const char *key);
+/* Adds an object {value, uncertainty, unit}; `value` is in `unit`. In tables it is two columns, KEY
+ * and KEY_uncertainty. */
 void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit);
+/* Does the same with a value in the SI unit of its quantity. */
 void reply_measured(struct reply *reply, const char *key, struct measured value,
                     enum quantity quantity);
-/* the same; null where the value is not finite */
+/* Does the same as reply_measured(), or adds null if the value is not finite. */
 void reply_if_known(struct reply *reply, const char *key, struct measured value,
                     enum quantity quantity);
+/* Opens an object in the record; reply_close() ends it. */
 void reply_object(struct reply *reply, const char *key);
+/* Opens an array in the record; reply_close() ends it. */
 void reply_array(struct reply *reply, const char *key);
-/* an array of numbers */
+/* Adds an array of `count` numbers, all in `unit`. */
 void reply_reals(struct reply *reply, const char *key, const double *value, int count,
                  const char *unit);
-void reply_close(struct reply *reply); /* the innermost object or array */
-void reply_end(struct reply *reply);   /* the record */
-/* `count` rows of a table, a record each. Not headed: their names stand above an earlier part of
- * the table, in another output. Returns false if the table's writing was cancelled. */
+void reply_close(struct reply *reply); /* Closes the innermost open object or array. */
+void reply_end(struct reply *reply);   /* Closes all that is open and writes the record. */
+/* Writes `count` rows of a table from row `first`, one record each. If not `headed`, CSV has no
+ * header, because it was written with an earlier part of the table. Returns false if table->cancel
+ * was set, with the rows before written. */
 bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed);
 
-/* ---- how the interpreter brackets what a command says ---- */
+/* ---- for the interpreter: before and after each command ---- */
 
+/* Begins the output of a command in this format. */
 void reply_command_begin(struct reply *reply, enum output_format format);
-void reply_flush(struct reply *reply); /* writes what reply_buffer() was given */
-/* Lines of a command that made no record: as {kind, text}, or as comments of the CSV. */
+/* Writes the lines that wait in reply_buffer(), if the format is text. */
+void reply_flush(struct reply *reply);
+/* Ends the output of a command. If it made no record, its lines are written as a record {kind,
+ * text} in JSON, or as comments in CSV. */
 void reply_command_end(struct reply *reply, const char *kind);
 
 /* ---- where a line comes from ---- */
 
-/* Part of a line of a file that may be continued on others, with its position in the file. */
+/* A piece of a statement that is continued over several lines of a file: the physical line and
+ * column to which offsets in the joined statement belong. */
 struct source_piece {
-    size_t position;  /* offset in the line as executed */
-    int line, indent; /* indent is the number of characters left out before it */
+    size_t position; /* Offset [byte] of the piece in the joined statement. */
+    /* Number of the physical line, from 1, and of characters left out at its beginning. */
+    int line, indent;
 };
 
+/* Origin of a line that is executed; sources of nested scripts are linked. */
 struct source {
-    const char *name;            /* "lab1.hk", "-c", "-"; NULL if typed at the prompt */
-    int line;                    /* counted from 1 */
-    const struct source *parent; /* file or line that sourced it */
+    /* File name, "-c", or "-" for standard input; NULL for a line typed at the prompt. */
+    const char *name;
+    int line;                    /* Line number, counted from 1. */
+    const struct source *parent; /* Line whose `source` command executes this file, or NULL. */
+    /* [pieces] for a line that was joined from several, or NULL. */
     const struct source_piece *piece;
     int pieces;
 };
 
-/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL,
- * line may be empty.
- */
+/* Writes an error as users see it: position, line with a caret, message and hint; or as a record in
+ * JSON. `where` may be NULL and `line` empty if they are unknown. */
 void reply_error(struct reply *reply, const struct error *error, const struct source *where,
                  struct text line);
 
 /* ---- text for people ---- */
 
-/*
- * Values as arguments of formats, for %s: SHOWN_QUANTITY(0.2, QUANTITY_MASS, 3) is "200 g". Nothing
- * is allocated; the text lives as long as the block that it stands in. SHOWN_VALUE() and
- * SHOWN_MEASURED() are as buffer_measured(): times from 0.1 s on stay in seconds.
- */
+/* Values as arguments for %s: SHOWN_QUANTITY(0.2, QUANTITY_MASS, 3) is "200 g". The text lies in a
+ * temporary struct value_text, which lives until the end of the enclosing block; nothing is
+ * allocated. SHOWN_VALUE() and SHOWN_MEASURED() write as buffer_measured() does, with times from
+ * 0.1 s on in seconds; `digits` is the number of significant digits. */
+/* Memory for the text of one value, large enough for any. */
 struct value_text {
     char data[128];
 };
+/* The functions of the macros below; they write into *text and return its data. */
 const char *value_text_short(struct value_text *text, double value, int digits);
 const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
                                 int digits);
@@ -167,136 +212,182 @@ const char *value_text_measured(struct value_text *text, struct measured value,
     value_text_measured(&(struct value_text){""}, measured, quantity, digits)
 #define SHOWN_VALUE(value, quantity, digits)                                                       \
     SHOWN_MEASURED(((struct measured){value, 0}), quantity, digits)
-const char *plural_s(int64_t count); /* returns "s", or "" for one */
+const char *plural_s(int64_t count); /* Returns the plural ending "s", or "" for a count of 1. */
 
-/* Appends a measured value in the unit that suits it: "199.9 +- 0.1 g", "1.9373 +- 0.0002 s". */
+/* Appends a value [SI] in a suitable unit: "199.9 +- 0.1 g", "1.9373 +- 0.0002 s". An uncertainty
+ * below the last of `digits` significant digits is left out. */
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
                      int digits);
-/* The value as a command that reads back exactly: "0.2 kg", "199.9 +- 0.1 g". */
+/* Appends a value [SI] so that a command reads back the same bits: "0.2 kg", "199.9 +- 0.1 g". */
 void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity);
-/* A word of a command line, quoted where it has to be. */
+/* Appends a word as it is typed in a command line, in quotes where it needs them. */
 void buffer_word(struct buffer *buffer, struct text word);
 
 /* ---- tables for people ---- */
 
+/* Largest number of columns of a table for people. */
 #define TABLE_COLUMNS_MAX 24
-#define TABLE_RANK_WIDE 4 /* the rank of columns with COLUMN_WIDE */
+#define TABLE_RANK_WIDE                                                                            \
+    4 /* Rank of columns that are dropped silently if the table is too wide.                       \
+       */
 
+/* A table as aligned text. Set arena, columns, gap, indent, max and rank; add the headings and then
+ * the cells row by row with cell_…(); end with text_table_put(). */
 struct text_table {
+    /* Owner of all cells. */
     struct arena *arena;
+    /* Number of columns, blanks between them, and blanks before the first. */
     int columns, gap, indent;
-    /* [cell] the width to fit, or 0 for any: gaps shrink, columns of one value fold, then others
-     * are left out, and a line below says which */
+    /* Width [column] into which the table has to fit, or 0 for any. If it is too wide, the gaps
+     * shrink, then columns with the same value in all rows are replaced by a line below the table,
+     * then columns are left out, which another line lists. */
     int max;
-    int rank[TABLE_COLUMNS_MAX]; /* like that of struct result_column, but columns of rank 0 stay */
+    /* [columns] order in which columns are left out, the largest first; columns of rank 0 are
+     * always shown. */
+    int rank[TABLE_COLUMNS_MAX];
+    /* Number of cells so far, headings included, and allocated. */
     int cells, capacity;
-    const char **cell; /* row by row, the heading first */
-    bool failed;       /* no memory: cells are missing */
+    const char **cell; /* [cells] texts, row by row, headings first; owned by the arena. */
+    bool failed;       /* Memory has run out: cells are missing. */
 };
 
-/* copies the text; NULL makes an empty cell */
+/* Adds a cell with a copy of the text; NULL gives an empty cell. */
 void cell_text(struct text_table *table, const char *text);
+/* Adds a cell with formatted text. */
 void cell_format(struct text_table *table, const char *format, ...) PRINTF_LIKE(2, 3);
-/* the same from a buffer, which is freed */
+/* Adds a cell with the content of a buffer, which is freed. */
 void cell_take(struct text_table *table, struct buffer *text);
-/* Adds a quantity, or "-" if it is not finite. */
+/* Adds a value [SI] with a suitable unit, or "-" if it is not finite. */
 void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits);
-void cell_error(struct text_table *table, double value); /* 1.3e-05 */
+/* Adds an error with two digits, "1.3e-05", "0" for 0, or "-" if it is not finite. */
+void cell_error(struct text_table *table, double value);
+/* Adds an integer. */
 void cell_count(struct text_table *table, int64_t value);
-void cell_seconds(struct text_table *table, double seconds); /* uses us below a millisecond */
-/* The heading, NAME [UNIT], and the first rows of the first columns of a table. */
+/* Adds a time [s], in us below a millisecond. */
+void cell_seconds(struct text_table *table, double seconds);
+/* Adds the headings, NAME [UNIT], and the first `rows` rows of the first table->columns columns of
+ * `source`. */
 void table_cells(const struct table *source, size_t rows, struct text_table *table);
+/* Appends the table as lines of text, followed by a line about replaced columns and one about
+ * columns left out. */
 void text_table_put(const struct text_table *table, struct buffer *output);
 
-/* ---- columns: what a result consists of, described once beside its struct ----
+/*
+ * ---- columns: the description of a result, once, beside its struct ----
  *
- * A result is an array of structs; a column says where a value of such a struct is, what it is
- * called by programs and by people, and how people see it. Records, tables to files and tables for
- * people are made of the same columns.
+ * A result is an array of structs (rows). A struct result_column says where a value of such a
+ * struct is, its name for programs and for people, and its form. Records, tables in files and
+ * tables for people are made from the same columns.
  */
 
+/* Type of the member that a column shows. */
 enum column_kind {
-    COLUMN_REAL,  /* double; NAN if there is none */
-    COLUMN_INT,   /* int */
-    COLUMN_COUNT, /* int64_t */
+    COLUMN_REAL,  /* A double; NAN means that there is no value. */
+    COLUMN_INT,   /* An int. */
+    COLUMN_COUNT, /* An int64_t. */
+    /* A bool. */
     COLUMN_BOOL,
-    COLUMN_NAME,     /* const char *; NULL if there is none */
-    COLUMN_MEASURED, /* struct measured of `quantity`; value NAN: there is none. Only in records */
-    COLUMN_CHARS,    /* array of char ended by 0; absent if empty */
-    COLUMN_ROW,      /* pointer to what begins with a struct row: its name; NULL if there is none */
-    COLUMN_CHOICE,   /* an enum: name of that row of `choices`, where its first has choice_first */
-    /* An object of struct `part`, or an array of them, which list() returns. Only in records */
+    COLUMN_NAME, /* A const char *; NULL means that there is none. */
+    /* A struct measured of `quantity`, shown in records only; NAN as its value gives null. */
+    COLUMN_MEASURED,
+    COLUMN_CHARS, /* An array of char with a NUL at its end; empty means that there is none. */
+    /* A pointer to a row of a catalog, of which the name is shown; NULL means that there is none.
+     */
+    COLUMN_ROW,
+    COLUMN_CHOICE, /* An enum, shown by the name of the row (value - choice_first) of `choices`. */
+    /* A struct described by `part`, shown as an object in records only. */
     COLUMN_OBJECT,
+    /* An array of such structs, which list() returns, shown in records only. */
     COLUMN_LIST,
 };
 
+/* Properties of columns, combined by |. */
 enum column_flag {
+    /* Left out of records. */
     COLUMN_NO_RECORD = 1,
+    /* Left out of tables in files. */
     COLUMN_NO_FILE = 2,
-    COLUMN_IF_ANY = 4,  /* shown to people only if a row has a value (other than 0 for a count) */
-    COLUMN_WIDE = 8,    /* shown to people only if there is much room */
-    COLUMN_DETAIL = 16, /* left out of documents (.md, .html, .tex) */
+    /* Shown to people only if some row has a value (for a count, one other than 0). */
+    COLUMN_IF_ANY = 4,
+    COLUMN_WIDE = 8,    /* Shown to people only if the table is wide. */
+    COLUMN_DETAIL = 16, /* Left out of documents (.md, .html, .tex). */
 };
 
+/* One column of a result. Members that are 0 or NULL are not used. */
 struct result_column {
-    const char *name;                       /* key of records, column of files */
-    const char *heading;                    /* heading for people */
-    const char *(*head)(const void *first); /* the same where it depends on the first row */
-    int index; /* index among the columns for people, from 1; 0 if it is not shown to them */
-    /* Rank that decides which columns are left out if a table is too wide: the largest rank first,
-     * and within a rank from the right; the first column is always shown. 0 stands for 2, and
-     * COLUMN_WIDE for 4, whose columns are dropped silently; others are named below the table. */
+    const char *name;    /* Key in records and name of the column in files. */
+    const char *heading; /* Heading in tables for people. */
+    /* Returns the heading if it depends on the result; `first` is the first row. */
+    const char *(*head)(const void *first);
+    /* Position among the columns for people, from 1; 0 means that people do not see it. */
+    int index;
+    /* Order in which columns are left out of a table that is too wide: those of the largest rank
+     * first, and of the same rank the rightmost first. 0 stands for 2, or for 4 with COLUMN_WIDE;
+     * columns of rank 4 are not listed below the table. The first column is always shown. */
     int rank;
+    /* Flags of enum column_flag. */
     unsigned flags;
     enum column_kind kind;
-    enum quantity quantity; /* quantity of a real */
-    /* Quantity where rows differ; files use the first row's unit. */
+    enum quantity quantity; /* Quantity of a COLUMN_REAL or COLUMN_MEASURED. */
+    /* Returns the quantity if it differs between rows; files use that of the first row. */
     enum quantity (*quantity_of)(const void *row);
-    size_t offset;         /* offset in the struct, or in what a pointer in it points to: */
-    size_t pointer_offset; /* COLUMN_IN of that pointer; 0 if there is none */
-    double (*real)(const void *row);      /* or what gives the value: */
+    /* Offset of the member in the row's struct, or in the struct to which a pointer of the row
+     * points. */
+    size_t offset;
+    /* COLUMN_IN of that pointer, or 0 if the member is in the row's struct itself. */
+    size_t pointer_offset;
+    /* Functions that return the value instead of a member: for COLUMN_REAL, COLUMN_COUNT and
+     * COLUMN_NAME. */
+    double (*real)(const void *row);
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
-    const struct catalog *choices;        /* COLUMN_CHOICE */
-    int choice_first;
-    const struct result_columns *part; /* COLUMN_OBJECT, COLUMN_LIST */
+    const struct catalog *choices;        /* Names of a COLUMN_CHOICE. */
+    int choice_first;                     /* Value of the enum to which their first row belongs. */
+    /* Columns of the structs of COLUMN_OBJECT and COLUMN_LIST. */
+    const struct result_columns *part;
+    /* Returns the array of a COLUMN_LIST and sets *count. */
     const void *(*list)(const void *row, size_t *count);
-    /* Returns true if COLUMN_IF_ANY shows the column, where that needs more than a value. */
+    /* Returns true if the row has a value for COLUMN_IF_ANY, if that takes more than a look at the
+     * value. */
     bool (*any)(const void *row);
-    /* Returns true if the row has this value; otherwise the record omits the key. */
+    /* Returns false if the record of this row has no such key. */
     bool (*defined)(const void *row);
-    /* Writes an object or an array, which only records have. */
+    /* Writes a field of the record that no kind describes. */
     void (*record)(struct reply *reply, const char *key, const void *row);
-    int digits; /* digits of a real for people; 0 stands for 3 */
-    /* a real for people, cell_error for one */
+    int digits; /* Significant digits of a COLUMN_REAL for people; 0 stands for 3. */
+    /* Adds the cell of a COLUMN_REAL for people in another form, as cell_error() does. */
     void (*look)(struct text_table *table, double value);
-    void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
+    /* Adds the cell for people of any kind. */
+    void (*cell)(struct text_table *table, const void *row);
 };
 
+/* Value of pointer_offset for the member `pointer` of struct `type`. */
 #define COLUMN_IN(type, pointer) (offsetof(type, pointer) + 1)
 
+/* All columns of a result. */
 struct result_columns {
     const struct result_column *column;
     int count;
-    size_t size; /* [byte] of a row's struct */
-    int digits;  /* that documents show of a number that is not whole; 0 shows all */
+    size_t size; /* Size [byte] of a row's struct. */
+    int digits;  /* Significant digits of numbers other than integers in documents; 0 shows all. */
 };
 
+/* Initialiser for an array of columns that describe structs of `type`. */
 #define RESULT_COLUMNS(array, type)                                                                \
     {                                                                                              \
         array, (int)COUNT_OF(array), sizeof(type), 0                                               \
     }
 
-/* reply_columns() adds the fields of one row to the open object; reply_records() writes each row
- * as a record of that kind. */
+/* Adds the columns of one row to the open object. */
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row);
+/* Writes each of `count` rows as a record of this kind. */
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count);
-/* The table to files, without keys, from the arena; it holds when the rows are gone, as long as
- * what their names point to. Returns false if out of memory. */
+/* Makes a table for files, without keys, in the arena. It remains valid when the rows are freed,
+ * but not when the names to which they point are. Returns false if out of memory. */
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table);
-/* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in
- * table->failed. */
+/* Adds the headings and the cells of all rows to an empty text table and sets its `columns`; `wide`
+ * shows columns with COLUMN_WIDE. A failure is noted in table->failed. */
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * scene: expressions, force terms, parameters, presets, exact solutions.
+ * scene: the equation of motion that users set up: expressions, force terms, parameters, presets,
+ * typed equations, exact solutions. This header includes all of the layer.
  *
- * A scene is what the user sets (parameters by name, in lab notation). scene_bind() turns it into a
- * system: the terms that are really there with their coefficients, which is all that integrators
- * see. A term whose coefficient is zero is not in the system and costs nothing.
+ * A struct scene holds what the user sets: a model and the values of its parameters. scene_bind()
+ * makes a struct system from it, which is all that integrators see: the force terms with their
+ * coefficients, without those whose coefficient is 0.
  *
- * State vector of n variables: a second-order scene holds n/2 positions, then n/2 velocities; a
- * first-order scene holds n values. The spring is n = 2: y [m], v [m/s].
+ * A state of n variables is an array of n doubles in SI units: in a second-order scene n/2
+ * positions, then their n/2 velocities; in a first-order scene n values. The spring has n = 2: y
+ * [m], v [m/s].
  */
 #pragma once
 

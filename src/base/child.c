@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs work in a child process, so that a crash or an endless loop in it cannot harm the program:
- * child_run() forks, the child writes output and a struct child_answer into a pipe, the parent
- * reads both. The only file of the library that makes a process or changes signals. */
+/* The one place where the library makes a process and touches signals: those of that process. */
 #define _GNU_SOURCE /* pipe2 */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/child.h>
@@ -20,19 +18,17 @@
 #endif
 
 #define REPLY_CHUNK_BYTES 8192
-#define LOOK_MS 20 /* [ms] between two looks at cancellation and at the child */
+#define LOOK_MS 20
 
-/* Follows the output of the child, of len bytes, in the pipe; if it is missing the child has
- * died. */
+/* The last that comes through the pipe, behind `len` bytes; without it the child has died. */
 struct child_answer {
     size_t done, len;
     struct error error;
 };
 
-/* ---- in the child ---- */
+/* ---- the copy ---- */
 
-/* Makes the system kill this process when its parent ends, and forbids core files. Returns false if
- * the parent has ended already. */
+/* Nobody is left to wait for it. */
 static bool dies_with(pid_t parent)
 {
 #ifdef __linux__
@@ -42,8 +38,7 @@ static bool dies_with(pid_t parent)
     return getppid() == parent;
 }
 
-/* Detaches the child from terminal, standard streams (reads and writes of them then fail), signal
- * handlers and core files. */
+/* Reads and writes of the usual streams fail; signals do what they do in a new process. */
 static void leave_all(void)
 {
     const struct rlimit none = {0, 0};
@@ -61,8 +56,6 @@ static void leave_all(void)
     sigprocmask(SIG_SETMASK, &open_set, NULL);
 }
 
-/* Does the work of the child and writes output and answer into the pipe's end. Exits with 0 if both
- * were written; never returns. */
 static _Noreturn void work_apart(const struct child *child, int end, pid_t parent)
 {
     struct buffer made = {0};
@@ -80,7 +73,7 @@ static _Noreturn void work_apart(const struct child *child, int end, pid_t paren
     _exit(file_put(descriptor, &part[0]) != 0 || file_put(descriptor, &part[1]) != 0);
 }
 
-/* ---- in the parent ---- */
+/* ---- and we ---- */
 
 struct process {
     pid_t pid;
@@ -88,15 +81,12 @@ struct process {
     bool gone; /* its status is known */
 };
 
-/* Sets the error "WORK: why". Returns false. */
 static bool not_done(const struct child *child, struct error *error, const char *why)
 {
     return error_set(error, ERROR_IO, "%s: %s", child->what, why);
 }
 
-/* Reads the output of the child until the pipe ends, or until the process has ended while others
- * still hold the pipe open. Returns false with the error set if the user cancels, the time allowed
- * is over, or reading fails. */
+/* Everything that comes, until the end: of the pipe, or of the process if others hold that open. */
 static bool take_all(const struct child *child, struct process *process, struct buffer *all,
                      struct error *error)
 {
@@ -123,8 +113,6 @@ static bool take_all(const struct child *child, struct process *process, struct 
     }
 }
 
-/* Sets the error that tells from the wait status why the child ended without an answer. Returns
- * false. */
 static bool child_error_set(const struct child *child, int status, struct error *error)
 {
     if (!WIFSIGNALED(status))
@@ -137,8 +125,7 @@ static bool child_error_set(const struct child *child, int status, struct error 
                      WTERMSIG(status));
 }
 
-/* Takes the answer off the end of the output that follows the first old_len bytes. Returns false
- * with the error set if it is missing or reports a failure. */
+/* Takes the answer off the end of the output that follows the first `old_len` bytes. */
 static bool read_answer(const struct child *child, int status, size_t old_len,
                         struct buffer *output, struct error *error)
 {
@@ -154,8 +141,6 @@ static bool read_answer(const struct child *child, int status, size_t old_len,
     return answer.done;
 }
 
-/* Collects output and answer of the child and waits for its end; kills it on failure. Returns false
- * with the error set and output unchanged if the work was not done. */
 static bool wait_for(const struct child *child, pid_t pid, int descriptor, struct buffer *output,
                      struct error *error)
 {
@@ -174,7 +159,6 @@ static bool wait_for(const struct child *child, pid_t pid, int descriptor, struc
     return ok;
 }
 
-/* Forks with all signals blocked, so that no handler of the program runs in the child. */
 bool child_run(const struct child *child, struct buffer *output, struct error *error)
 {
     int ends[2];

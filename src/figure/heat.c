@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Heat maps: the edges between their points, the scale of their values, and the character that
- * shades each value. */
+/* Heat maps: edges of their places, the scale of their values, and its characters. */
 #include <hooke/figure.h>
 
 #include <math.h>
 #include <string.h>
 
-/* Returns i limited to low..high. */
 static int limited(int i, int low, int high)
 {
     if (i < low)
@@ -14,15 +12,11 @@ static int limited(int i, int low, int high)
     return i > high ? high : i;
 }
 
-/* Returns the coordinate of point i along an axis on which points are evenly spaced: its value, or
- * the logarithm. */
 static double place_of(const struct heat_axis *axis, int i)
 {
     return axis->log ? log(axis->value[i]) : axis->value[i];
 }
 
-/* Returns the edge between points i - 1 and i of an axis, midway between them. The two outer edges
- * are extrapolated; the edges of a single point are half its value away from it. */
 double heat_edge(const struct heat_axis *axis, int i)
 {
     const int upper = limited(i, 1, axis->count - 1);
@@ -33,12 +27,9 @@ double heat_edge(const struct heat_axis *axis, int i)
     return axis->log ? exp(edge) : edge;
 }
 
-/* Ratio of the largest to the smallest positive value above which shades are spaced
- * logarithmically. */
+/* Ratio of positive values from which their scale is logarithmic. */
 static const double log_ratio = 300;
 
-/* Finds the range of a map's finite values, with low > high if it has none, and whether the shades
- * are logarithmic. */
 struct heat_scale heat_scale_of(const struct heat *heat)
 {
     struct heat_scale scale = {.low = HUGE_VAL, .high = -HUGE_VAL};
@@ -51,8 +42,6 @@ struct heat_scale heat_scale_of(const struct heat *heat)
     return scale;
 }
 
-/* Returns the position of a value on the scale: 0 at its low end, 1 at its high end, 0 if all
- * values are equal. */
 double heat_share(const struct heat_scale *scale, double value)
 {
     if (!(scale->high > scale->low))
@@ -61,8 +50,6 @@ double heat_share(const struct heat_scale *scale, double value)
                       : (value - scale->low) / (scale->high - scale->low);
 }
 
-/* Returns the largest finite value of the points [x0, x1) x [y0, y1), which share a cell, or NAN if
- * none has a value. */
 double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1)
 {
     double max = NAN;
@@ -74,19 +61,15 @@ double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1)
     return max;
 }
 
-/* Sets *shade to the characters of the shades, from the lowest to the highest value. Returns their
- * number. */
 int heat_shades(const struct charset *charset, const uint32_t **shade)
 {
     static const uint32_t ascii[] = {' ', '.', ':', '-', '=', '+', '*', '%', '@', '#'};
-    /* blank, middle dot, then blocks from light to full */
+    /* space, dot, light .. full */
     static const uint32_t block[] = {' ', 0xB7, 0x2591, 0x2592, 0x2593, 0x2588};
     *shade = charset->plain ? ascii : block;
     return charset->plain ? (int)COUNT_OF(ascii) : (int)COUNT_OF(block);
 }
 
-/* Returns the character that shows a value: 'x' if it is missing (NAN), else the letter of its
- * category if the map has letters, else the shade of its position on the scale. */
 uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
                     const struct charset *charset, double value)
 {
@@ -97,7 +80,6 @@ uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
     if (!heat->letters) {
         return shade[limited((int)floor(heat_share(scale, value) * shades), 0, shades - 1)];
     }
-    /* Letters belong to the values -1, 0, 1 ...; all larger values share the last letter. */
     const double last = (double)strlen(heat->letters) - 1;
     return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* States inside of the step just taken, for rows at even times and for events. */
+/* States inside of the step just taken. */
 #include <hooke/scene/typed.h>
 #include "run/private.h"
 
@@ -21,8 +21,8 @@ struct step inside_step(const struct inside *inside, struct sliding *sliding, st
     return last;
 }
 
-/* Makes a step of the method from the beginning of the last one over its fraction theta, into y
- * [n], with memory of its own, so that the run is not changed. Returns false if it fails. */
+/* A step of the method from the beginning of the last one over its share theta; returns false if it
+ * fails. */
 static bool side_step(const struct inside *inside, const struct step *last, double theta, double *y)
 {
     struct run *run = inside->run;
@@ -42,9 +42,10 @@ static bool side_step(const struct inside *inside, const struct step *last, doub
     return status == STEP_OK;
 }
 
-/* Moves y, the state at the fraction theta of a step of a multistep method, by theta times the gap:
- * side_step() does not know the steps before, so it ends beside the step that was taken. The gap is
- * found once for each step. */
+/*
+ * A step of a method that remembers others ends beside a step that does not: finds by how much,
+ * once for each step. The states between them are moved by their share of it.
+ */
 static void close_gap(const struct inside *inside, const struct step *last, double theta, double *y)
 {
     const struct run *run = inside->run;
@@ -59,8 +60,7 @@ static void close_gap(const struct inside *inside, const struct step *last, doub
         y[i] += theta * p->gap[i];
 }
 
-/* Methods of high order without dense output get a shorter step of their own, because a cubic
- * through the ends of a long step would be far less accurate. */
+/* A cubic through the ends of a long step says little: a shorter step of the same method does. */
 void inside_state(const struct inside *inside, double theta, double *y)
 {
     const struct run *run = inside->run;

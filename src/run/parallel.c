@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that take items of work from a common counter, until all are done: parallel_do(). The
- * calling thread only waits and shows progress. */
+/* Threads that take items of work from a common counter. */
 #include <hooke/base/cancel.h>
 #include <hooke/run/parallel.h>
 
@@ -9,26 +8,24 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Stack [byte] of each thread: eight times the largest frame, that of a long formula. The default
- * would depend on the system. */
+/* [byte] of each thread, whatever the main one has: eight times the largest frame, that of a long
+ * formula. */
 #define THREAD_STACK ((size_t)1 << 20)
 
-/* State that all threads of one parallel_do() share. */
 struct parallel_share {
     const struct parallel *parallel;
-    int64_t count;      /* number of items */
-    atomic_llong next;  /* next item that no thread has taken */
+    int64_t count;
+    atomic_llong next;
     atomic_int working; /* threads that have not ended */
 };
 
-/* Argument of one thread. */
 struct parallel_thread {
     struct parallel_share *share;
     pthread_t id;
-    int number; /* 0, 1, …: which of the caller's workspaces it uses */
+    int number;
 };
 
-/* Main function of a thread: works on items until none is left or the user cancels. */
+/* Takes items until none is left. */
 static void *take_items(void *context)
 {
     const struct parallel_thread *thread = context;
@@ -41,8 +38,7 @@ static void *take_items(void *context)
     return NULL;
 }
 
-/* Waits for the threads to end and reports progress ten times a second from the calling thread, so
- * that callbacks need not be safe in threads. */
+/* The calling thread looks after the others, so that progress comes from it. */
 static void watch_threads(struct parallel_share *share)
 {
     static const int64_t look_ns = 100000000;

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks of a run that was read from a file, which anybody can write, with valid checksums. Values
- * of the motion may be any numbers; counts, indices, flags and enums may not, because other parts
- * of the program rely on them. The tables give the limits of members. */
+/*
+ * Checks of everything that was read from a stored run: anybody can write a session's file, with
+ * checksums. Values of the motion may be any; counts, indices, flags and choices may not, because
+ * other parts of the program rely on them.
+ */
 #include "run/store_private.h"
 
 #include <float.h>
@@ -80,7 +82,7 @@ bool run_settings_take(struct text text, struct run_settings *settings)
     return true;
 }
 
-/* Returns true if the epochs follow each other, and each suits the method and the settings. */
+/* Returns true if the epochs follow each other and each has what the method needs. */
 static bool epochs_sound(const struct run *run)
 {
     const struct run_private *p = run->private_state;
@@ -102,8 +104,7 @@ static bool epochs_sound(const struct run *run)
     return sound;
 }
 
-/* Returns true if row numbers, steps and grids of the trace are consistent with each other and with
- * the recording rule. */
+/* Places in the rows, and steps of them. */
 static bool trace_places_sound(const struct run *run)
 {
     const struct trace *trace = run->trace;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The modules of this build: their list, which the build generates, what they offer the core, and
- * their parts of a session. */
+/* The modules of this build, and what they keep in a session. */
 #include <hooke/module.h>
 #include <hooke/session/stored.h>
 
@@ -39,10 +38,8 @@ void modules_label(const struct session *session, struct buffer *text)
             module_list[i]->prompt.label(session, text);
 }
 
-/* ---- modules that were left out ---- */
+/* ---- those that are not in ---- */
 
-/* Returns true if the command or option `what` is part of this build; otherwise sets an error that
- * names its module. */
 bool module_is_in(const char *what, struct text word, struct error *error)
 {
     static const char *const missing[][2] = {
@@ -61,9 +58,8 @@ bool module_is_in(const char *what, struct text word, struct error *error)
     return error_hint(error, "'hooke --version' names the modules that are in");
 }
 
-/* ---- studies that were stopped and can continue ---- */
+/* ---- what was stopped ---- */
 
-/* Returns the module with a stopped study that can continue, or NULL. */
 const struct module *module_waiting(const struct session *session)
 {
     for (size_t i = 0; module_list[i]; i++)
@@ -79,7 +75,7 @@ void modules_forget_stopped(struct session *session)
             module_list[i]->stopped.forget(session);
 }
 
-/* ---- functions that modules offer the core ---- */
+/* ---- what they offer the core ---- */
 
 const struct series_tools *series_tools(void)
 {
@@ -113,7 +109,7 @@ const struct picture_writer *module_pictures(void)
     return module_list[i] ? &module_list[i]->pictures : NULL;
 }
 
-/* ---- parts of a session ---- */
+/* ---- their parts of a session ---- */
 
 void *session_part_if_made(const struct session *session, const struct module *module)
 {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Parameters, derived quantities and variables by name; they depend on the model of the scene.
- * Typed scenes as commands. */
+/* Parameters, derived quantities and variables of a scene by name. They depend on its model. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/session/subject.h>
@@ -18,7 +17,6 @@ void scene_lines(const struct scene *scene, const char *prefix, struct buffer *t
     }
 }
 
-/* Writes lines by kind, so that each name is defined before it is used. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text)
 {
     static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
@@ -32,12 +30,10 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
         }
 }
 
-/* Things that change when a parameter changes: nothing, the start only, or the equations. */
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
-/* Returns what changes if the parameter changes in the present scene (the frequency of a drive
- * without amplitude changes nothing), by comparing the systems bound with both values. a and b are
- * scratch memory. */
+/* Returns the effect of the parameter in the present scene: the frequency of a drive that does not
+ * exist has none. */
 static enum effect effect_between(const struct scene *scene, int index, struct system *a,
                                   struct system *b)
 {
@@ -55,7 +51,6 @@ static enum effect effect_between(const struct scene *scene, int index, struct s
     return moved ? EFFECT_START : EFFECT_NONE;
 }
 
-/* Returns what a change of the parameter changes; EFFECT_FORCE if out of memory. */
 static enum effect effect_of(const struct scene *scene, int index)
 {
     struct system *both = malloc(2 * sizeof *both);
@@ -94,7 +89,6 @@ int model_observation(const struct model *model, struct text name)
     return -1;
 }
 
-/* Returns true if name is a parameter, derived quantity or variable of the model. */
 static bool model_has(const struct model *model, struct text name)
 {
     return catalog_find(model->params, name) || catalog_find(model->derived, name) ||
@@ -109,7 +103,7 @@ const struct model *model_with(struct text name)
     return NULL;
 }
 
-/* Returns the name of a preset with that model. */
+/* name of a scene that is one */
 static const char *model_scene(const struct model *model)
 {
     for (size_t i = 0; i < preset_catalog.count; i++) {
@@ -133,7 +127,6 @@ const struct observable *model_observable(const struct model *model, struct text
     return observable_from(row);
 }
 
-/* Returns true unless the observable needs what a model of this order never has. */
 bool model_offers(const struct model *model, const struct observable *observable)
 {
     const unsigned never =

@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The log pane: a ring of the last lines that commands printed, and how a line is broken into rows
- * of the pane. */
+/* The last lines that commands said: a ring. How a line is broken into the rows of a pane. */
 #include <hooke/base/safe_text.h>
 #include <hooke/session/subject.h>
 
 #include <stdlib.h>
 
-#define INDENT_CELLS 2 /* [cell] indentation of the second and later rows of a line */
-#define INDENT_MIN 8   /* [cell] width below which rows are not indented */
+#define INDENT_CELLS 2 /* Indentation of the further rows of a line [cell]. */
+#define INDENT_MIN 8   /* [cell] of width: below, every cell is for the words */
 
-/* Adds a line, made safe for terminals, and drops the oldest if the ring is full. A line for which
- * there is no memory is lost. */
 static void add_line(struct log *log, struct text line)
 {
     struct buffer safe = {0};
@@ -31,7 +28,7 @@ static void add_line(struct log *log, struct text line)
     log->said++;
 }
 
-/* Removes all but the last LIMIT_LOG lines from *text, and counts the removed ones as said. */
+/* Leaves the last LIMIT_LOG lines of the text, which are all that will be kept of it. */
 static void skip_lines(struct log *log, struct text *text)
 {
     size_t begin = text->len;
@@ -64,7 +61,6 @@ const char *log_line(const struct log *log, int i)
                                     : NULL;
 }
 
-/* Breaks at the last space that fits, else within a word. */
 struct text log_row(struct text line, size_t *offset, int width, int *indent)
 {
     const struct text rest = {line.data + *offset, line.len - *offset};

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * cancel: Ctrl-C, and the clock.
+ * cancel: a flag by which Ctrl-C, or another thread, asks long computations to stop; and clocks.
  *
- * Set from a signal handler or another thread; long work asks between slices of at most 50 ms:
- * make CONFIG=watch builds a program that ends where it does not.
+ * A signal handler or another thread sets struct cancel.requested to a value other than 0. A long
+ * computation is given a pointer to the struct and calls cancelled() at least every 50 ms; when
+ * that returns true, the computation returns its failure value. A build with `make CONFIG=watch`
+ * aborts if 50 ms pass between two calls.
  */
 #pragma once
 
@@ -12,18 +14,27 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Flag that requests a stop. The owner is whoever creates the session or the thread;
+ * zero-initialise it. */
 struct cancel {
+    /* 0 to continue, any other value to stop; may be written in a signal handler. */
     atomic_int requested;
 };
 
 #ifdef HOOKE_WATCH
+/* Tells the watchdog of a CONFIG=watch build that cancelled() has been called; a no-op otherwise.
+ */
 void watch_look(void);
 #else
 #define watch_look() ((void)0)
 #endif
 
-#define LOOK_EACH_ROWS 16384 /* rows between two looks, for loops that take at most 1 us a row */
+/* Number of rows that a loop processes between two calls of cancelled(): at 1 us per row or less,
+ * 16 ms. */
+#define LOOK_EACH_ROWS 16384
 
+/* Returns true if a stop has been requested. NULL means that nobody can request it. May be called
+ * from any thread. */
 static inline bool cancelled(const struct cancel *cancel)
 {
     if (cancel)
@@ -32,7 +43,8 @@ static inline bool cancelled(const struct cancel *cancel)
                                           memory_order_relaxed) != 0;
 }
 
-/* Returns the same for row i of a loop that looks at every LOOK_EACH_ROWS-th row only. */
+/* Returns cancelled() if i is a multiple of LOOK_EACH_ROWS, else false: the condition of loops over
+ * rows i = 0, 1, …. */
 static inline bool cancelled_at(const struct cancel *cancel, size_t i)
 {
     return i % LOOK_EACH_ROWS == 0 && cancelled(cancel);
@@ -40,7 +52,8 @@ static inline bool cancelled_at(const struct cancel *cancel, size_t i)
 
 /* ---- the clock ---- */
 
-/* Returns a clock [ns] that only goes forward. */
+/* Returns the time [ns] of a monotonic clock whose zero is arbitrary. */
 int64_t clock_ns(void);
-double clock_seconds(int64_t begin); /* returns the time [s] since `begin` [ns] */
-int64_t clock_cpu_ns(void);          /* returns the processor time of this thread */
+/* Returns the time [s] that has passed since `begin`, a value of clock_ns(). */
+double clock_seconds(int64_t begin);
+int64_t clock_cpu_ns(void); /* Returns the processor time [ns] that the calling thread has used. */

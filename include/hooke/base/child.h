@@ -1,30 +1,36 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * base: work that runs in a process of its own, a copy of this one: what a foreign library crashes,
- * exhausts or never ends there is that copy, and nothing of it stays in this process.
+ * child: runs a function in a forked copy of this process and returns the bytes that it produced.
+ *
+ * Used for calls of foreign libraries: a crash, a memory leak or an endless loop of the library
+ * ends the copy and leaves this process unchanged. Describe the work in a struct child, then call
+ * child_run(), which blocks until the work has ended.
  */
 #pragma once
 
 #include <hooke/base/error.h>
 
+/* Description of the work; owned by the caller and not changed. */
 struct child {
-    /* Appends to `output`, or fails with an error. What else it changes is lost. */
+    /* Does the work in the copy: appends its result to `output` and returns true, or returns false
+     * with `error` set. Other changes of memory are lost. */
     bool (*work)(const void *context, struct buffer *output, struct error *error);
-    /* Returns true if the work is to be stopped. Called all the time, in both processes. NULL means
-     * that it is never stopped. */
+    /* Returns true if the work must stop; child_run() calls it every 20 ms. NULL means never. */
     bool (*stopped)(const void *context);
+    /* Argument of work() and stopped(). */
     const void *context;
-    const char *what; /* is not done if the process fails: "the picture could not be drawn" */
-    double patience;  /* [s] that the work may take */
+    const char *what; /* Beginning of the messages of failures: "the picture could not be drawn". */
+    double patience;  /* Time [s] without output after which the copy is killed. */
 };
 
 /*
- * Appends to `output` what the work appended there. False, `output` as it was: the work failed (its
- * own error), was stopped (ERROR_CANCELLED), or its process could not be started, crashed, was
- * killed or took too long (ERROR_IO, "<what>: <why>").
+ * Runs child->work() in a copy of this process and appends its output to `output`. Returns false,
+ * with `output` unchanged and `error` set, in these cases: the work failed (its own error);
+ * stopped() returned true (ERROR_CANCELLED); the process could not be started, crashed, was killed
+ * or took too long (ERROR_IO, "<what>: <reason>"); or memory ran out.
  *
- * The child has neither the terminal nor standard input and output, flushes no stream, calls no
- * atexit function, leaves no core, takes no signal of this process's terminal or handlers, and dies
- * with this process. For the caller's signals: all are blocked while the process is copied.
+ * The copy has no terminal and no standard streams, flushes no stream, calls no atexit function,
+ * writes no core file, has default signal handlers and dies with this process. All signals are
+ * blocked in the calling thread while the process is forked.
  */
 bool child_run(const struct child *child, struct buffer *output, struct error *error);

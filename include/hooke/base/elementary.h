@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Elementary functions that give the same bits on every machine: products, sums, quotients and
- * roots of doubles in one order, each rounded as IEEE 754 says, nothing of the C library's; a
- * fused multiply-add only where it rounds nothing. What enters steps of fixed size is made of
- * these.
+ * elementary: elementary functions that give the same bits on every machine. Everything that enters
+ * a step of fixed size uses these instead of the C library's.
  *
- * Within 0.9 units of the last place of the true value everywhere, with the special values of C11
- * annex F; errno and the exception flags are not theirs. For rounding to nearest.
+ * They consist of sums, products, quotients and square roots of doubles in a fixed order, each
+ * rounded as IEEE 754 requires; a fused multiply-add occurs only where its result is exact. The
+ * error is below 0.9 units in the last place, and special values are those of C11 annex F. They do
+ * not set errno, the exception flags are unspecified, and the rounding mode must be to nearest.
+ * Angles are in radians.
  */
 #pragma once
 
-/* Nothing but their arguments counts, and nothing is written. */
+/* The result depends on the arguments alone and nothing is written, so that compilers may merge
+ * calls. */
 #if defined(__GNUC__)
 #define FIXED_FUNCTION __attribute__((const)) double
 #else
@@ -35,8 +37,8 @@ FIXED_FUNCTION fixed_pow(double x, double y);
 FIXED_FUNCTION fixed_cbrt(double x);
 FIXED_FUNCTION fixed_hypot(double x, double y);
 
-/* Computes n sines at once, in vectors as wide as the machine has, with the same bits as
- * fixed_sin(). out may be x. */
+/* Compute results[i] = f(x[i]) for n values with the vector instructions of the machine, with the
+ * same bits as fixed_sin(), fixed_cos() and fixed_exp(). `results` may be equal to x. */
 void fixed_sines(int n, const double *x, double *results);
 void fixed_cosines(int n, const double *x, double *results);
 void fixed_exponentials(int n, const double *x, double *results);

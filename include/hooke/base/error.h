@@ -1,48 +1,52 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * error: what is said when a function fails.
+ * error: why a function failed, as a message for the user.
  *
- * A fallible function returns bool and fills a caller-owned error: a sentence for the user that
- * names the input and what is allowed. The values of the codes are the exit statuses of the
- * program.
+ * A function that can fail returns false or NULL and fills a struct error that its caller owns. On
+ * success the struct is left unchanged, so that it needs no initialisation before the call.
  */
 #pragma once
 
 #include <hooke/base/text.h>
 
+/* Kinds of failures; the values are exit statuses of the program. */
 enum error_code {
     ERROR_NONE = 0,
-    ERROR_COMMAND = 1,    /* the request makes no sense or is refused */
-    ERROR_USAGE = 2,      /* bad option, script not readable */
-    ERROR_NUMERICAL = 3,  /* diverged, did not converge */
-    ERROR_IO = 4,         /* no such data file, malformed data, cannot write */
-    ERROR_CANCELLED = 130 /* stopped by Ctrl-C */
+    ERROR_COMMAND = 1,    /* The command is wrong or is refused. */
+    ERROR_USAGE = 2,      /* An option is wrong or a script cannot be read. */
+    ERROR_NUMERICAL = 3,  /* The computation diverged or did not converge. */
+    ERROR_IO = 4,         /* A file is missing, malformed or cannot be written. */
+    ERROR_CANCELLED = 130 /* Stopped by Ctrl-C. */
 };
 
-/* Kinds of hints, from the least useful to the most. Whoever knows more replaces all but advice. */
+/* Kinds of hints in ascending usefulness: nothing, a list of valid names, a similar name, the usage
+ * of the command, advice for this case. A caller that knows more replaces any hint but advice. */
 enum hint_kind { HINT_NONE, HINT_LIST, HINT_GUESS, HINT_USAGE, HINT_ADVICE };
 
+/* A failure; owns all of its texts but `where`. */
 struct error {
     enum error_code code;
-    char text[600];    /* one sentence, lower case, no final full stop */
-    char hint[300];    /* advice on what to do, or "" */
-    struct text where; /* the part of the caller's input that is wrong; `at` is NULL if unknown */
-    /* The kind of name that was looked up and not found, such as "method", "" if it may be of any
-     * kind; NULL for all other errors. */
+    char text[600];    /* One sentence in lower case without a final full stop. */
+    char hint[300];    /* Advice on what to do, or "". */
+    struct text where; /* Slice of the caller's input that is wrong; `data` is NULL if unknown. */
+    /* Kind of the name that was looked up and not found, such as "method", or "" for any kind. NULL
+     * for all other errors. */
     const char *unknown;
-    /* HINT_GUESS if any part of the hint is a guess, else the kind of its first part */
+    /* Kind of the hint: HINT_GUESS if any part of it is a guess, else the kind of its first part.
+     */
     enum hint_kind hint_kind;
 };
 
-/* All return false, so that `return error_set(…)` reads well. */
+/* Sets code and text, and clears all other members. This function and those below return false, so
+ * that a caller can write `return error_set(…)`. */
 bool error_set(struct error *error, enum error_code code, const char *format, ...)
     PRINTF_LIKE(3, 4);
-/* The same with ERROR_COMMAND, and the place in the input. */
+/* Does the same with ERROR_COMMAND, and sets `where` to the wrong part of the input. */
 bool error_at(struct error *error, struct text where, const char *format, ...) PRINTF_LIKE(3, 4);
-/* Adds a hint to an error that is set already. */
+/* Appends a hint to an error that is set. */
 bool error_hint(struct error *error, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Adds the hint "usage: USAGE". */
+/* Appends the hint "usage: USAGE" and sets hint_kind to HINT_USAGE. */
 bool error_usage(struct error *error, const char *usage);
-bool error_memory(struct error *error); /* sets "out of memory" */
+bool error_memory(struct error *error); /* Sets "out of memory: nothing was changed". */
 /* Returns the name of a code in JSON: "command", "usage", "numerical", "io" or "cancelled". */
 const char *error_name(enum error_code code);

@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Bytes with names: what a file keeps of a struct, so that a program whose struct has grown, or has
- * its members in another order, still reads it. A field is one byte length of the name, the name,
- * four bytes length of the value, the value; numbers in the byte order of the machine.
+ * fields: structs saved as named fields, so that a program whose struct has more members, or
+ * another order of members, can still read the file.
+ *
+ * A field is the length of its name (1 byte), the name, the length of its value (4 bytes) and the
+ * value; numbers have the byte order of the machine. To write, call field_put(), field_text() and
+ * fields_put() in any order; a field that contains fields lies between field_begin() and
+ * field_end(). To read, look fields up by name. Texts that readers return are slices of the bytes
+ * read.
  */
 #pragma once
 
@@ -11,27 +16,33 @@
 
 struct catalog;
 
-/*
- * A member of a struct that has no pointers in it. A file may hold any bytes: bools have to be 0 or
- * 1, texts end, and where least < most numbers stand between them.
- */
+/* Describes one member of a struct for writing and reading; it must not contain pointers. Because a
+ * file may hold any bytes, readers accept only bools that are 0 or 1, texts that end within their
+ * member and, if least < most, numbers from `least` to `most`. */
 struct field {
+    /* Name of the field in files. */
     const char *name;
+    /* Offset and size [byte] of the member in its struct. */
     size_t offset, bytes;
+    /* Kind of the values; a plural stands for one value or an array of them. */
     enum field_kind {
+        /* Bytes without any check. */
         FIELD_BYTES,
         FIELD_BOOLS,
-        FIELD_TEXT, /* written without the zeros at its end */
+        FIELD_TEXT, /* Text in an array of char, written without the zeros at its end. */
         FIELD_INTS,
-        FIELD_UNSIGNED, /* enums, too */
+        FIELD_UNSIGNED, /* Unsigned integers and enums. */
         FIELD_INT64S,
         FIELD_UINT64S,
         FIELD_REALS,
-        FIELD_QUANTITY /* an enum quantity, in files by its name; one that is unknown is another */
+        /* An enum quantity, written by its name; an unknown name is read as QUANTITY_OTHER. */
+        FIELD_QUANTITY
     } kind;
+    /* Range of allowed numbers; any number is allowed unless least < most. */
     double least, most;
 };
 
+/* The enum field_kind for the type of a member. */
 #define FIELD_KIND(member)                                                                         \
     _Generic((member), bool                                                                        \
              : FIELD_BOOLS, bool *                                                                 \
@@ -46,7 +57,9 @@ struct field {
              : FIELD_REALS, double *                                                               \
              : FIELD_REALS, default                                                                \
              : FIELD_BYTES)
-/* Describes the member, whose numbers lie between least and most. `name` is its name in a file. */
+/* Initialisers of a struct field for a member of `type`. FIELD_CALLED_AS takes the field's name,
+ * the kind and the range; FIELD_CALLED derives the kind from the member's type; FIELD_IN takes the
+ * member's name as the field's; FIELD_OF has no range either. */
 #define FIELD_CALLED_AS(name, type, member, kind, least, most)                                     \
     {                                                                                              \
         name, offsetof(type, member), sizeof(((type *)0)->member), kind, least, most               \
@@ -57,47 +70,60 @@ struct field {
 #define FIELD_OF(type, member) FIELD_IN(type, member, 0, 0)
 #define FIELD_OF_QUANTITY(type, member) FIELD_CALLED_AS(#member, type, member, FIELD_QUANTITY, 0, 0)
 
+/* Writers append one field to `output`; a failed allocation sets output->failed. field_put() writes
+ * `bytes` bytes of any value. */
 void field_put(struct buffer *output, const char *name, const void *value, size_t bytes);
+/* Appends a field whose value is a text. */
 void field_text(struct buffer *output, const char *name, struct text value);
-/* One that holds fields: what is put between begin and end. Returns what end wants. */
+/* Begins a field whose value is everything that is appended before field_end(). Returns the
+ * position that field_end() needs. */
 size_t field_begin(struct buffer *output, const char *name);
+/* Ends the field that field_begin() began; `begun` is the value that it returned. */
 void field_end(struct buffer *output, size_t begun);
+/* Appends a field for each of the `count` described members of `object`. */
 void fields_put(struct buffer *output, const struct field *field, size_t count, const void *object);
 
-/* Finds a field; *value points into `text`. Returns false if it is missing or damaged. */
+/* Finds the first field of this name; *value is its slice of `text`. Returns false if it is missing
+ * or the bytes are damaged. */
 bool field_find(struct text text, const char *name, struct text *value);
-/* The next of the fields, which is taken off them. Returns false if there is no more. */
+/* Moves the first field of *text to *name and *value, both slices of it. Returns false if there is
+ * no further field or if it is damaged. */
 bool field_next(struct text *text, struct text *name, struct text *value);
-/* Exactly so many bytes, else false and *target as it was. */
+/* Copies the value of a field to `target`. Returns false, with *target unchanged, if the field is
+ * missing or does not have exactly `bytes` bytes. */
 bool field_get(struct text text, const char *name, void *target, size_t bytes);
-/* All of them, each as it may be, or false. */
+/* Reads all described members into `object`. Returns false if one is missing, has another length or
+ * has a value that is not allowed; members before it have then been changed. */
 bool fields_get(struct text text, const struct field *field, size_t count, void *object);
-/* Reads those that the file has in this length, each as it may be; others keep their values.
- * Returns false if one that it has cannot be. */
+/* Reads those described members that the file has with the right length; others keep their values.
+ * Returns false if one has a value that is not allowed. */
 bool fields_get_known(struct text text, const struct field *field, size_t count, void *object);
-/* Returns true if each of the values that were read is within its limits. */
+/* Returns true if the values of all described members of `object` are allowed. */
 bool fields_sound(const struct field *field, size_t count, const void *object);
 
-/*
- * Positions of a catalog's rows in arrays of a file that has one item per row. A program whose
- * catalog has grown, or has another order, finds its own rows by their names.
- */
+/* Maps rows of a catalog to items of an array in a file that has one item per row. The file lists
+ * the names of its rows, so that a program whose catalog has more rows, or another order, finds
+ * them. Made by field_find_places(), used by field_get_placed(). */
 struct field_places {
-    int rows, count;             /* length of the catalog; number of items in the file */
-    int index[LIMIT_PARAMETERS]; /* [rows] position in the file, or -1 if the file has none */
-    int row[LIMIT_PARAMETERS];   /* [count] of an item in the file; -1 if there is no such row */
+    int rows, count; /* Number of rows of the catalog, and of items in the file. */
+    /* [rows] index of the row's item in the file, or -1 if the file has none. */
+    int index[LIMIT_PARAMETERS];
+    /* [count] index of an item's row in the catalog, or -1 if the catalog has none. */
+    int row[LIMIT_PARAMETERS];
 };
 
-/* Writes the names that arrays are counted by, as a field of that name. */
+/* Appends a field with the names of all rows of the catalog, each ended by a NUL. */
 void field_put_names(struct buffer *output, const char *name, const struct catalog *catalog);
-/* Finds the rows among names that end with a NUL each. Returns false if these are damaged. */
+/* Fills *places from the value of such a field. Returns false if it is damaged or has too many
+ * names. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places);
-/* Copies the items that the file has to the rows [rows], others keep their values. Returns false,
- * and copies nothing, if the array is missing or has another length. */
+/* Copies the items, `item` bytes each, of an array in the file to target[rows], at the indices of
+ * their rows; rows that the file does not have keep their values. Returns false, and copies
+ * nothing, if the array is missing or has another length. */
 bool field_get_placed(struct text text, const char *name, const struct field_places *places,
                       void *target, size_t item);
 
-/* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
- */
+/* Returns a checksum of bytes. Different contents have the same sum with probability 2^-64; it is
+ * no protection against intent. */
 uint64_t bytes_sum(struct text bytes);

@@ -1,114 +1,145 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * file: files and folders that are read, written whole, or appended to.
+ * file: reads files, writes files and folders that appear only when they are complete, and appends
+ * to files.
  *
- * Reading appends the whole file, up to `limit` bytes, from regular files, pipes and links. A
- * failure leaves `content` unchanged; a signal ends the reading with ERROR_CANCELLED (its handler
- * must be installed without SA_RESTART). Writing goes to an unnamed temporary file in the same
- * folder, which writer_commit puts in place after flush, fsync and close have all succeeded. An
- * existing name is refused without `force`; a link, a directory or a device is never written
- * through. A killed program leaves the old file or none.
+ * A file is read by file_read(), and written by writer_open(), any number of writer_put(), then
+ * writer_commit() or writer_abandon(). The bytes go to a temporary file in the same folder, which
+ * gets its name after flush, fsync and close have all succeeded. An existing name is refused
+ * without `force`; a symbolic link, a directory or a device is never written through. A killed
+ * program leaves the old file or none. A folder is written by folder_open(), folder_put() for each
+ * file, then folder_commit() or folder_abandon(). A file is appended to by append_open(),
+ * append_lines() and close().
  */
 #pragma once
 
 #include <hooke/base/error.h>
 
+/* Appends a file of at most `limit` bytes to `content`; pipes, devices and links are read, too.
+ * Returns false, with `content` unchanged and `error` set, if that fails. A signal ends the reading
+ * with ERROR_CANCELLED if its handler was installed without SA_RESTART. */
 bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error);
 
-/* Looks at what is read, as it comes in, so that a file that is not wanted costs no more than its
+/* Callback that sees a file while it is read, so that an unwanted file is given up after its
  * beginning. */
 struct read_watch {
+    /* Argument of look(). */
     void *context;
-    /* Is called after every piece with what has been read, where the piece begins, and the size
-     * [byte] of the file, 0 if it is not known. Returns false with `error` set to stop. */
+    /* Called after every piece of at most 16 kB. `content` is everything read so far, piece_begin
+     * the offset [byte] of the last piece in it, `size` the size [byte] of the file, or 0 if
+     * unknown. Returns false with `error` set to stop reading. */
     bool (*look)(void *context, struct text content, size_t piece_begin, uintmax_t size,
                  struct error *error);
-    /* Time [ns] within which a pipe or a device has to end, unless it is fast. 0 means any time. */
+    /* Time [ns] after which the reading of a pipe or a device fails, unless more than 64 kB have
+     * arrived by then. 0 means that there is no such limit. */
     int64_t patience;
-    bool grew;    /* is set if the file grew meanwhile; `content` is what it held at first */
-    bool endless; /* is set if it did not end in time */
+    /* Set to true if the file grew while it was read; `content` then has its first length. */
+    bool grew;
+    bool endless; /* Set to true if the reading failed because of `patience`. */
 };
 
-/* This path stands for standard input, whatever that is. */
+/* Path by which file_read() reads standard input. */
 #define STANDARD_INPUT "/dev/stdin"
 
-/* Does the same as file_read(), with a watch. */
+/* Does the same as file_read() and calls watch->look(); `watch` may be NULL. */
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error);
 
-#define STRAY_NAME_SIZE 256 /* [byte] of a hidden name */
-/* Marks of a file that is to replace another, and of one that is to be removed then. */
+#define STRAY_NAME_SIZE 256 /* Size [byte] of a hidden temporary name with its NUL. */
+/* Marks in hidden names: of a file that will replace another, and of one that will be removed. */
 enum { STRAY_NEW = '.', STRAY_OLD = '~' };
 
-/* Makes a hidden name: ".hooke-", a random number, `mark`, and as much of `base` as fits. The file
- * stands beside the one it replaces, and is locked while it is written. */
+/* Makes the name of a temporary file: ".hooke-", a random number, `mark`, and as much of `base` as
+ * fits. Such a file lies in the folder of the file that it replaces and is locked while it is
+ * written. Returns false, with errno set, if there are no random numbers. */
 bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark);
-/* Removes files with such names that killed programs have left in a folder. */
+/* Removes temporary files and folders that killed programs have left in the folder `path`. Failures
+ * are ignored. */
 void strays_sweep_path(const char *path);
 
+/* A file that is being written. writer_commit() and writer_abandon() free all that it owns. */
 struct writer {
-    int fd, folder;                  /* -1 if closed */
-    char *path;                      /* as the user gave it */
-    char *base;                      /* last component (points into path) */
-    char temporary[STRAY_NAME_SIZE]; /* name in the folder, "" while unnamed */
+    /* Descriptors of the file and of its folder, -1 if closed. */
+    int fd, folder;
+    char *path; /* Path as given by the user; owned. */
+    char *base; /* Last component of the path; points into `path`. */
+    /* Name of the temporary file in the folder, or "" if it has no name yet. */
+    char temporary[STRAY_NAME_SIZE];
+    /* An existing file may be replaced; a write has failed. */
     bool force, failed;
-    char *chunk; /* write-behind buffer */
+    char *chunk; /* Buffer of bytes not yet written, of which `used` are filled; owned. */
     size_t used;
-    int failure; /* errno of the first failure */
+    int failure; /* errno of the first failed write, or 0. */
 };
 
+/* Rules for writing. All false is the default. */
 struct write_policy {
-    bool force;   /* replace an existing regular file */
-    bool confine; /* only below the current directory (--safe) */
-    bool refuse;  /* write nothing at all */
-    bool secret;  /* make a folder that only the user can open */
+    bool force;   /* An existing regular file, or folder of one's own files, may be replaced. */
+    bool confine; /* Only names below the current directory are allowed (option --safe). */
+    bool refuse;  /* Nothing may be written: opening always fails. */
+    bool secret;  /* A new folder gets access rights for the user alone. */
 };
 
+/* Opens a temporary file that will become `path`. Returns false, with `error` set and nothing to
+ * close, if the policy or the file system does not allow it. */
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
                  struct error *error);
-/* Appends text; writer_commit() reports a failure. */
+/* Appends text. Does nothing after a failure, which writer_commit() reports. */
 void writer_put(struct writer *writer, struct text text);
-bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
+/* Completes the file, gives it its name and frees the writer. Returns false, with `error` set and
+ * no new file, on any failure. */
+bool writer_commit(struct writer *writer, struct error *error);
+/* Removes the temporary file and frees the writer. Does nothing if it is not open. */
 void writer_abandon(struct writer *writer);
-/* Opens, writes and commits a file. */
+/* Writes a whole file: writer_open(), writer_put() and writer_commit(). Returns false with `error`
+ * set. */
 bool file_write(const char *path, struct text content, struct write_policy policy,
                 struct error *error);
 
-/* Writes all of *text, also after signals and partial writes. Returns 0, or an errno with what is
- * left in *text. */
+/* Writes all of *text to a descriptor, continuing after signals and partial writes. Returns 0, or
+ * an errno with the unwritten remainder in *text. */
 int file_put(int fd, struct text *text);
-/* Locks a whole file for this process until it is closed. wait: for up to 0.2 s, or a signal, if
- * another process holds it. Returns false if it is locked. */
+/* Locks a file for this process until it is closed. With `wait`, another process's lock is waited
+ * for, at most 0.2 s and until a signal. Returns false if the file is not locked. */
 bool file_lock(int fd, bool wait);
+/* Releases the lock of file_lock(). */
 void file_unlock(int fd);
 
-/*
- * Opens a file that grows by whole lines, never through a link, a pipe or a device. `mode` holds
- * the access rights of a new file. Returns its descriptor, or -1 with `error` set.
- */
+/* Opens or creates a file to which whole lines are appended; links, pipes and devices are refused.
+ * `mode` holds the access rights of a new file. Returns its descriptor, which the caller closes, or
+ * -1 with `error` set. */
 int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error);
-/* Appends lines; sync: waits until they are on the disk. Returns false with the file as it was and
- * `error` set, which does not name the file. */
+/* Appends lines, after a newline if the file ends in an incomplete line; with `sync`, waits until
+ * they are on the disk. Returns false with `error` set, whose message does not name the file; what
+ * was written is removed again unless somebody else has written since. */
 bool append_lines(int fd, struct text lines, bool sync, struct error *error);
 
-/*
- * A folder of files that is written whole or not at all: it is filled under a hidden name, and
+/* A folder of files that appears only when it is complete: it is filled under a hidden name, and
  * folder_commit() renames it after every file is on the disk. An existing folder is replaced only
- * with `force`, and only if it holds nothing but regular files for whose names `own` returns true.
- * A killed program leaves the old folder, the new one or none, and perhaps a hidden one, which the
- * next folder_open() beside it removes or puts back.
- */
+ * with `force`, and only if all it contains are regular files for whose names `own` returns true. A
+ * killed program leaves the old folder, the new one or none, and perhaps a hidden one, which the
+ * next folder_open() in the same parent removes or renames back. */
+
+/* Returns true if a file of this name may be deleted together with its folder. */
 typedef bool folder_owns(const char *name);
 
+/* A folder that is being filled. folder_commit() and folder_abandon() free all that it owns. */
 struct folder {
-    struct writer writer; /* destination */
-    int fd;               /* -1 if closed */
+    struct writer writer; /* Path of the folder and its hidden name. */
+    int fd;               /* descriptor of the hidden folder, -1 if closed */
+    /* Decides which files of an existing folder may be replaced. */
     folder_owns *own;
 };
 
-/* Trailing slashes in the path do not matter. */
+/* Makes the hidden folder that will become `path`, whose trailing slashes are ignored. Returns
+ * false, with `error` set and nothing to close, if that is not allowed or fails. */
 bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
                  folder_owns *own, struct error *error);
+/* Writes a file in the folder; `name` must be new. Returns false with `error` set; the folder stays
+ * open. */
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error);
-bool folder_commit(struct folder *folder, struct error *error); /* closes in every case */
+/* Gives the folder its name and frees the struct. Returns false, with `error` set and no new
+ * folder, on any failure. */
+bool folder_commit(struct folder *folder, struct error *error);
+/* Removes the hidden folder with its files and frees the struct. Does nothing if it is not open. */
 void folder_abandon(struct folder *folder);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of a folder that are written in parts. */
+/* folder_file: writes a file of a new folder (struct folder of <hooke/base/file.h>) piece by piece.
+ */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -7,7 +8,8 @@
 struct folder;
 struct writer;
 
-/* Opens a new file of a folder that is being filled; writer_commit() ends it. Returns false with an
- * error if it cannot be made. */
+/* Opens a new file of a folder that folder_open() has opened. Append with writer_put(), and end
+ * with writer_commit() before folder_commit(). Returns false with `error` set if the file cannot be
+ * created or if out of memory. */
 bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
                       struct error *error);

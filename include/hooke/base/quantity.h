@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* quantity: kinds of numbers, as mass and length, and measured numbers. */
+/* quantity: physical quantities as an enum, and numbers with uncertainties. Units and names of
+ * quantities are in <hooke/base/unit.h>. */
 #pragma once
 
+/* Physical quantity of a number. */
 enum quantity {
+    /* A pure number without a unit. */
     QUANTITY_NUMBER,
     QUANTITY_LENGTH,
     QUANTITY_MASS,
@@ -10,7 +13,9 @@ enum quantity {
     QUANTITY_FORCE,
     QUANTITY_STIFFNESS,
     QUANTITY_CUBIC_STIFFNESS,
+    /* Damping per mass, growth rates: 1/s. */
     QUANTITY_RATE,
+    /* Coefficient of linear drag: kg/s. */
     QUANTITY_MASS_RATE,
     QUANTITY_VELOCITY,
     QUANTITY_ACCELERATION,
@@ -24,11 +29,12 @@ enum quantity {
     QUANTITY_ENERGY,
     QUANTITY_POWER,
     QUANTITY_VOLTAGE,
+    /* Any other quantity: its unit is unknown, so that nothing is converted. */
     QUANTITY_OTHER,
     QUANTITY_COUNT
 };
 
-/* A measured number. Its uncertainty is one standard uncertainty, >= 0, or NAN if unknown. */
+/* A value in SI units with its standard uncertainty, which is >= 0, or NAN if unknown. */
 struct measured {
     double value, uncertainty;
 };

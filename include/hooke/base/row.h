@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* row: the beginning of each row of a table that users choose from by name. */
+/* row: the first member of every struct that is a row of a catalog (<hooke/base/catalog.h>). Texts
+ * are constants of the program, or live as long as the table. */
 #pragma once
 
 struct row {
-    const char *name;     /* word that users type */
-    const char *unit;     /* unit of its value, "" if none */
-    const char *brief;    /* one line for lists */
-    const char *citation; /* author year equation, or "" */
-    const char *alias;    /* other names, separated by blanks, or NULL */
+    const char *name;     /* Word that users type. */
+    const char *unit;     /* Unit of the row's value, such as "kg", or "" if it has none. */
+    const char *brief;    /* Description in one line, for lists and completion. */
+    const char *citation; /* Source as "Author Year, equation", or "". */
+    const char *alias;    /* Other names that find the row, separated by blanks, or NULL. */
 };

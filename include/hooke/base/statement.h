@@ -1,25 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* statement: how a line is cut into statements, words and names. */
+/* statement: splits lines of the command language into statements, words, names and quoted strings,
+ * without knowing any command. All results are slices of the text passed in. */
 #pragma once
 
 #include <hooke/base/error.h>
 
-/* Moves the next statement from *line to *statement and drops comments. Returns false if nothing is
- * left, with `error` set if a quoted string does not end. */
+/* Moves the next statement of *line, up to `;` or a comment, to *statement without its outer
+ * blanks; a comment is removed from *line. An empty line gives an empty statement. Returns false,
+ * with `error` set, if a quoted string is not closed. */
 bool next_statement(struct text *line, struct text *statement, struct error *error);
-/* Returns true for letters and the underscore, with which names begin. */
+/* Returns true for ASCII letters and the underscore, with which names begin. */
 bool is_name_start(char c);
-/* Returns true for what names consist of: letters, digits and the underscore. */
+/* Returns true for the characters of names: ASCII letters, digits and the underscore. */
 bool is_name_char(char c);
-/* Moves the beginning of the text beyond its leading blanks, ends of lines too. */
+/* Removes leading blanks, tabs and ends of lines from *text. */
 void text_skip_blanks(struct text *text);
-/* Returns what follows the first `count` bytes and the blanks behind them. */
+/* Returns the text after its first `count` bytes and the blanks that follow them; count <=
+ * text.len. */
 struct text text_behind(struct text text, size_t count);
-/* Returns the word at the start, up to a blank, quote, semicolon or one of `stops`. */
+/* Returns the word at the start of the text: everything before the first blank, string, semicolon
+ * or character of `stops`. May be empty. */
 struct text peek_word(struct text text, const char *stops);
-/* Returns the name at the start: a letter, then letters, digits, _ and -; empty if there is none.
- */
+/* Returns the name at the start of the text: a letter or underscore, then letters, digits,
+ * underscores and hyphens between them. Empty if there is none. */
 struct text peek_name(struct text text);
-/* Returns the length [byte] of the string that starts at text.at[0], with both quotes, or 0 if it
- * does not end. */
+/* Returns the length [byte], both quotes included, of the quoted string that begins the text, or 0
+ * if it is not closed. text.data[0] must be the quote. */
 size_t text_quoted(struct text text);

@@ -1,49 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * unit: quantities and their units.
- *
- * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity
- * and has a factor to SI.
- */
+/* unit: the table of units, their conversion to SI, and quantities written with a unit. A unit
+ * belongs to one quantity (mass, length …, <hooke/base/quantity.h>) and has a factor to SI. */
 #pragma once
 
 #include <hooke/base/catalog.h>
 #include <hooke/base/quantity.h>
 
+/* A row of unit_catalog. */
 struct unit {
-    struct row row; /* name ("cm") and, as its unit, the SI name ("m") */
+    struct row row; /* Name ("cm"); its unit is the SI unit ("m"). */
+    /* Quantity that the unit measures. */
     enum quantity quantity;
-    double factor; /* value in SI = number * factor, up to rounding: convert with unit_convert */
+    /* SI value = number * factor but for rounding; unit_convert() is exact for decimal factors. */
+    double factor;
+    /* Use of the unit for display. */
     enum unit_use {
-        UNIT_READ,  /* understood, never chosen for display */
-        UNIT_SHOWN, /* chosen for display by size */
-        UNIT_HOME   /* chosen by size, and for zero */
+        UNIT_READ,  /* Read from input, never chosen for display. */
+        UNIT_SHOWN, /* Chosen for display if the value has a suitable size. */
+        UNIT_HOME   /* As UNIT_SHOWN, and for the value zero. */
     } use;
 };
 
+/* All units. Those of one quantity that are displayed follow each other from the largest to the
+ * smallest. */
 extern const struct catalog unit_catalog;
+/* Returns unit i of the catalog, 0 <= i < unit_catalog.count. */
 const struct unit *unit_at(size_t i);
-const struct unit *unit_from(const struct row *row); /* row has to be one of the catalog's */
+/* Returns the unit whose struct row this is; the row must be in unit_catalog. */
+const struct unit *unit_from(const struct row *row);
 
-const char *quantity_name(enum quantity quantity); /* returns "mass" */
-/* Returns how often a position or an angle is differentiated to give this quantity: 0, 1 or 2; -1
- * if it is not of a motion. */
+const char *quantity_name(enum quantity quantity); /* Returns the English name, such as "mass". */
+/* Returns how many times a position or an angle is differentiated by time to give this quantity: 0,
+ * 1 or 2, or -1 for any other quantity. */
 int quantity_order(enum quantity quantity);
-const char *quantity_article(enum quantity quantity); /* "a" mass, "an" angle */
-const char *quantity_unit(enum quantity quantity);    /* SI unit "kg", "" for a pure number */
-void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */
-/* Returns the longest unit at the start of the text that no letter follows, or NULL. */
+/* Returns the article of the name: "a" (mass) or "an" (angle). */
+const char *quantity_article(enum quantity quantity);
+/* Returns the SI unit, such as "kg", or "" for a pure number and QUANTITY_OTHER. */
+const char *quantity_unit(enum quantity quantity);
+/* Appends the units that unit_convert() accepts for the quantity: "kg, g, mg". */
+void quantity_units(enum quantity quantity, struct buffer *names);
+/* Returns the longest unit at the start of the text that is not followed by a letter or digit, or
+ * NULL. */
 const struct unit *unit_match(struct text text);
-const struct unit *unit_find(struct text name); /* returns NULL if no unit has this name */
-/*
- * Converts a number in `unit` to SI. Returns false if the unit does not fit the quantity: units of
- * the same quantity do, and Hz for rad/s or back, by 2 pi. Decimal factors are exact: 5.7 cm gives
- * the double nearest to 0.057.
- */
+/* Returns the unit with this name or alias, or NULL if there is none. */
+const struct unit *unit_find(struct text name);
+/* Converts a number in `unit` to SI units. Returns false, with *si unchanged, if the unit does not
+ * measure the quantity `wanted`; Hz and rad/s are converted to each other with the factor 2 pi.
+ * Decimal factors are exact: 5.7 cm gives the double nearest to 0.057. */
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si);
-/* Returns the unit that shows `value` [SI] with 1 to 999 before the point, if there is one: g for
- * 0.2 kg, cm for 0.05 m. */
+/* Returns the unit in which `value` [SI] has 1 to 999 before the decimal point if there is one,
+ * such as g for 0.2 kg, else the nearest one. Returns NULL for a quantity without displayed units.
+ */
 const struct unit *unit_display(enum quantity quantity, double value);
-/* Appends the value [SI] with a unit that suits it, such as "200 g", to `digits` significant
- * digits. With 0 digits it writes as many as are needed to read the same value back. */
+/* Appends a value [SI] in the unit that unit_display() chooses, such as "200 g", with `digits`
+ * significant digits. With 0 digits it appends as many as are needed to read the same double back.
+ */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* result: where the text of a table goes, for functions that write one. */
+/* outlet: the destination of a table's text, for functions of type table_format
+ * (<hooke/result/table.h>). For each row they call outlet_goes_on(), append the row to outlet->text
+ * and call outlet_pass(), so that a large table is written in pieces. */
 #pragma once
 
 #include <hooke/base/cancel.h>
@@ -7,17 +9,20 @@
 
 struct writer;
 
-#define OUTLET_CHUNK 65536u /* [byte] */
+#define OUTLET_CHUNK 65536u /* Size [byte] of the pieces in which a table is written. */
 
+/* Destination of a table's text; not an owner of what it points to. */
 struct outlet {
+    /* Text that has not been passed to the writer. */
     struct buffer *text;
-    struct writer *writer; /* NULL if everything stays in `text` */
+    /* File that receives the text, or NULL if all of it remains in `text`. */
+    struct writer *writer;
 };
 
-#define OUTLET_ROWS 4096 /* rows from one look at the cancel flag to the next */
+#define OUTLET_ROWS 4096 /* Number of rows between two calls of cancelled(). */
 
-/* Looks at the cancel flag; called before each row. Returns false if writing has ended, in which
- * case the text fails. */
+/* Returns false if no further row is to be written, because table->cancel was set (which marks the
+ * text as failed) or memory ran out. Call it before each row. */
 static inline bool outlet_goes_on(struct outlet *sink, const struct table *table, size_t row)
 {
     if (row % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel))
@@ -25,10 +30,11 @@ static inline bool outlet_goes_on(struct outlet *sink, const struct table *table
     return !sink->text->failed;
 }
 
-/* Passes the text on to the writer, all of it, if it is longer than `max` bytes. */
+/* Moves the whole text to the writer, if there is one and the text is longer than `max` bytes. */
 void outlet_pass(struct outlet *sink, size_t max);
-/* Returns true if a spreadsheet would run the cell, or would run it without its leading '. */
+/* Returns true if a spreadsheet would execute the cell as a formula, also after leading
+ * apostrophes. */
 bool cell_is_formula(struct text cell);
-/* Appends a cell of CSV or TSV: in quotes if wanted, or if it holds a separator, a quote or a line
- * end. */
+/* Appends a cell of CSV or TSV, in quotes if `quoted` or if it contains the separator, a quote or a
+ * line end. */
 void buffer_cell(struct buffer *output, struct text cell, char separator, bool quoted);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables of results, their files, and the last of each kind. */
+/* table: tables of columns (struct table), their text in CSV, TSV and JSON, and the last table of
+ * each kind of result (struct table_store). */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -10,84 +11,108 @@ struct writer;
 
 /* ---- tables ---- */
 
+/* A column of numbers or of texts; the table's creator owns all that it points to. */
 struct table_column {
+    /* Name, and unit or "". */
     const char *name, *unit;
-    const double *value; /* [rows], or NULL and `text` */
+    const double *value; /* [rows] numbers, NAN for a missing one; NULL for a column of texts. */
+    /* [rows] texts, if `value` is NULL. */
     const char *const *text;
-    bool detail; /* left out of documents; meant for programs */
+    bool detail; /* Left out of documents (.md, .html, .tex), because it is meant for programs. */
 };
 
+/* A fact about the whole table, written above it. */
 struct table_key {
-    const char *key, *value; /* "dt", "10 ms" */
+    const char *key, *value; /* Name and value, such as "dt" and "10 ms". */
 };
 
+/* A table. All pointers belong to its creator, often an arena. */
 struct table {
-    const struct table_key *key; /* written as `# key = value` lines, or as an object in JSON */
+    /* [keys] written as lines `# key = value`, or as an object in JSON. */
+    const struct table_key *key;
     int keys;
+    /* [columns] columns, each with `rows` cells. */
     const struct table_column *column;
     int columns;
     size_t rows;
-    const struct cancel *cancel; /* ends its writing; NULL if nobody can */
-    int digits; /* that documents show of a number that is not whole; 0 shows all */
+    const struct cancel *cancel; /* Flag that stops writing it, or NULL. */
+    int digits; /* Significant digits of numbers other than integers in documents; 0 shows all. */
 };
 
-/* Returns the column of that name, or NULL if name is NULL or no column is called so. */
+/* Returns the column of this name, or NULL if there is none or if name is NULL. */
 const struct table_column *table_column_named(const struct table *table, const char *name);
 
-/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
- * be a formula or contain the separator are quoted. */
-struct outlet; /* hooke/result/outlet.h */
+/* Formats of a table as text. Every double reads back with the same bits; the decimal point is `.`
+ * and lines end with a newline in every locale. Texts that could be a formula are quoted and
+ * preceded by an apostrophe. */
+struct outlet; /* <hooke/result/outlet.h> */
+/* Writes a table to an outlet. */
 typedef void table_format(const struct table *table, struct outlet *outlet);
-table_format table_csv, table_tsv, table_json; /* others are those of modules */
+table_format table_csv, table_tsv, table_json; /* Modules define further formats. */
+/* Appends a table to `output`; a failure or a stop sets output->failed. */
 void table_put(const struct table *table, table_format *format, struct buffer *output);
+/* Writes a table to a new file. Returns false with `error` set, also if table->cancel was set. */
 bool table_write(const struct table *table, table_format *format, const char *path,
                  struct write_policy policy, struct error *error);
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
-                struct error *error); /* The open file is always closed. */
+                /* Writes a table to an open file and commits it. Returns false, with `error` set
+                 * and the file abandoned, on failure; the writer is closed in every case. */
+                struct error *error);
 /* Returns true if the text begins as a table in CSV, TSV or JSON that has keys. */
 bool table_recognise(struct text text);
-/* Reads such a text back, with the same doubles and texts. Fails with ERROR_IO if it is damaged.
- * The table keeps `cancel`, too. */
+/* Reads such a text into *table, whose memory is the arena's, with the same doubles and texts.
+ * Returns false, with ERROR_IO, if the text is damaged, or ERROR_CANCELLED. The table keeps the
+ * pointer `cancel`. */
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
                  struct table *table, struct error *error);
 void buffer_json_text(struct buffer *output,
-                      struct text text);                    /* quoted and escaped, valid UTF-8 */
-void buffer_json_real(struct buffer *output, double value); /* null where not finite */
+                      struct text text); /* Appends a text as a JSON string in valid UTF-8. */
+/* Appends a number as JSON, null if it is not finite. */
+void buffer_json_real(struct buffer *output, double value);
 
-/* ---- tables by kind ----
+/*
+ * ---- tables by kind: the last result of each kind, such as "compare" or "sweep" ----
  *
- * The last result of each kind. Records become rows of such tables: a field is a column, those of
- * objects and arrays are called by their path, "halves.gamma.1"; of an object in an array its name
- * stands for the number, where "name" is its first field. */
+ * Records become rows of such tables. A field is a column; fields of nested objects and arrays are
+ * named by their path, "halves.gamma.1", in which an object of an array appears by its field
+ * "name", if that is its first one, instead of its number.
+ */
 
-struct column_growth; /* Columns of a table that grows; private. */
+struct column_growth; /* Columns of a table while records are added to it; private. */
 
+/* The last table of one kind; owns its memory. */
 struct stored_table {
-    const char *kind; /* "compare"; lives as long as the arena, or longer */
+    const char *kind; /* Kind, such as "compare"; in the arena or a constant. */
+    /* Owner of the table. */
     struct arena arena;
     struct table table;
-    struct column_growth *growth; /* NULL if the table is complete: records add nothing to it */
+    /* State of a table to which records are still added; NULL if it is complete. */
+    struct column_growth *growth;
 };
 
+/* Tables by kind; zero-initialise it, and end with table_store_free(). */
 struct table_store {
-    struct stored_table **table; /* [count] allocated */
+    struct stored_table **table; /* [count] tables, owned. */
     int count;
-    /* the table that takes the cells of the present record; private */
+    /* Table to which the current record is added; private. */
     struct stored_table *row;
 };
 
+/* Frees all tables. */
 void table_store_free(struct table_store *store);
-/* Returns NULL if there is none */
+/* Returns the table of this kind, or NULL if there is none. */
 struct stored_table *table_store_find(const struct table_store *store, struct text kind);
-/* Stores a complete table, which replaces that of the same kind, and takes over the arena that it
- * lives in. Returns false if out of memory, with nothing changed. */
+/* Stores a complete table in place of the one of the same kind and takes over its arena, which is
+ * then empty. Returns false, with nothing changed, if out of memory. */
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
                      const struct table *table);
-/* Takes over those that are wanted, in the place of those of the same kind; `source` is empty then.
- * wanted() may add keys to the table. Without memory a table is lost. */
+/* Completes the tables of `source` and moves those for which wanted() returns true to `store`, in
+ * place of those of the same kind; the others are freed and `source` is emptied. wanted() may add
+ * keys to a table. A table for which there is no memory is dropped. */
 void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context);
-/* Collect a record: reply_begin() to reply_end() call these. */
+/* Called by reply_begin() to reply_end() to add a record as a row: begin, one call for each field,
+ * end. A failed allocation drops the table later. */
 void store_row_begin(struct table_store *store, const char *kind);
 void store_cell_none(struct table_store *store, const char *name);
 void store_cell_real(struct table_store *store, const char *name, const char *unit, double value);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Dimensions of expressions whose numbers carry units: powers of the base units. */
+/* dimension: dimensional analysis of expressions whose numbers carry units (y0 + 1 cm): a dimension
+ * is a product of powers of base units. The compiler of expressions computes it operation by
+ * operation and refuses sums of different dimensions. Cycles (Hz) and radians (rad/s) are kept
+ * apart and converted by 2 pi. */
 #pragma once
 
 #include <hooke/base/quantity.h>
@@ -7,68 +10,80 @@
 
 struct unit;
 
+/* Base units; their powers are real numbers, because of square roots. */
 enum dimension_base {
     BASE_KILOGRAM,
     BASE_METRE,
     BASE_SECOND,
     BASE_VOLT,
-    BASE_RADIAN, /* counts only beside numbers and cycles: arc lengths are metres all the same */
-    BASE_CYCLE,  /* Hz is one a second, rad/s is 1/(2 pi) of it */
-    BASE_PI,     /* pi as a factor: times cycles it is in radians, radians over it are cycles */
+    /* Angle; distinguished only from pure numbers and from cycles, since arc lengths are in metres.
+     */
+    BASE_RADIAN,
+    BASE_CYCLE, /* Cycle: Hz is 1 cycle per second, and 1 cycle is 2 pi radians. */
+    /* The number pi as a factor: cycles times pi are radians, radians divided by pi are cycles. */
+    BASE_PI,
     DIMENSION_BASES
 };
 
+/* Knowledge about the dimension of an expression. */
 enum dimension_kind {
-    DIMENSION_BARE,    /* numbers without a unit: beside a name they count in its SI unit */
-    DIMENSION_UNKNOWN, /* names whose quantity is unknown fit everything */
-    DIMENSION_MIXED,   /* sums of names that are not alike: nothing with a unit fits them */
+    DIMENSION_BARE,    /* Numbers without a unit: added to a name they are in its SI unit. */
+    DIMENSION_UNKNOWN, /* Contains a name whose quantity is unknown: fits everything. */
+    DIMENSION_MIXED,   /* Sum of names of different dimensions: nothing with a unit fits it. */
+    /* Given by the powers. */
     DIMENSION_KNOWN
 };
 
+/* Dimension of an expression, a plain value. */
 struct dimension {
     enum dimension_kind kind;
+    /* Powers of the base units. */
     double power[DIMENSION_BASES];
-    const struct unit *unit; /* the first that was typed; NULL if none was */
+    /* First unit in the expression, or NULL if it has none; a row of unit_catalog. */
+    const struct unit *unit;
+    /* It contains a name. */
     bool has_name;
-    bool is_single; /* a name, or a number or parenthesis with its unit: nothing was computed */
-    /* result of a product or a power, whose cycles may have been made radians by hand */
+    /* It is a single name, or a number or parenthesis with its unit: nothing was computed. */
+    bool is_single;
+    /* It is a product or a power, in which the user may have converted cycles to radians (6.28*2
+     * Hz). */
     bool is_product;
 };
 
-/* Returns the dimension of a name of this quantity; QUANTITY_OTHER is unknown. */
+/* Returns the dimension of a name of this quantity; QUANTITY_OTHER gives DIMENSION_UNKNOWN. */
 struct dimension dimension_of_name(enum quantity quantity);
 /* Returns the dimension of the number pi. */
 struct dimension dimension_of_pi(void);
 /* Returns the dimension of a number or a parenthesis with its unit. */
 struct dimension dimension_of_unit(const struct unit *unit);
-/* a b, or a / b. */
+/* Returns the dimension of the product a b, or of the quotient a / b. */
 struct dimension dimension_product(const struct dimension *a, const struct dimension *b,
                                    bool divides);
+/* Returns the dimension of a to the power of `exponent`. */
 struct dimension dimension_power(const struct dimension *a, double exponent);
-/* Returns true if no power of kg, m, s and V is left. */
+/* Returns true if the powers of kg, m, s and V are 0. */
 bool dimension_is_pure(const struct dimension *a);
-/* Returns true if a unit was typed and cycles are left that pi did not make radians. */
+/* Returns true if the expression contains a unit and a positive power of cycles that no factor pi
+ * has converted to radians. */
 bool dimension_counts_cycles(const struct dimension *a);
-/*
- * Finds the dimension of a sum. Returns false if the two differ although a unit was typed in one of
- * them; numbers without a unit fit names, not numbers with one. *turns: b is to be multiplied by
- * (2 pi)^turns, -1, 0 or 1, as of Hz beside rad/s. Products are not converted, as 6.28*2 Hz could
- * be either, and a rate beside Hz could be in radians: these do not add.
- */
+/* Computes the dimension of a + b. Returns false if they differ and one of them contains a unit;
+ * numbers without a unit can be added to names, but not to numbers with a unit. *turns tells that b
+ * has to be multiplied by (2 pi)^turns, -1, 0 or 1, as for Hz added to rad/s. Returns false, too,
+ * where the factor is ambiguous: products (6.28*2 Hz), and rates without an angle added to Hz. */
 bool dimension_sum(const struct dimension *a, const struct dimension *b, struct dimension *sum,
                    int *turns);
-/*
- * Returns true if such a value can be one of the wanted quantity, after a factor (2 pi)^turns.
- * Names are SI numbers, but one alone of another dimension does not fit, nor Hz for rad/s.
- */
+/* Returns true if a value of dimension a can be used as the quantity `wanted` after multiplication
+ * by (2 pi)^turns. Expressions of names alone fit every quantity, because they are numbers in SI;
+ * but a single name of another dimension does not fit, nor does one in Hz where rad/s is wanted. */
 bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns);
-/* Returns the power of 2 pi by which such a value differs from one of the wanted quantity, or 0. */
+/* Returns the power p such that a value of dimension a, multiplied by (2 pi)^p, is one of the
+ * quantity `wanted`; 0 if both count angles alike or the dimensions differ otherwise. */
 double dimension_angle_factor(const struct dimension *a, enum quantity wanted);
-/* x (2 pi)^turns */
+/* Returns x (2 pi)^turns, for turns -1, 0 or 1. */
 double dimension_turned(double x, int turns);
-/* QUANTITY_OTHER where it has no name. */
+/* Returns the quantity of this dimension, or QUANTITY_OTHER if it has no name. */
 enum quantity dimension_quantity(const struct dimension *a);
-/* Appends "length", "number", or "m^2 kg" where it has no name. */
+/* Appends the name of the quantity, "length", or the unit, "m^2 kg", if it has no name. */
 void dimension_put(const struct dimension *a, struct buffer *text);
-/* Appends its SI unit: "m/s", "m^2 kg"; nothing for a pure number. */
+/* Appends the SI unit: "m/s", "m^2 kg"; nothing for a pure number. */
 void dimension_put_unit(const struct dimension *a, struct buffer *text);

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compiles and evaluates expressions that users type, computes their bounds, and makes programs. */
+/*
+ * formula: expressions that users type (struct expr), their bounds and zeros, comparisons (struct
+ * condition), and programs for expressions that are evaluated often (struct program).
+ *
+ * expr_compile() compiles a text in a scope of names; expr_value() evaluates the result. Compiled
+ * expressions live in the caller's arena. Values are in SI units.
+ */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -8,233 +14,250 @@
 struct catalog;
 struct suggestion;
 
-/* ---- expressions ----
+/*
+ * ---- expressions ----
  *
- * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once
- * (operator precedence parsing with constant folding) into a stack program; values are SI numbers.
- * `^` binds tighter than unary minus and to the right: -2^2 = -4. A name may have a hyphen inside
- * (phase-error) where the scope knows it as a whole. Inside of parentheses and calls < <= > >=
- * compare, to 1 or 0: (x < 0)*k*x. A NaN operand of a comparison gives NaN.
+ * An expression has + - * / ^, parentheses, unary -, numbers, pi, functions, and names of a scope.
+ * It is compiled once, by operator precedence with constant folding, into a program for a stack.
+ * `^` binds tighter than unary minus, and to the right: -2^2 = -4. A name may contain a hyphen
+ * (phase-error) if the scope knows it in this form. In parentheses and arguments < <= > >= compare
+ * and give 1 or 0: (x < 0)*k*x; a NaN operand gives NaN.
  *
- * x^n is multiplications where n is an integer or half of one and |n| <= 16, rounded after each:
- * the bits of |n| from the highest down, r r for each and r x for a 1, for the half times sqrt(x),
- * and 1/that for n < 0; else pow().
+ * If n is an integer or half of one and |n| <= 16, x^n is made of multiplications, each rounded:
+ * starting with r = 1, for the bits of the integer part of |n| from the highest down, r r, then r x
+ * if the bit is 1; then times sqrt(x) for a half; then 1/r for n < 0. Otherwise it is pow().
  */
 
+/* The names that an expression may use, as functions of the owner of their values. A slot is the
+ * owner's number of a name. */
 struct expr_scope {
+    /* First argument of all functions. */
     const void *context;
-    /* Slot of a name; false if unknown. */
+    /* Finds the slot of a name. Returns false if the name is unknown. */
     bool (*find)(const void *context, struct text name, int *slot);
+    /* Returns the current value [SI] of a name. */
     double (*load)(const void *context, int slot);
-    /* Offers every known name for "did you mean"; may be NULL. */
+    /* Offers every known name to suggestion_offer(); may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
-    /* Set if a run's names are wrapped. Returns the slot in the run's own scope (run_scope), or -1
-     * for what does not move. NULL keeps slots unchanged. */
+    /* Used by a scope that contains the names of a run. Returns the slot of a name in the run's own
+     * scope (run_scope), or -1 for a name that is constant during the run. NULL if slots are those
+     * of the run. */
     int (*moving)(const void *context, int slot);
-    /* Returns the quantity of a name, or QUANTITY_OTHER if it is unknown. If it is set, numbers and
-     * parentheses may carry units. If it is NULL, an expression ends before a unit. */
+    /* Returns the quantity of a name, or QUANTITY_OTHER if unknown. If this is set, numbers and
+     * parentheses may carry units; if it is NULL, an expression ends before a unit. */
     enum quantity (*quantity)(const void *context, int slot);
 };
 
-struct expr;
+struct expr; /* a compiled expression, immutable */
 struct dimension;
 
-extern const struct catalog function_catalog; /* sin, cos, …: help and completion */
+/* Functions of expressions (sin, cos, …), for help and completion. */
+extern const struct catalog function_catalog;
 
-/*
- * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a
- * unit, a comma, a colon, "+-", a comparison or the end). Takes memory from `arena`. scope may be
- * NULL (constants only). Fails with an error at an unknown name (with a suggestion), a malformed
- * number, a missing operand or parenthesis, or a limit of depth or size.
- */
+/* Compiles the longest expression at the start of `text` and sets *used to its length [byte]; it
+ * ends at a unit, a comma, a colon, "+-", a comparison or the end. The result is the arena's.
+ * `scope` may be NULL for constants only. Returns NULL, with `error` set, at an unknown name, a
+ * malformed number, a missing operand or parenthesis, a sum of different dimensions, or if it is
+ * too large. */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
-/*
- * A unit binds to the number or the parenthesis before it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s.
- * Numbers with units keep their dimension (hooke/scene/dimension.h); what does not go together is
- * an error that shows both readings. The value is in SI.
- */
+/* Returns the dimension of an expression with units. A unit belongs to the number or parenthesis
+ * before it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s. The value is in SI. */
 const struct dimension *expr_dimension(const struct expr *expr);
-/* Adds a hint, while the text of the expression exists, on how it was read and how it could be
- * meant: `1/30 s`. Always returns false. */
+/* Adds a hint about how the expression was read and how it could be meant (`1/30 s`). The text that
+ * was compiled must still exist. Always returns false. */
 bool expr_hint_readings(const struct expr *expr, struct error *error);
-/* Both sides of a comparison: refuses those of different dimensions, converts *right between Hz and
- * rad/s. */
+/* Checks both sides of a comparison. Replaces *right by an expression in the arena that converts
+ * between Hz and rad/s if that is needed. Returns false, with `error` set, if the dimensions
+ * differ. */
 bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
                   struct error *error);
-/* NaN and infinities pass through. */
+/* Returns the value in this scope, which must know the same names as the one of compilation.
+ * Infinities and NaN are propagated. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope);
-/* Returns true if the formula, as it is written, is linear in these names together: a0 + a1 x1 + a2
- * x2, where other names occur only in the a. */
+/* Returns true if the expression, in the form in which it is written, is a0 + a1 x1 + a2 x2 + … in
+ * the names x with these `count` slots, where the coefficients a contain only other names. */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
 
 /* ---- bounds ---- */
 
-/* All numbers from lo to hi; both NAN: none, because the value is not a number. */
+/* The numbers from lo to hi; both NAN for the empty interval. Arithmetic is in
+ * <hooke/scene/interval.h>. */
 struct interval {
     double lo, hi;
 };
 
-/* Bounds of a function of one argument on a stretch of it, of its first and of its second
- * derivative there. */
+/* Bounds of a function of one argument, and of its first (`slope`) and second derivative (`bend`),
+ * over an interval of the argument. */
 struct jet {
     struct interval value, slope, bend;
 };
 
-/*
- * The bounds that follow from those of the names, jet [slot]; rounding is inside. At a jump the
- * slope is unbounded, at a corner the second derivative (Moore 1966, Interval Analysis; natural
- * extension, forward mode).
- */
+/* Returns bounds of an expression that follow from those of its names, jet [slot], rounding
+ * included (natural interval extension in forward mode; Moore 1966, Interval Analysis). At a jump
+ * the slope is unbounded, at a corner the second derivative. */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet);
-/*
- * As expr_jet(), over an argument within `half` of where the names are centre [slot]: what each
- * part of the expression is there and its slope bound it, too (the mean value form, Moore 1966).
- * t*t - 2*a*t + a*a is as narrow as (t - a)^2.
- */
+/* Does the same with tighter bounds, over the arguments within `half` of a centre: centre [slot]
+ * holds the bounds of the names at it. The value there and the bounds of the slope bound every
+ * subexpression, too (mean value form, Moore 1966): t*t - 2*a*t + a*a becomes as narrow as (t -
+ * a)^2. */
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
                           double half);
-/*
- * Search for the zeros of a function of x on a stretch. It finds every zero, as proved by bounds of
- * the function, or reports the position from which they do not decide.
- */
+/* A search for all zeros of a function f(x) on an interval. Set the members up to `sign`, then call
+ * roots_find(). Bounds of f prove that no zero is missed; where they do not decide within the
+ * budget, `unsure` is set. */
 struct root_search {
     void *context;
+    /* Returns f(x). */
     double (*value)(void *context, double x);
+    /* Returns bounds of f on [a, b]. */
     struct jet (*bounds)(void *context, double a, double b);
-    /* Takes the zeros in the order of x, with the sign beyond, or 0 where the function only touches
+    /* Receives the zeros in the order of x, with the sign of f behind each, or 0 if f only touches
      * 0. Returns false to end the search. */
     bool (*found)(void *context, double x, int sign);
-    /* Returns true if the value at x is 0 within errors; may be NULL. */
+    /* Returns true if f(x) counts as 0 within its errors; may be NULL. */
     bool (*touches)(void *context, double x);
-    double touch_tolerance; /* extreme values that are no farther from 0 are asked for, too */
-    double min;             /* stretches are not cut below this length */
-    int budget;             /* bounds asked for, beside some for each root */
+    /* Extreme values of f whose magnitude is at most this are passed to touches(). */
+    double touch_tolerance;
+    double min; /* Length of the smallest intervals into which the search divides. */
+    int budget; /* Number of calls of bounds() that are allowed, in addition to 64 for each zero. */
 
-    /* Sign of the last value other than 0. The caller sets it for the time before the stretch; it
-     * is then that at the end. */
+    /* Sign of the last nonzero value of f. Set it to that before the interval; the search leaves it
+     * at that at the end. */
     int sign;
 
+    /* Number of calls of bounds(), and of zeros found: results. */
     int used, count;
-    bool unsure; /* the bounds did not decide from here on */
+    bool unsure; /* Zeros beyond unsure_from may have been missed. */
     double unsure_from;
-    bool nonzero; /* some value inside was not 0; only ever set */
+    bool nonzero; /* Some value in the interval was not 0; never cleared. */
+    /* found() has ended the search; f has touched 0, last at last_touch. */
     bool stopped, touched;
     double last_touch;
 };
 
-/*
- * The root between a and b, where the values fa and fb have different signs: inverse quadratic
- * interpolation where that is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28:145).
- * It is known to `min`; where it returns, the value is 0 or has the sign of fb.
- */
+/* Returns the zero between a and b, where f has the values fa and fb of different signs, to within
+ * `min` (Chandrupatla 1997, Adv. Eng. Software 28:145: inverse quadratic interpolation or
+ * bisection). At the returned x the value is 0 or has the sign of fb. */
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min);
 
-/* Finds the roots from a, where the value is fa, to b. */
+/* Searches [a, b] for zeros; fa and fb are the values at its ends. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
 
-/*
- * The same expression where the names that move have the slots that `slot` says, and others, for
- * which it is < 0, are the numbers that they are now. Returns NULL if out of memory.
- */
+/* Returns a copy of the expression in the arena in which the names for which slot() returns >= 0
+ * have those slots and all others are replaced by their current values in `scope`. Returns NULL if
+ * out of memory. */
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
                                int (*slot)(void *context, int slot), void *context,
                                struct arena *arena);
 
-/* ---- programs ----
+/*
+ * ---- programs: compiled forms of expressions that are evaluated often ----
  *
- * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1,
- * the slots of their scope) as a graph: what they share is computed once; derivatives are added to
- * it. A program is some of them with some names known and the rest as inputs; making it again for
- * other values takes microseconds. It has two forms that give the same bits: operations on the
- * doubles of a frame and, where the machine can, machine code.
+ * A struct equations is a graph of several expressions in the same names (0 … names - 1, the slots
+ * of their scope), in which common subexpressions are computed once, and to which derivatives can
+ * be added. program_create() makes a program for some of its outputs with some names replaced by
+ * values; it takes microseconds, so that it is done again for other values. Then call
+ * program_prepare() once for each frame of work memory, and program_eval(). A program has two forms
+ * with the same bits: operations on the doubles of the frame and, where the machine allows it,
+ * machine code.
  *
- * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose
- * coefficient is 0 is absent: where a factor is the number 0 once the known names are in (not a
- * variable that happens to be 0), or a numerator is a known name that is 0, the term is 0 even for
- * an infinite or NaN rest, and adding or subtracting it leaves no trace, not even in the sign of a
- * zero. What is observed follows no such rule.
+ * The result has the bits of expr_value(), with one exception, the rule of scenes that a term whose
+ * coefficient is 0 is absent: if a factor is the number 0 once the values are inserted (not a
+ * variable that happens to be 0), or a numerator is a replaced name that is 0, the term is 0 even
+ * if its other factors are infinite or NaN, and adding it does not even change the sign of a zero.
+ * Observed quantities do not follow this rule.
  */
 
-#define PROGRAM_SIZE (1 << 17) /* operations of equations with their derivatives */
+/* largest number of operations of equations with their derivatives */
+#define PROGRAM_SIZE (1 << 17)
 
-struct equations;
-struct program;
+struct equations; /* expressions as a graph; created and owned by the caller */
+struct program;   /* immutable; several threads may use it, each with a frame */
 
-/* Creates an empty set of equations. If a later call fails, nothing more can be added, and what was
- * added before stays valid. Returns NULL if out of memory. */
+/* Creates an empty set of equations in `names` names; free it by equations_destroy(). Returns NULL,
+ * with `error` set, if out of memory. If a later call fails, nothing more can be added, and what
+ * was added before remains valid. */
 struct equations *equations_create(int names, struct error *error);
 void equations_destroy(struct equations *equations);
-/* Makes the name mean this expression of earlier names from this call on. */
+/* Defines a name as this expression of other names for all later calls. Returns false with `error`
+ * set. */
 bool equations_let(struct equations *equations, int name, const struct expr *expr,
                    struct error *error);
-/* One more output. */
+/* Adds an expression as the next output. Returns false with `error` set. */
 bool equations_add(struct equations *equations, const struct expr *expr, struct error *error);
-/* More outputs: for each of `count` outputs from `first` its partial derivatives by the names,
- * [count][names]. Those of abs, sign, min, max, step, if, comparisons and roundings are those of
- * the branch taken; abs has 0 at 0. */
+/* Adds as outputs the partial derivatives [count][names] of `count` outputs from `first` by the
+ * names name [names]. Functions with branches (abs, sign, min, max, step, if, comparisons,
+ * roundings) have the derivative of the current branch; that of abs is 0 at 0. Returns false with
+ * `error` set. */
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
-/* Keeps a factor of 0 in a derivative at 0 from this call on. The infinite slope of sqrt at 0
- * then does not spoil what does not depend on it, nor does that of a branch spoil what does not
- * take it. */
+/* Makes products in derivatives 0 from this call on if one factor is 0, even if the other is
+ * infinite: so the infinite slope of sqrt at 0, or that of a branch not taken, does not affect
+ * derivatives that do not depend on it. */
 void equations_keep_limits(struct equations *equations);
-/* Programs that are made from here on follow IEEE arithmetic, without the rule of absent terms. */
+/* Chooses IEEE arithmetic without the rule of absent terms for programs that are created later. */
 void equations_exact(struct equations *equations, bool exact);
-int equations_count(const struct equations *equations); /* outputs */
+int equations_count(const struct equations *equations); /* Returns the number of outputs. */
 
-/*
- * Compiles `count` outputs from `first`, at least one. bound, value [names] tell which names are
- * known, and their values; they may be NULL. With `native` the program is machine code where
- * possible. The equations may change or go away afterwards. Returns NULL if out of memory or if the
- * program would be too large.
- */
+/* Compiles `count` >= 1 outputs from `first`. bound [names] tells which names are replaced by value
+ * [names]; both may be NULL for none. With `native`, the program is machine code where possible.
+ * The equations may be changed or destroyed afterwards. Free the program by program_destroy().
+ * Returns NULL, with `error` set, if out of memory or if the program would be too large. */
 struct program *program_create(const struct equations *equations, int first, int count,
                                const bool *bound, const double *value, bool native,
                                struct error *error);
 void program_destroy(struct program *program);
+/* Returns true if the program is machine code. */
 bool program_native(const struct program *program);
-/* a product and the sum that it goes into count as one */
+/* Returns the number of operations, where a product and the sum that it enters count as one. */
 int program_operations(const struct program *program);
-/* depends on no input */
+/* Returns true, with *value set, if the output does not depend on any input. */
 bool program_constant(const struct program *program, int output, double *value);
-/* Returns true if any of `count` outputs from `first` depends on the input as written. */
+/* Returns true if any of `count` outputs from `first` depends on the name, in the form in which
+ * they are written. */
 bool program_depends(const struct program *program, int first, int count, int name);
 
-/* Doubles of a frame. It serves one thread at a time. */
+/* Returns the number of doubles of a frame, the work memory of the program. A frame is used by one
+ * thread at a time. */
 size_t program_frame(const struct program *program);
-/* Once for each frame; costs nothing where the program is machine code. */
+/* Initialises a frame before the first program_eval() with it; does nothing for machine code. */
 void program_prepare(const struct program *program, double *frame);
-/* input [names], those of known names are not read; it may be the frame itself. output [count],
- * apart from the input. Returns the first output. Never allocates. */
+/* Computes output [count] from input [names], of which replaced names are not read. `input` may be
+ * the frame itself; `output` must not overlap `input`. Returns the first output. Never allocates.
+ */
 double program_eval(const struct program *program, const double *input, double *output,
                     double *frame);
 
-/*
- * A program's own function, for kernels: names 0, 1, 2 as numbers, so that a state of two needs no
- * memory; name i >= 3 is state[i - 1], those that are given (of a typed term: the values behind t
- * and the state) follow in an array of their own. Outputs 0 and 1 are returned, as calling
- * conventions do it (of a single one the second is anything), the others stored. What has no such
- * names or outputs may be NULL.
- */
+/* The first two outputs of a program. */
 struct leading {
     double first, second;
 };
+/* The function of a program, for kernels that call it directly. Names 0, 1 and 2 are arguments, so
+ * that a state of two variables needs no memory; name i >= 3 is state[i - 1]; the names behind t
+ * and the state (parameters of a typed term) are in `steady`. Outputs 0 and 1 are returned in
+ * registers (the second is arbitrary if there is only one), further ones are stored in `output`.
+ * Arrays that are not used may be NULL. */
 typedef struct leading program_function(const struct program *program, double x0, double x1,
                                         double x2, const double *state, const double *steady,
                                         double *output, double *frame);
+/* Returns the function of the program: machine code, or one that interprets its operations. */
 program_function *program_code(const struct program *program);
 
-/* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y
- * < 1 cm. */
+/* A comparison, as in `run until y < 1 cm`: left < right if `less`, else left > right; with
+ * equality if or_equal. */
 struct condition {
     const struct expr *left, *right;
     bool less, or_equal;
 };
 
+/* Compiles the comparison at the start of `text` and sets *used to its length [byte]; its memory is
+ * the arena's. Returns false with `error` set. */
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error);
-/* left - right, with the sign such that the condition holds where the value is < 0 (or <= 0). */
+/* Returns left - right, or right - left if not `less`, so that the condition is true where the
+ * value is < 0 (or <= 0). */
 double condition_value(const struct condition *condition, const struct expr_scope *scope);
+/* Returns true if the condition is true for such a value. */
 bool condition_holds(const struct condition *condition, double value);

@@ -1,5 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Models: parameters, force terms, exact solutions. */
+/*
+ * model: the model of a scene (variables, parameters, force terms), the scene that users set up
+ * (struct scene), the system that integrators see (struct system), energies and exact solutions.
+ *
+ * scene_init(), scene_set() for parameters, then scene_bind() makes a system, of which system_…()
+ * compute derivatives, energies and exact solutions. Scenes and systems are plain values that can
+ * be copied; they point to models, which outlive them. Nothing in a system is freed.
+ */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -9,316 +16,375 @@
 
 struct catalog;
 
-/* ---- parameters ----
+/*
+ * ---- parameters ----
  *
- * src/scene/model/terms.def lists each force term with its parameters; the table comes from there.
- * A parameter is known by its row; its place in the table indexes scene.value.
+ * src/scene/model/terms.def lists the force terms of the oscillator with their parameters, from
+ * which the catalog is made. The index of a parameter in the catalog of its model is its index in
+ * scene.value.
  */
 
-/* Largest number of switches of typed equations (scene/typed.h), and with that of dry friction. */
+/* Largest number of switches (points where a force changes its formula) of typed equations, and of
+ * all, with that of dry friction. */
 #define LIMIT_TYPED_SWITCHES 12
 #define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
+/* Largest number of parameters of a model. */
 #define PARAM_MAX LIMIT_PARAMETERS
 
+/* A parameter of a model. */
 struct param_row {
-    struct row row; /* name, SI unit, brief */
+    struct row row; /* Name, SI unit and description. */
     enum quantity quantity;
-    double initial;    /* default, SI */
-    double min;        /* smallest value allowed, -HUGE_VAL: any */
-    bool min_excluded; /* value > min */
+    double initial;    /* Default value [SI]. */
+    double min;        /* Smallest allowed value [SI], or -HUGE_VAL. */
+    bool min_excluded; /* `min` itself is not allowed. */
 };
 
-/* those of the oscillator: struct param_row, at most PARAM_MAX */
+/* Parameters of the oscillator (struct param_row), at most PARAM_MAX. */
 extern const struct catalog param_catalog;
 
-int param_index(const char *name); /* the name has to exist in that table (asserted) */
+/* Returns the index of a parameter of the oscillator; the name must exist, which is asserted. */
+int param_index(const char *name);
 
 struct model;
 
+/* The equation of motion that the user sets up: a model and the values of its parameters. A plain
+ * value. */
 struct scene {
+    /* The model, not owned. */
     const struct model *model;
+    /* The preset from which the scene was made, or that of a typed scene; not owned. */
     const struct preset *preset;
-    double value[PARAM_MAX];       /* SI */
-    double uncertainty[PARAM_MAX]; /* one standard uncertainty; 0 if exact */
-    bool chosen[PARAM_MAX];        /* set by the user since the preset */
-    bool steps_across_kinks; /* methods step across kinks at turning points, as they are printed */
-    /* [n] errors of adaptive methods that do not matter, SI; 0 if not given */
+    double value[PARAM_MAX];       /* Values [SI], at the index in the model's parameters. */
+    double uncertainty[PARAM_MAX]; /* Standard uncertainties [SI], 0 if exact. */
+    bool chosen[PARAM_MAX];        /* The user has set the value; it is not the preset's. */
+    /* Methods take steps across kinks of a force at turning points, as in textbooks, instead of
+     * ending a step there. */
+    bool steps_across_kinks;
+    /* [n] absolute error per step [SI] that adaptive methods may make in each variable; 0 if not
+     * set. */
     double atol[LIMIT_VARIABLES];
 };
 
-/* Settings of a model under a name. */
+/* A named scene: a model and values of some of its parameters. A row of preset_catalog. */
 struct preset {
+    /* Name, "", description, source. */
     struct row row;
-    const struct model *model; /* NULL stands for the oscillator */
+    const struct model *model; /* NULL stands for the oscillator. */
     struct {
-        const char *param; /* NULL ends the list */
+        const char *param; /* Name of a parameter; NULL ends the list. */
         double value;      /* SI */
-    } value[16];           /* values that differ from the parameters' defaults */
-    /* Time [s] that the shown effect takes, the tolerance that it needs, and a first step [s] of
-     * adaptive methods. 0 stands for the lab's value (preset_duration() and so on; for the first
-     * step the setting dt). */
+    } value[16];           /* Values [SI] that differ from the parameters' defaults. */
+    /* Duration [s] of a run that shows the effect, tolerance that it needs, and first step [s] of
+     * adaptive methods. 0 stands for preset_duration(), preset_tol() and the setting dt. */
     double duration, tol, first;
 };
 
-#define LAB_DURATION 10.0 /* [s] */
+#define LAB_DURATION 10.0 /* Duration [s] of a run if the preset sets none. */
+/* Tolerance of adaptive methods if the preset sets none. */
 #define LAB_TOL 1e-6
 
+/* Returns the duration [s] of a run of the preset. */
 static inline double preset_duration(const struct preset *preset)
 {
     return preset->duration > 0 ? preset->duration : LAB_DURATION;
 }
 
+/* Returns the tolerance of adaptive methods for the preset. */
 static inline double preset_tol(const struct preset *preset)
 {
     return preset->tol > 0 ? preset->tol : LAB_TOL;
 }
 
+/* All presets (struct preset). */
 extern const struct catalog preset_catalog;
-/* finds it by exact name or alias; NULL if there is none */
+/* Returns the preset with exactly this name or alias, or NULL. */
 const struct preset *preset_by_name(struct text name);
+/* Returns preset i of the catalog. */
 const struct preset *preset_at(size_t i);
-const struct preset *preset_from(const struct row *row); /* row has to be one of the catalog's */
+/* Returns the preset whose struct row this is; it must be in preset_catalog. */
+const struct preset *preset_from(const struct row *row);
 
-/* The parameters and derived quantities of the scene's model; places in them index scene.value. */
+/* Return the catalogs of the parameters (struct param_row), whose index is that in scene.value, and
+ * of the derived quantities (struct derived_row) of the scene's model. */
 const struct catalog *scene_params(const struct scene *scene);
 const struct catalog *scene_derived(const struct scene *scene);
-/* place, -1 if this scene has no such parameter */
+/* Return the index of the parameter of this name or alias, or -1 if the scene has none. */
 int scene_param(const struct scene *scene, const char *name);
 int scene_param_at(const struct scene *scene, struct text name);
+/* Returns parameter `index` of the scene's model. */
 const struct param_row *param_at(const struct scene *scene, int index);
-/* Returns NAN if the scene has no such parameter */
+/* Returns the value [SI] of a parameter, or NAN if the scene has none of this name. */
 double param_value(const struct scene *scene, const char *name);
+/* Returns true if the scene has the parameter and the user has set it. */
 bool param_chosen(const struct scene *scene, const char *name);
-bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
-bool is_pendulum(const struct scene *scene);   /* true for one with a rigid rod */
+/* Returns true if the model is the oscillator, with or without typed forces. */
+bool is_oscillator(const struct scene *scene);
+/* Returns true if the model is the pendulum with a rigid rod. */
+bool is_pendulum(const struct scene *scene);
 
-/* Initializes the scene from a preset, or as "spring" with the lab's defaults if it is NULL */
+/* Makes *scene the scene of a preset, or the preset "spring" if `preset` is NULL. */
 void scene_init(struct scene *scene, const struct preset *preset);
-/* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on
- * error. */
+/* Sets parameter `param` to a value [SI] with its uncertainty. Returns false, with `error` set and
+ * the scene unchanged, if it is outside its range (m > 0, …), not finite, or does not go with the
+ * others (k/m overflows). */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
-void scene_set_atol(struct scene *scene, int variable, double atol); /* atol 0 if not given */
-void scene_unset(struct scene *scene, int param); /* back to the preset's value */
+/* Sets the absolute tolerance [SI] of a variable; 0 means none. */
+void scene_set_atol(struct scene *scene, int variable, double atol);
+/* Sets a parameter back to the preset's value, or to its default. */
+void scene_unset(struct scene *scene, int param);
 
-/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium …
- * NaN where not defined. */
+/* A quantity that follows from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium,
+ * … */
 struct derived_row {
     struct row row;
     enum quantity quantity;
-    /* computes the value and its propagated uncertainty */
+    /* Returns the value [SI] and its propagated uncertainty; NAN where it is not defined. */
     struct measured (*value)(const struct scene *scene);
-    /* Returns the value of the target parameter that gives this value (omega0, T0 and f0 set k).
-     * NULL if the value cannot be set. */
+    /* Returns the value [SI] of the parameter `target` that gives this value (omega0, T0 and f0 set
+     * k). NULL if the quantity cannot be set. */
     double (*inverse)(const struct scene *scene, double value);
+    /* Name of the parameter that setting the quantity changes, or NULL. */
     const char *target;
 };
 
-extern const struct catalog derived_catalog; /* those of the oscillator */
+extern const struct catalog derived_catalog; /* Derived quantities of the oscillator. */
 
-/* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with
- * it. */
+/* Sets the row's target parameter so that the quantity has this value [SI]; the uncertainty is
+ * propagated. Returns false, with `error` set and the scene unchanged, if that is not possible. */
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value,
                        struct error *error);
 
-/* Re = rho v length / eta for a speed [m/s], NaN unless the scene is an oscillator; regime in
- * words: "laminar", "transitional", "turbulent". */
+/* Returns the Reynolds number rho v length / eta for a speed [m/s], or NAN unless the scene is an
+ * oscillator; and the name of its regime: "laminar", "transitional" or "turbulent". */
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
-/* ---- models: moving things and their laws ----
+/*
+ * ---- models: variables and their laws ----
  *
- * A model has one file, src/scene/model/NAME.c, with its variables, parameters and terms, which
- * ends in its struct model, and one line in models.c. The oscillator (the spring and all that can
- * be hung on it) is terms.def.
+ * A built-in model has a file src/scene/model/NAME.c with its variables, parameters and terms,
+ * which ends in its struct model, and a line in models.c. The oscillator, to which most forces
+ * belong, is in terms.def. A typed model is made of the user's lines (<hooke/scene/typed.h>).
  */
 
 struct system;
 
+/* Name and quantity of a state variable or another column. */
 struct variable {
     char name[LIMIT_SYMBOL + 1];
     enum quantity quantity;
 };
 
+/* A model; immutable. */
 struct model {
+    /* Name, "", description, source. */
     struct row row;
-    int order; /* 2 if positions come first, then velocities; otherwise 1 */
+    int order; /* 2 if the state is n/2 positions, then their velocities; else 1. */
+    /* Number of state variables. */
     int n;
-    const struct variable *variable; /* [n] */
+    const struct variable *variable; /* [n] state variables. */
     const struct catalog *params, *terms,
-        *derived; /* struct param_row, struct term_row, struct derived_row */
-    /* rules beyond each parameter's range; NULL if there is none */
+        *derived; /* Rows of struct param_row, struct term_row and struct derived_row. */
+    /* Checks rules that concern several parameters [SI]; returns false with `error` set. NULL if
+     * there are none. */
     bool (*coherent)(const double *param, struct error *error);
-    /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
+    /* Sets t0, start, mass and scale (natural sizes, > 0) of a system whose terms are bound. */
     void (*begin)(const double *param, struct system *system);
-    /* Computes the same as system_exact(). NULL if there is no closed form, or that of the linear
-     * oscillator. */
+    /* Computes the exact solution as system_exact() does. NULL if there is none, or if it is that
+     * of the linear oscillator. */
     void (*exact)(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-    const struct typed *typed; /* lines typed by a user; NULL for one of scene_models */
+    const struct typed *typed; /* The user's lines of a typed model, or NULL for a built-in one. */
 };
 
 extern const struct model oscillator_model;
-/* all models, the oscillator first; NULL ends the list */
+/* All built-in models, the oscillator first; NULL ends the list. */
 extern const struct model *const scene_models[];
 
 /* ---- terms and the bound system ---- */
 
+/* Largest number of coefficients of a built-in term. */
 #define TERM_COEFFICIENTS 6
-/* coefficients of a typed term: the term itself, and up to 63 parameters that it reads */
+/* Largest number of coefficients of a typed term: a pointer to the term, and up to 63 parameters.
+ */
 #define TERM_VALUES 64
+/* Largest number of terms of a system. */
 #define TERM_MAX 16
-#define LIMIT_MODEL_ROWS 3 /* accelerations or derivatives of a built-in model */
+#define LIMIT_MODEL_ROWS                                                                           \
+    3 /* Largest number of accelerations or derivatives of a built-in model.                       \
+       */
 
+/* Properties of a force term. */
 enum term_flag {
-    TERM_LINEAR = 1,       /* linear in the state, or independent of it */
-    TERM_VELOCITY = 2,     /* depends on velocity */
-    TERM_TIME = 4,         /* depends on time */
-    TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
-    TERM_KINK = 16,        /* not smooth where the velocity is 0, in a scene of one coordinate */
-    TERM_DRY = 32, /* dry friction: the last term, that of one coordinate, c[0] [m/s^2], c[1] [N] */
+    TERM_LINEAR = 1,       /* Linear in the state, or independent of it. */
+    TERM_VELOCITY = 2,     /* Depends on a velocity. */
+    TERM_TIME = 4,         /* Depends on time. */
+    TERM_CONSERVATIVE = 8, /* Has a potential; otherwise it has a power. */
+    TERM_KINK = 16,        /* Not smooth where the velocity is 0, in a scene of one coordinate. */
+    /* Dry friction, always the last term, in a scene of one coordinate; c[0] [m/s^2], c[1] [N]. */
+    TERM_DRY = 32,
 };
 
 /*
- * The scene as one oscillator, where it is one:
+ * The system as one oscillator,
+ *
  *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity
  *         + drive cos(omega t + phase).
- * Closed-form steps and exact solutions use it where it is `whole`: nothing else acts. Exact drag
- * flows need no more than `drag_whole`; with several coordinates it is that of each: v_i' =
- * -damping v_i.
+ *
+ * Closed-form steps and exact solutions use it if `whole` is true: no other force acts. The exact
+ * flow of drag needs only drag_whole; with several coordinates it is v_i' = -damping v_i for each.
  */
 struct oscillator {
     double stiffness; /* [1/s^2] k/m, any sign */
     double damping;   /* [1/s] gamma */
     double quadratic; /* [1/m] C rho area / m */
-    /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
+    /* [m/s^2] F/m of dry friction, at rest as much as is needed; when its direction is frozen it is
+     * part of gravity */
     double friction;
     double gravity;      /* [m/s^2] */
     double drive;        /* [m/s^2] F0/m */
-    double omega, phase; /* [rad/s] [rad] */
+    double omega, phase; /* [rad/s] [rad] of the drive */
+    /* No other force acts. */
     bool whole;
-    /* no force depends on velocity but damping and quadratic (the latter with one coordinate
-     * only) */
+    /* No other force depends on velocity; `quadratic` acts in scenes of one coordinate only. */
     bool drag_whole;
 };
 
+/* A force term of a model, in the table of its terms. */
 struct term_row {
-    struct row row; /* name, unit of what `add` adds, brief, citation */
+    struct row row; /* Name, unit of what add() adds, description, source. */
+    /* Flags of enum term_flag. */
     unsigned flags;
-    /* Expressions that the term adds to each row, as a user would type them. Velocities are x', and
-     * parameters go by their names. NULL adds nothing. */
+    /* Expressions that the term adds to each acceleration or derivative, as a user would type them:
+     * velocities are x', parameters are called by their names. NULL adds nothing. */
     const char *equation[LIMIT_MODEL_ROWS];
-    /* The same in the order of `add`, where a text in the order of `equation` would be rounded in
-     * another way, else NULL. */
+    /* The same expressions in the order of operations of add(), for programs that must give its
+     * bits; NULL if `equation` does. */
     const char *ordered[LIMIT_MODEL_ROWS];
-    /* enum force of src/scene/model/forces.h, whose text is compiled again by kernels */
+    /* An enum force of src/scene/model/forces.h, by which kernels compile the force again. */
     int force;
-    /* Computes the coefficients from the parameters, and adds them to `oscillator`, too. Returns
-     * false if the term is absent because its coefficient is zero. */
+    /* Computes the coefficients c [TERM_COEFFICIENTS] from the parameters [SI], and adds the term
+     * to *oscillator. Returns false if the term is absent because its coefficient is 0. NULL for
+     * typed terms. */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
-    /* Adds to the accelerations [n/2] or, in a first-order scene, to the derivatives [n]. */
+    /* Adds the term to the accelerations a [n/2] or, in a first-order scene, to the derivatives a
+     * [n]. */
     void (*add)(const double *c, double t, const double *y, double *a);
-    /* Adds d a / d y, a row of n for each a, row-major. NULL if the term does not depend on the
-     * state. */
+    /* Adds its derivatives da/dy, row-major with n columns, to jac. NULL if the term does not
+     * depend on the state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
-    double (*potential)(const double *c, const double *y); /* [J], NULL unless TERM_CONSERVATIVE */
-    /* [W] of typed terms without a potential; NULL otherwise */
+    /* Returns the potential energy [J]; NULL unless TERM_CONSERVATIVE. */
+    double (*potential)(const double *c, const double *y);
+    /* Returns the power [W] of a typed term without a potential; else NULL. */
     double (*power)(const double *c, double t, const double *y);
-    /* Expression that a term of one coordinate adds, as FORCE of src/scene/model/forces.h has it.
-     * NULL if only `add` knows it. */
+    /* Expression of the force of one coordinate as FORCE of src/scene/model/forces.h has it, or
+     * NULL if only add() computes it. */
     const char *text;
 };
 
-extern const struct catalog term_catalog; /* those of the oscillator */
+extern const struct catalog term_catalog; /* Terms of the oscillator. */
 
-/* Returns true for a term of a scene of second order whose work counts: it has no potential. */
+/* Returns true for a term of a second-order scene without a potential, whose work the energy
+ * balance counts. */
 static inline bool term_has_power(const struct term_row *row)
 {
     return row->power || (row->bind && !(row->flags & TERM_CONSERVATIVE));
 }
 
+/* A term with the coefficients of one scene. */
 struct bound_term {
     const struct term_row *row;
-    double c[TERM_VALUES]; /* set: TERM_COEFFICIENTS, all of a typed term */
+    double c[TERM_VALUES]; /* Coefficients; of a built-in term only TERM_COEFFICIENTS are set. */
 };
 
-/* the same row and coefficients */
+/* Returns true if both have the same row and coefficients. */
 bool bound_term_equal(const struct bound_term *a, const struct bound_term *b);
 
+/* A scene with its coefficients: the differential equation that is integrated. Made by
+ * scene_bind(). */
 struct system {
     const struct model *model;
-    int n;     /* state variables, at most LIMIT_VARIABLES */
-    int order; /* 2 or 1 */
+    int n;     /* Number of state variables, at most LIMIT_VARIABLES. */
+    int order; /* 2 or 1, as the model's. */
+    /* Number of terms with coefficients other than 0. */
     int terms;
     struct bound_term term[TERM_MAX];
-    /* All typed terms at once, in a typed scene. Its row is NULL if there is no such term. */
+    /* Sum of all typed terms of a typed scene; its row is NULL if there are none. */
     struct bound_term typed;
-    bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
-    bool autonomous;   /* no TERM_TIME */
-    bool velocity;     /* some force depends on velocity, but for dry friction that is located */
-    bool conservative; /* every term has a potential: energy is constant */
-    /* True if both kinetic and potential energy are known. False if typed forces have no potential,
-     * which leaves the kinetic energy only. */
+    bool linear;     /* Every term is linear: y' = A y + b(t). */
+    bool autonomous; /* No term depends on time. */
+    /* Some force depends on a velocity; dry friction counts only if its switch is not located. */
+    bool velocity;
+    bool conservative; /* Every term has a potential: the energy is constant. */
+    /* Kinetic and potential energy are known. False if typed forces have no potential: then only
+     * the kinetic energy is. */
     bool energy;
-    /* Number of switches, with branches that can be frozen: first those of typed equations, then
-     * that of dry friction. */
+    /* Number of switches, first those of typed equations, then that of dry friction. Each has
+     * branches on which the system can be frozen (system_freeze()). */
     int switches;
-    /* A frozen branch may have values where the equations have none; the system that is not frozen
-     * decides. */
+    /* The system is frozen on a branch that may have values where the equations have none; the
+     * system that is not frozen decides. */
     bool extended;
-    bool dry; /* the last of them is that of dry friction, at v = 0 */
-    /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
+    bool dry; /* The last switch is that of dry friction, at v = 0. */
+    /* Steps of fixed size end at switches, too. False if steps go across them, or if the system is
+     * frozen. */
     bool pieces;
-    /* Sliding along switches of a frozen system; NULL if it slides along none. */
+    /* The sliding motion along switches of a frozen system, or NULL; owned by the maker of the
+     * system. */
     const struct sliding *sliding;
-    bool kinks; /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
-    bool steps_across_kinks; /* methods step across such kinks, as they are printed */
-    double mass;             /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
-    /* Ratio of the mass of each coordinate to `mass`, where typed masses differ. 0 stands for 1. */
+    bool kinks; /* n = 2, and some force is not smooth at v = 0 and not frozen there. */
+    bool steps_across_kinks; /* Methods take steps across such kinks, as in textbooks. */
+    double mass; /* [kg] or its equivalent in other models: the kinetic energy is mass v^2/2. */
+    /* Ratio of each coordinate's mass to `mass` if typed masses differ; 0 stands for 1. */
     double ratio[LIMIT_VARIABLES / 2];
     struct oscillator oscillator;
-    double start[LIMIT_VARIABLES]; /* state at t0 */
-    double t0;                     /* [s] */
-    /* natural size of each variable (amplitude, amplitude * omega): error norms; > 0 */
+    double start[LIMIT_VARIABLES]; /* Initial state [n] at t0. */
+    double t0;                     /* Initial time [s]. */
+    /* Natural size [n] of each variable (amplitude, amplitude omega), > 0, by which errors are
+     * measured. */
     double scale[LIMIT_VARIABLES];
-    double atol[LIMIT_VARIABLES]; /* as the scene's */
+    double atol[LIMIT_VARIABLES]; /* Absolute tolerances [n] of the scene. */
 };
 
+/* Makes the system of a scene. Returns false, with `error` set, if equations are incomplete,
+ * parameters do not go together, or forces at the start are not finite. */
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
-/* Binds the scene without looking for the potential of typed forces, which takes about a thousand
- * evaluations. It suits callers that bind many scenes and ask for no energy. */
+/* Does the same without finding the potential of typed forces, which takes about a thousand
+ * evaluations: for callers that bind many scenes and need no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
-/* Binds the scene for rates only: typed variables have scales of 1 (others cost a trial run), and
- * any start will do. */
+/* Does the same for callers that only evaluate derivatives: variables of typed scenes have scales
+ * of 1 instead of those of a trial run, and the start is not checked. Returns false on an error. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
-/* Copies what is set of a system: its terms leave most of its ten kilobytes unused. */
+/* Copies a system, without the unused part of its terms, which is most of its ten kilobytes. */
 void system_copy(struct system *target, const struct system *source);
 
-/* As if methods did not step across kinks. */
+/* Makes methods end steps at kinks, whatever scene.steps_across_kinks was. */
 void system_turn_at_kinks(struct system *system);
 
-/* [n/2], order 2 only */
+/* Computes the accelerations a [n/2] of a second-order system at (t [s], y [n]). */
 void system_acceleration(const struct system *system, double t, const double *y, double *a);
-/* [n] */
+/* Computes the derivatives dydt [n] at (t [s], y [n]). */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt);
-/* Returns true if everything repeats when this variable grows by 2 pi, as checked at some
- * states. */
+/* Returns true if the derivatives are the same after this variable has grown by 2 pi, but depend on
+ * it, as tested at eight random states. */
 bool variable_is_angle(const struct system *system, int variable);
-/* Only the terms that do not depend on velocity. */
+/* Computes the accelerations of the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
-/* Only the terms that do depend on velocity. */
+/* Computes the accelerations of the terms that depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
-/*
- * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once
- * for many v: v keep/(min + pull |v|). Sign-preserving, exact at v = 0. Backwards in time
- * quadratic drag has a pole: infinite beyond it.
- */
+/* Coefficients of the exact flow of v' = -gamma v - c |v| v over a step h (Hairer, Lubich, Wanner
+ * 2006, II.5), computed once for many v: v -> v keep/(min + pull |v|). It keeps the sign of v and
+ * is exact at v = 0. For h < 0 quadratic drag has a pole, beyond which the result is infinite. */
 struct drag_flow {
     double keep, min, pull;
 };
 
+/* Returns the coefficients for a step h [s] of any sign. */
 struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h);
 
+/* Returns the velocity after the step that the coefficients belong to. */
 static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 {
     double denominator = flow->pull == 0 ? flow->min : flow->min + flow->pull * fabs(v);
@@ -326,19 +392,19 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
         return copysign(HUGE_VAL, v);
     return flow->min == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / denominator;
 }
-/* d y'/d y, [n][n] row-major */
+/* Computes the Jacobian d y'/d y [n][n], row-major, at (t [s], y [n]). */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac);
-/* The same as new memory, to be given back by free(); NULL if there is none. For 64 variables it
- * would be half a stack. */
+/* Returns the Jacobian in new memory, which the caller frees, or NULL if out of memory. For 64
+ * variables it would fill half a stack. */
 double *system_new_jacobian(const struct system *system, double t, const double *y);
 
-/*
- * Finds short intervals between t[0] and t[1] [s] in which a typed equation changes faster than
- * samples can show, along the smooth path from one state to another, by bounds of the equation.
- * Each is shorter than 1/32 of the whole. Appends them to the list, merges those that overlap, and
- * returns the new count, at most `max`. With `sure`, needed for warnings, smooth forces never give
- * one; otherwise some may be reported without need, which only costs steps.
- */
+/* Finds the bursts between t[0] and t[1] [s]: short intervals in which a typed equation changes
+ * faster than samples can show. The path between the states y_begin and y_end is taken as smooth,
+ * and bounds of the equation decide. Each burst is shorter than 1/32 of the interval. Appends them
+ * to burst [count], merges those that overlap, and returns the new count, at most `max`. With
+ * `sure`, which warnings need, smooth forces never give one; otherwise some may be reported without
+ * need, which only costs steps. */
+/* An interval in time that adaptive steps must not step over. */
 struct burst {
     double t_begin, t_end; /* [s] */
 };
@@ -346,45 +412,52 @@ struct burst {
 int system_bursts(const struct system *system, const double t[2], const double *y_begin,
                   const double *y_end, bool sure, struct burst *burst, int count, int max);
 
-double system_kinetic(const struct system *system, const double *y);   /* [J] */
+/* Returns the kinetic energy [J]. */
+double system_kinetic(const struct system *system, const double *y);
+/* Returns the potential energy [J] of all terms that have one. */
 double system_potential(const struct system *system, const double *y); /* [J] */
-bool system_has_potential(const struct system *system); /* all forces but drag have one */
-/* [W] of the non-conservative terms */
+/* Returns true if every term that does not depend on velocity has a potential. */
+bool system_has_potential(const struct system *system);
+/* Returns the power [W] of all terms without a potential. */
 double system_power(const struct system *system, double t, const double *y);
-/* [W] of the drag terms alone, <= 0 */
+/* Returns the power [W] of drag: terms that depend on velocity and not on time. */
 double system_dissipation(const struct system *system, double t, const double *y);
 
-/* Returns the period [s] with which all forces repeat in time, as the expressions show it. Returns
- * 0 if none depends on time, and NAN if some do not repeat, or not together. */
+/* Returns the common period [s] of all forces that depend on time, as their expressions show it; 0
+ * if none depends on time, NAN if some are not periodic or have no common period. */
 double system_drive(const struct system *system);
 
-/* describes state variable i */
+/* Returns name and quantity of state variable i. */
 struct variable system_variable(const struct system *system, int i);
-/* Place in the state of a variable's name; y' is the velocity of y. Returns -1 if there is none. */
+/* Returns the index in the state of the variable of this name (y' is the velocity of y), or -1 if
+ * there is none. */
 int model_state(const struct model *model, struct text name);
 
-/* ---- exact solutions ----
+/*
+ * ---- exact solutions ----
  *
- * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma <
- * 0, constant force, driven, resonance, with formulas that do not cancel), typed or not; for models
- * that bring their own; by the matrix exponential for other linear systems with constant
- * coefficients and up to 16 variables; for linear oscillators with dry friction, without a drive.
- * From `start` at t0 to t (before or after t0); growth beyond double ends as infinity. floor [n],
- * or NULL: what one ulp in the coefficients (of other models: in the start) does to the answer,
- * about eps * omega * |t - t0| times the amplitude: no error below it means anything.
+ * They exist for linear oscillators, typed or not, in every regime (under-, critically and
+ * overdamped, k = 0, k < 0, gamma < 0, constant force, driven, resonant), by formulas without
+ * cancellation; for linear oscillators with dry friction and no drive; for models with a closed
+ * form of their own; and, by the matrix exponential, for other linear systems of up to 16 variables
+ * with constant coefficients.
  */
+/* Returns true if there is an exact solution. */
 bool system_has_exact(const struct system *system);
+/* Computes the state y [n] at t [s] of the solution that is start [n] at t0, before or after t0.
+ * What exceeds the range of doubles is infinite. floor [n], or NULL, receives the change of the
+ * result for a change of the coefficients (in models with a closed form, of the start) by one ulp,
+ * about eps omega |t - t0| times the amplitude: errors below it mean nothing. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-/*
- * Computes the same for many times that are h [s] apart but for rounding, at a fraction of the
- * cost: it evaluates the solution anew from time to time and continues from there by the one-step
- * map in long double. Accurate to an ulp of system_exact(); other times are accurate, too. Returns
- * NULL if it has no advantage for this system or step, or if out of memory. The system must outlive
- * the table.
- */
+/* Computes exact solutions at many times h [s] apart at a fraction of the cost: the solution is
+ * evaluated from time to time, and continued between by the one-step map in long double. The
+ * results agree with system_exact() to an ulp, also at other times. exact_table_create() returns
+ * NULL if that has no advantage for this system or step, or if out of memory; free the table by
+ * exact_table_free(). The system must outlive the table. */
 struct exact_table;
 struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
                                        double h);
+/* Computes the state y [n] at t [s]. */
 void exact_table_at(struct exact_table *table, double t, double *y);
 void exact_table_free(struct exact_table *table);

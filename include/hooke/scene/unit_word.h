@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Words that follow a number, where a unit would be, and are none. */
+/* unit_word: errors about a word that follows a number in the position of a unit and is not a unit
+ * (10 sec, 2 pi). */
 #pragma once
 
 #include <hooke/base/error.h>
@@ -7,11 +8,12 @@
 
 struct expr_scope;
 
-/* Returns the word at the start of a text as a unit would be written: um, km/h, cm^3. It ends
- * before the other operators: um of um-4.14cm. */
+/* Returns the word at the start of a text, spelled as a unit could be: um, km/h, cm^3. It ends
+ * before other operators: "um" of "um-4.14cm". Empty if there is none. */
 struct text unit_word(struct text text);
-/* Reports that the word after a number is no unit, with what it could be: a name or a function to
- * multiply by, a unit that is spelled out, or one with a similar name. Lists the units of the
- * quantity unless that is QUANTITY_OTHER. Returns false. */
+/* Sets an error at `word`: it is not a unit, with a hint on what may be meant (a factor to multiply
+ * by, a unit that is spelled out, a similar name) and the units of `quantity`, unless that is
+ * QUANTITY_OTHER. `number` is the number before it, for the hint; `scope` may be NULL. Always
+ * returns false. */
 bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct text number,
                       enum quantity quantity, struct error *error);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command `precision`: has study_precision() sweep each method from coarse to fine steps, and
- * shows errors against time as a diagram and in tables. */
+/* precision */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
@@ -11,8 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Appends to the buffer `context` that a method was left out, with the reason, which mostly begins
- * with the name of the method already. */
+/* Reasons mostly begin with the name. */
 static void note_absent(void *context, const char *method, const char *reason)
 {
     struct buffer *text = context;
@@ -22,8 +20,6 @@ static void note_absent(void *context, const char *method, const char *reason)
     buffer_format(text, "%s\n", reason);
 }
 
-/* Sets the two ends of a sweep from the argument dt= or tol=, or to NAN if the argument is not
- * given. */
 static void take_range(const struct argument_value *range, double limits[2])
 {
     limits[0] = limits[1] = NAN;
@@ -31,8 +27,6 @@ static void take_range(const struct argument_value *range, double limits[2])
         limits[i] = range->item->range[i];
 }
 
-/* Returns false with an error, which shows `example`, if the argument is given and an end of it is
- * not above 0. */
 static bool check_range(const struct argument_value *range, const char *example,
                         struct error *error)
 {
@@ -44,8 +38,7 @@ static bool check_range(const struct argument_value *range, const char *example,
     return error_at(error, range->where, "a sweep needs two ends above 0, as in %s", example);
 }
 
-/* Appends a line for each mark that occurs in the tables of the study. If `brief`, lines about how
- * the study was timed are left out. */
+/* Explains the marks in the tables; if `brief`, without those about the whole study. */
 static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
 {
     const bool resolved = !precision->reference.dissenting_method[0];
@@ -81,7 +74,6 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         timing_put_machine(others, text);
 }
 
-/* Appends the diagram, `width` times `height` in cells, or nothing if out of memory. */
 static void put_figure(const struct session *session, const struct precision *precision, int width,
                        int height, struct arena *arena, struct buffer *text)
 {
@@ -91,8 +83,7 @@ static void put_figure(const struct session *session, const struct precision *pr
         figure_print(&figure, width, height, session_charset(session), false, text);
 }
 
-/* Describes the study in a line: numbers of methods and settings, duration, computing time [s], and
- * the reference. */
+/* Describes the study: its subject, duration and reference. */
 static void put_subject(const struct session *session, const struct precision *precision,
                         double seconds, struct buffer *text)
 {
@@ -106,7 +97,7 @@ static void put_subject(const struct session *session, const struct precision *p
     buffer_put(text, precision->reference.stored ? TEXT(", computed earlier\n") : TEXT("\n"));
 }
 
-/* Returns true if a setting of the method reached the end with an error below 1. */
+/* Returns true if some setting of the method is right. */
 static bool has_result(const struct precision *precision, const struct precision_curve *curve)
 {
     for (int i = curve->first; i < curve->first + curve->count; i++)
@@ -115,8 +106,7 @@ static bool has_result(const struct precision *precision, const struct precision
     return false;
 }
 
-/* Lists the methods of which no setting gave a result, with the reason and what a whole solve would
- * take. */
+/* Names methods of which no setting is right, why, and what a solve would take. */
 static void put_without_result(const struct precision *precision, struct buffer *text)
 {
     const size_t begin = text->len;
@@ -135,9 +125,8 @@ static void put_without_result(const struct precision *precision, struct buffer 
         buffer_char(text, '\n');
 }
 
-/* Appends the usual answer: the diagram, as high as the other lines leave room for, then the
- * fastest methods. The legend of letters is left out where there is little room, as the table of
- * the fastest methods names them, too. */
+/* Puts the diagram, as high as the rest of the answer leaves room for, then the winners. Where
+ * there is little room the letters are explained by the winners alone. */
 static void put_short(const struct session *session, const struct precision *precision, int width,
                       double seconds, struct arena *arena, struct buffer *text)
 {
@@ -167,8 +156,6 @@ static void put_short(const struct session *session, const struct precision *pre
     buffer_free(&paragraph);
 }
 
-/* Adds the study to the reply as text: the short answer, or with --full everything. `absent` holds
- * lines on methods that were left out; `seconds` is what the study took. */
 static void reply_study(const struct session *session, const struct arguments *args,
                         const struct precision *precision, const struct buffer *absent,
                         double seconds, struct reply *reply)
@@ -192,8 +179,7 @@ static void reply_study(const struct session *session, const struct arguments *a
     put_marks(text, precision, false);
 }
 
-/* Moves the study into the session, where it replaces the one before. Out of memory, nothing
- * changes and *precision still owns the study. */
+/* The session takes it over; without memory the one before stays. */
 static void keep_precision(struct session *session, struct precision *precision)
 {
     struct comparison_part *part = session_part(session, &comparison_module);
@@ -208,9 +194,7 @@ static void keep_precision(struct session *session, struct precision *precision)
     part->precision = stored;
 }
 
-/* Answers `precision table` from the latest study: the slope of each method, or all values of the
- * named methods, or with --full of all. Returns false with an error if there is no study or a
- * method was not part of it. */
+/* Shows the latest study: the slope of each method, or all values of the named methods. */
 static bool reply_tables(const struct session *session, const struct arguments *args,
                          struct reply *reply, struct error *error)
 {

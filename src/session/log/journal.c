@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The journal of a run: the list of requests that were made of it, by which undo, saved sessions
- * and `record` recreate its state bit for bit. */
 #include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
@@ -13,7 +11,6 @@
 
 /* ---- the list ---- */
 
-/* Returns true for changes of parameters, with or without those by commands of events. */
 static bool is_set(const struct request *request, bool by_events)
 {
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
@@ -54,7 +51,7 @@ void journal_release(struct request *last)
     }
 }
 
-/* Fills in the members of a request that depend on those before it. */
+/* Computes the totals of a request from those before it. */
 static void link_request(struct request *request, struct request *previous)
 {
     request->references = 1;
@@ -124,7 +121,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
         request = request->previous;
     if (alone)
         return request;
-    /* it and the later requests are copied if other lists own them, too */
+    /* Copies of it and those after it, on what was before. */
     const struct request **list;
     int count;
     if (!journal_list(last, request->count - 1, &list, &count)) {
@@ -157,8 +154,6 @@ bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
     return journal_add(slot, again, text_of(request->condition), error);
 }
 
-/* Adds a request if going back is remembered (adaptive runs, methods with memory, rows at even
- * times); otherwise removes the requests made after the present step. */
 bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error)
 {
@@ -184,8 +179,7 @@ bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int6
     return true;
 }
 
-/* Takes the last change of each parameter, reading from the end; intermediate values do not
- * matter. */
+/* Takes the last change of each parameter: in any order each is a value that the scene had. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
     bool is_known[PARAM_MAX] = {false};
@@ -209,10 +203,9 @@ bool journal_changed(const struct run_slot *slot, int first)
     return journal_count(request) > first;
 }
 
-/* ---- repeating requests ---- */
+/* ---- doing it again ---- */
 
-/* Advances the run towards the target of a request, with its condition and events, up to step
- * `end`. so_far is the run with the earlier requests as its journal. */
+/* Advances along a request until step `end`; `so_far` is the run with the earlier requests done. */
 static void request_repeat(struct session *session, const struct run_slot *so_far,
                            const struct request *request, int64_t end)
 {
@@ -237,8 +230,7 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
     arena_reset(&arena);
 }
 
-/* Advances the run to step `steps` along the list that ends at last, beginning with the first
- * request that was made at or after the run's present step. Returns false if out of memory. */
+/* The list that ends there, of which what led to the run's present step was done before. */
 static bool replay(struct session *session, struct run_slot *slot, struct request *last,
                    int64_t steps)
 {
@@ -277,7 +269,6 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
     return true;
 }
 
-/* Returns true if both requests ask for the same at the same step. */
 static bool same_request(const struct request *a, const struct request *b)
 {
     return a->kind == b->kind && a->start_step == b->start_step && a->t == b->t &&
@@ -286,8 +277,8 @@ static bool same_request(const struct request *a, const struct request *b)
            text_equal(text_of(a->condition), text_of(b->condition));
 }
 
-/* Returns the step up to which both lists lead to the same states; 0 if one of them goes back,
- * which is hard to compare; INT64_MAX if they are the same. */
+/* The step up to which both lists led along the same way; 0 where going back makes that hard to
+ * say. */
 static int64_t common_way(const struct request *a, const struct request *b)
 {
     /* steps at which the first differing requests were made */
@@ -309,8 +300,7 @@ static int64_t common_way(const struct request *a, const struct request *b)
     return mine < other ? mine : other;
 }
 
-/* Returns true if a parameter was changed at that step; such a change has effect but leaves no
- * row. */
+/* A parameter changed at that step is in force, and leaves no row. */
 static bool sets_at(const struct request *last, int64_t step)
 {
     for (; last && last->start_step >= step; last = last->previous)
@@ -319,7 +309,6 @@ static bool sets_at(const struct request *last, int64_t step)
     return false;
 }
 
-/* Goes back to the last row of the common way, and repeats the requests from there. */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t)
 {
@@ -339,8 +328,8 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
             back++;
         if (back > 0)
             run_back(run, (int64_t)back);
-        /* changes at this step that the other list has, too, are repeated below */
-        if (sets_at(slot->last, run->steps))
+        if (sets_at(slot->last,
+                    run->steps)) /* those that the other list has, too, are done again */
             run_unbind(run);
         ok = replay(session, slot, last, steps);
     }

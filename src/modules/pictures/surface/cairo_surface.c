@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Draws pictures through cairo: PDF pages, PNG files, and pixels for terminals. */
+/* Pictures through cairo: PDF pages and PNG pixels. */
 #include "modules/pictures/surface/cairo_api.h"
 #include "modules/pictures/surface/surface.h"
 
@@ -9,14 +9,12 @@
 
 #define PICTURE_FONT "DejaVu Sans"
 
-/* A surface that passes everything to cairo. */
 struct cairo_surface {
     struct surface surface;
     const struct cairo_api *api;
     cairo_t *cairo;
 };
 
-/* Builds the path of the surface with cairo, then fills and strokes it. */
 static void paint(struct surface *surface, const struct brush *brush)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -50,7 +48,6 @@ static void paint(struct surface *surface, const struct brush *brush)
         api->stroke(canvas->cairo);
 }
 
-/* Restricts drawing to the box (left, top, right, bottom); NULL ends that. */
 static void cairo_box_clip(struct surface *surface, const double box[4])
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -64,7 +61,6 @@ static void cairo_box_clip(struct surface *surface, const double box[4])
     canvas->api->clip(canvas->cairo);
 }
 
-/* Returns the width [pt] of a text, and sets the size of the font as a side effect. */
 static double cairo_text_width(struct surface *surface, double size, const char *text)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -74,7 +70,6 @@ static double cairo_text_width(struct surface *surface, double size, const char 
     return extents.x_advance;
 }
 
-/* Draws a text, rotated or aligned as it asks. */
 static void cairo_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -93,7 +88,6 @@ static void cairo_text_put(struct surface *surface, const struct surface_text *t
 
 /* ---- files ---- */
 
-/* Appends what cairo writes to the buffer `context`. */
 static cairo_status_t take_bytes(void *context, const unsigned char *data, unsigned int length)
 {
     struct buffer *buffer = context;
@@ -101,7 +95,6 @@ static cairo_status_t take_bytes(void *context, const unsigned char *data, unsig
     return buffer->failed ? CAIRO_STATUS_WRITE_ERROR : CAIRO_STATUS_SUCCESS;
 }
 
-/* Creates cairo's own surface: a PDF that is written to `output`, or an image. */
 static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width,
                                      double height, struct buffer *output)
 {
@@ -110,12 +103,11 @@ static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture k
                                          (int)(PICTURE_PIXELS_EACH * height));
     cairo_surface_t *surface =
         api->pdf_surface_create_for_stream(take_bytes, output, width, height);
-    /* no date, so that the same figure gives the same file */
+    /* the same figure, the same file */
     api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     return surface;
 }
 
-/* Appends the rows of an image of width x height pixels without padding. */
 static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, int width, int height,
                        struct buffer *output)
 {
@@ -155,6 +147,6 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !output->failed;
     api->surface_destroy(surface);
-    return drawn || error_memory(error); /* only memory can have failed */
+    return drawn || error_memory(error); /* nothing else can fail */
 }
 #endif
