@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording beside a run: which observable of the run it holds, and how far they are apart. */
+/* Compares a recording with a run: which derivative of the run the recording holds, and how far
+ * they differ. */
 #include <hooke/run.h>
 #include <hooke/data.h>
 #include <hooke/base/safe_text.h>
@@ -11,7 +12,7 @@
 
 #include <math.h>
 
-/* A smaller offset, relative to the recording's unit, is rounding. */
+/* An offset below this fraction of the recording's unit is rounding. */
 #define OFFSET_ROUNDING 1e-9
 
 bool quantity_is_scaled(enum quantity quantity)
@@ -35,6 +36,8 @@ void put_bare(const struct recording *recording, struct buffer *text)
         buffer_put(text, TEXT("has no unit"));
 }
 
+/* Returns the derivative of the position that a recording holds (0, 1, 2), by its quantity, or -1
+ * if it cannot be compared with the run. Without a run (NULL) only the quantity decides. */
 int recorded_derivative(const struct recording *recording, const struct run *run)
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
@@ -52,6 +55,7 @@ int recorded_derivative(const struct recording *recording, const struct run *run
     return quantity == model_quantity(system->model, observable_named("a")) ? 2 : -1;
 }
 
+/* Returns the name and the quantity of a derivative of a run's first coordinate. */
 struct variable run_derivative(const struct run *run, int derivative)
 {
     if (derivative < 2)

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values that the two cursors select, and their moves. */
+/* The two cursors of time plots: the points that they snap to (samples, crossings, peaks), their
+ * moves, and what follows from their positions. ground_open() finds the points; then the functions
+ * that move a cursor; then cursor_settle(). */
 #include <hooke/plot/cursor.h>
 #include <hooke/data.h>
 #include <hooke/run.h>
@@ -14,6 +16,7 @@
 
 /* ---- samples ---- */
 
+/* Returns the mean time [s] between two samples. */
 double ground_spacing(const struct ground *g)
 {
     return (g->series.t[g->series.n - 1] - g->series.t[0]) / (double)(g->series.n - 1);
@@ -26,7 +29,8 @@ static size_t sample_before(const struct series *s, double t)
     return index > 0 && (index == s->n - 1 || s->t[index] > t) ? index - 1 : index;
 }
 
-/* Returns the sample next to t, or the point between two samples if `inside`. */
+/* Returns the sample nearest to t, whose time is uncertain by the spacing, or the point
+ * interpolated between two samples if `inside`. */
 static struct snap_point point_at(const struct ground *g, double t, bool inside)
 {
     const struct series *s = &g->series;
@@ -40,13 +44,13 @@ static struct snap_point point_at(const struct ground *g, double t, bool inside)
 
 /* ---- peaks ---- */
 
-/* Sums of powers of x, and of y times them, over samples of a peak. */
+/* Sums over the samples of a peak: of the powers 0 to 4 of x, and of y times the powers 0 to 2. */
 struct peak_sums {
     double x[5], y[3];
 };
 
-/* Adds the samples from a to b that are neither spikes nor on the flank of the peak at `top`; x is
- * counted from `middle` in units of `scale`. */
+/* Sums over the samples a to b that are neither spikes nor far down the flanks of the peak at
+ * sample `top`; x is the time from `middle` in units of `scale`. */
 static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, size_t b,
                                  double middle, double scale)
 {
@@ -66,12 +70,13 @@ static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, s
     return sums;
 }
 
-/* Finds the vertex of the parabola through the samples around the highest one between two crossings
- * (least squares). */
+/* Finds the vertex of the least-squares parabola through the samples around the highest one between
+ * t_begin and t_end. Returns false if that is at an end, or if the parabola has no maximum there.
+ */
 static bool peak_between(const struct ground *g, double t_begin, double t_end,
                          struct snap_point *point)
 {
-    static const double width_periods = 0.1; /* width on each side of the highest sample */
+    static const double width_periods = 0.1; /* half the width of the fitted part, in periods */
     const struct series *s = &g->series;
     /* only spikes are above the ceiling */
     const double ceiling = g->overview.high + 4 * g->overview.noise,
@@ -109,7 +114,7 @@ static bool peak_between(const struct ground *g, double t_begin, double t_end,
 
 /* ---- crossings ---- */
 
-/* Returns true if a time is far off the up-crossings of a motion that keeps time. */
+/* Returns true if a time is far from the up-crossings that a periodic motion would have. */
 static bool is_off_beat(const struct period *beat, double t)
 {
     static const double deviation_limit = 0.15; /* [periods] */
@@ -117,6 +122,7 @@ static bool is_off_beat(const struct period *beat, double t)
            deviation_limit * beat->period.value;
 }
 
+/* Returns the number of up-crossings that are off the beat. */
 static size_t count_late(const struct crossing *crossing, size_t count, const struct period *beat)
 {
     size_t late = 0;
@@ -125,14 +131,14 @@ static size_t count_late(const struct crossing *crossing, size_t count, const st
     return late;
 }
 
-/*
- * Finds the beat that most up-crossings of a recording keep: those that do not are spikes of the
- * sensor then. It begins where the line of all periods does, or at one of the first crossings,
- * which may be a spike itself. Returns false if there is none.
- */
+/* Finds period and phase (beat) of most up-crossings of a recording, so that the others can be left
+ * out as spikes of the sensor. The phase is that of the line through all periods or of one of the
+ * first crossings, whichever leaves fewer off the beat, because the first crossing may be a spike
+ * itself. Returns false if too many are off. */
 static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count,
                        struct period *beat)
 {
+    /* Crossings whose phase is tried, and the largest fraction of them that may be off. */
     enum { TRIED = 32 };
     static const double late_max = 0.34;
     struct error ignored;
@@ -152,7 +158,7 @@ static bool keeps_time(const struct ground *g, const struct crossing *crossing, 
     return (double)best <= late_max * (double)all;
 }
 
-/* Finds all crossings of the mean. */
+/* Finds all crossings of the mean, in the arena. Returns NULL if out of memory. */
 static struct crossing *find_crossings(const struct ground *g, size_t *count)
 {
     const struct overview *o = &g->overview;
@@ -166,7 +172,8 @@ static struct crossing *find_crossings(const struct ground *g, size_t *count)
     return crossing;
 }
 
-/* Finds the points that cursors snap to. Crossings are numbered in periods from the first. */
+/* Finds the points that cursors snap to: up-crossings, numbered in periods from the first, and the
+ * peaks after them if wanted. Returns false if out of memory. */
 static bool find_points(struct ground *g, bool peaks, struct error *error)
 {
     size_t count;
@@ -181,6 +188,7 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
         const double t = crossing[i].t;
         if (!crossing[i].rising || (steady && is_off_beat(&beat, t)))
             continue;
+        /* Spikes and missed periods do not shift the numbers of a steady recording. */
         const int next = steady && g->crossings > 0
                              ? 1 + (int)nearbyint((t - g->crossing[0].t) / beat.period.value)
                              : number + 1;
@@ -199,8 +207,8 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
     return true;
 }
 
-/* Computes the overview, or only the extent of the series if the module that measures series is
- * missing. */
+/* Computes the overview of a series (mean, extent, period), or only its extent if the module that
+ * measures series is missing. */
 static void overview_of(const struct series *series, struct arena *arena, struct overview *overview)
 {
     const struct series_tools *tools = series_tools();
@@ -220,6 +228,8 @@ static void overview_of(const struct series *series, struct arena *arena, struct
     overview->mean = (overview->low + overview->high) / 2;
 }
 
+/* Opens the run or the recording under the cursors, and finds the points that they snap to. Returns
+ * false with an error if there is none or if it has less than two samples. */
 bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
                  struct error *error)
 {
@@ -252,6 +262,7 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
 
 /* ---- moves ---- */
 
+/* Sets a cursor to a point. */
 static void put_point(struct cursors *cursors, int which, const struct snap_point *point)
 {
     cursors->cursor[which].set = true;
@@ -271,6 +282,7 @@ static const struct snap_point *points_of(const struct cursors *cursors, const s
     return peaks ? g->peak : g->crossing;
 }
 
+/* Sets a cursor to time t, or to the nearest point that it snaps to within `reach` [s]. */
 void cursor_put(struct cursors *cursors, const struct ground *g, int which, double t, double reach)
 {
     const struct series *s = &g->series;
@@ -287,6 +299,8 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     put_point(cursors, which, nearest ? nearest : &other);
 }
 
+/* Moves the active cursor to the next or the previous point. Returns false with an error if there
+ * is none. */
 bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, struct error *error)
 {
     const double t = cursors->cursor[cursors->active].t, t_tolerance = 1e-6 * ground_spacing(g);
@@ -304,7 +318,8 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
     return true;
 }
 
-/* Puts B to the crossing that is n periods after that of A. */
+/* Sets cursor B to the up-crossing n periods after that of A. Returns false with an error if there
+ * is none. */
 static bool span_crossings(struct cursors *cursors, const struct ground *g, int n,
                            struct error *error)
 {
@@ -320,6 +335,8 @@ static bool span_crossings(struct cursors *cursors, const struct ground *g, int 
                      first, last - first, last - first == 1 ? "" : "s");
 }
 
+/* Sets cursor B n periods after A, by counting crossings or by the mean period. Returns false with
+ * an error if the data have no period or end before. */
 bool cursor_span(struct cursors *cursors, const struct ground *g, double n, struct error *error)
 {
     const struct series *s = &g->series;
@@ -337,6 +354,7 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
     return true;
 }
 
+/* Sets the cursors to the first and the last point, or to both ends if these are the same. */
 void cursor_spread(struct cursors *cursors, const struct ground *g)
 {
     const double end[] = {g->series.t[0], g->series.t[g->series.n - 1]};
@@ -349,6 +367,8 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
     }
 }
 
+/* Sets both cursors again at their times, after the data under them have changed. A cursor on a
+ * crossing goes to the nearest crossing, however far. */
 void cursors_put_again(struct cursors *cursors, const struct ground *g)
 {
     for (int i = 0; i < 2; i++)
@@ -356,6 +376,8 @@ void cursors_put_again(struct cursors *cursors, const struct ground *g)
                    cursors->cursor[i].crossing > 0 ? HUGE_VAL : 0);
 }
 
+/* Updates what follows from the positions of both cursors: their distance in periods and the
+ * amplitudes. */
 void cursor_settle(struct cursors *cursors, const struct ground *g)
 {
     const double dt = fabs(cursors->cursor[1].t - cursors->cursor[0].t);
@@ -376,6 +398,8 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
                 : NAN;
 }
 
+/* Finds the cursors' points again after a command that may have changed the data under them, and
+ * hides them if there are no data any more. */
 void cursors_refresh(struct session *session)
 {
     struct cursors *cursors = &session->view.cursors;
@@ -387,7 +411,7 @@ void cursors_refresh(struct session *session)
         cursors->plane = cursors->shown = false;
     if (!cursors->shown || cursors->plane)
         return;
-    /* Cheap where nothing has changed: the same run, as long as before. */
+    /* Nothing is done for the same run of the same length. */
     const struct run *run = cursors->on_data ? NULL : session_run(session);
     char name[LIMIT_NAME + 16] = "";
     if (run)

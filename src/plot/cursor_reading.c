@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readings of the two cursors, and the point on the plane of a plot of states, as a portrait is. */
+/* Readings of the two cursors (period, frequency, decrement) and, for plots of states such as
+ * portraits, of the point that the cursor keys move on their plane. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/numeric.h>
@@ -12,9 +13,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Values below this part of the amplitude are shown as 0, and a smaller decrement gives no Q. */
+/* Values below this fraction of the amplitude are shown as 0; a smaller decrement gives no Q. */
 #define READING_ROUNDING 1e-9
 
+/* Computes the readings of the two cursors. Returns false if they are hidden or not set. */
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {
     const struct cursors *c = &session->view.cursors;
@@ -46,6 +48,7 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
     return true;
 }
 
+/* Appends "NAME = VALUE", or "NAME = -" if it is unknown. */
 static void put_value(struct buffer *text, const char *name, struct measured value,
                       enum quantity quantity)
 {
@@ -56,6 +59,7 @@ static void put_value(struct buffer *text, const char *name, struct measured val
         buffer_char(text, '-');
 }
 
+/* Appends the line of one cursor: its time, value, crossing, and `tail`. */
 static void put_line(const struct cursors *c, int which, const char *name, const char *tail,
                      struct buffer *text)
 {
@@ -71,6 +75,7 @@ static void put_line(const struct cursors *c, int which, const char *name, const
     buffer_format(text, "   %s\n", tail);
 }
 
+/* Appends four lines with the positions and readings of the cursors, as `cursor` prints them. */
 void session_cursor_lines(const struct session *session, struct buffer *text)
 {
     const struct cursors *c = &session->view.cursors;
@@ -101,13 +106,14 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
 
 /* ---- the point on a plane ---- */
 
+/* Finds the plane of the focused plot. Returns false if it has none or has not been drawn. */
 bool cursor_plane(const struct session *session, struct plot_plane *plane)
 {
     const struct plane_row *row = plot_row(view_focus(&session->view))->plane;
     return row && row->drawn(session, plane);
 }
 
-/* The state there: of variables that are not shown as the plane has them. */
+/* Computes the state at the point; variables that are not on the axes are those of the plane. */
 static void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
                                double *state)
 {
@@ -116,6 +122,7 @@ static void cursor_plane_state(const struct session *session, const struct plot_
         state[plane->variable[k]] = session->view.cursors.point[k];
 }
 
+/* Appends the command that begins a trajectory at the point: "start x=1,y=0". */
 void cursor_plane_start(const struct session *session, struct buffer *line)
 {
     struct plot_plane plane;
@@ -127,6 +134,7 @@ void cursor_plane_start(const struct session *session, struct buffer *line)
     }
 }
 
+/* Appends lines with the state at the point, its energy, and what is special there. */
 void cursor_plane_lines(const struct session *session, struct buffer *text)
 {
     struct plot_plane plane;

@@ -1,29 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows of the plots, which are the panes of the screen, too. A row holds all that is known of its
- * plot. */
+/* The catalog of plots, which are also the panes of the screen. A row holds everything that is
+ * known of its plot; the functions below answer questions about a row. */
 #include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/names.h>
 
-/* ---- what they need ---- */
+/* ---- requirements of plots ---- */
 
 static bool has_velocities(const struct model *model)
 {
     return model->order == 2;
 }
 
+/* Returns true if there are two variables to plot against each other. */
 static bool has_two(const struct model *model)
 {
     return model->n > 1;
 }
 
+/* Returns true if the model moves in a plane: two coordinates of the same quantity. */
 static bool has_plane(const struct model *model)
 {
     return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
 }
 
+/* Returns true if the current run has an exact solution to compare with. */
 static bool exact_known(const struct session *session)
 {
     const struct run *run = session_run(session);
@@ -38,7 +41,7 @@ static bool exact_known(const struct session *session)
     }
 #define MOTION_NEEDED "that needs positions and velocities"
 
-/* Those of modules: their functions, then their rows behind ours. */
+/* Plots of modules: their functions here, their rows behind the others. */
 #define PLOT_FUNCTIONS
 #include "lists/plots.def"
 #undef PLOT_FUNCTIONS
@@ -110,7 +113,7 @@ static const struct plot_row rows[] = {
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 
-/* ---- what follows from a row ---- */
+/* ---- properties of a row ---- */
 
 const struct plot_row *plot_row(enum plot_kind kind)
 {
@@ -143,6 +146,8 @@ bool plot_of_recordings(enum plot_kind kind)
     return rows[kind].any_recording || rows[kind].of_motion || rows[kind].recorded;
 }
 
+/* Returns true if the session has what the plot shows: its own condition, the table of its study, a
+ * run that fits, or a recording. */
 bool plot_offered(const struct session *session, enum plot_kind kind)
 {
     const struct run *run = session_run(session);
@@ -153,6 +158,7 @@ bool plot_offered(const struct session *session, enum plot_kind kind)
     return run ? plot_fits(kind, run->system.model) : figure_recording(session, kind) >= 0;
 }
 
+/* Returns the first variable on the vertical axis of a plot. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
 {
     const enum plot_vertical vertical = rows[kind].vertical;
@@ -164,6 +170,8 @@ const struct variable *vertical_variable(const struct model *model, enum plot_ki
     return &model->variable[index];
 }
 
+/* Returns the quantity on the horizontal (x) or vertical axis of a plot for the present run or
+ * scene. */
 enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x)
 {
     const struct run *run = session_run(session);

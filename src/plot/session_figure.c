@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plots of a session as figures: which curves, over which time, in which units. */
+/* Makes plots of a session into figures: collects curves, chooses the window of time, labels and
+ * axes. */
 #include <hooke/run.h>
 #include <hooke/data.h>
 #include <hooke/figure/layout.h>
@@ -23,8 +24,8 @@ static const struct run *run_of(const struct drawing *d, int i)
     return d->session->runs.slot[d->request->run[i]]->run;
 }
 
-/* Returns the observable that is drawn of runs, or NULL for states. An energy is the kinetic one if
- * a run has no other. */
+/* Returns the observable that is drawn, or NULL for states. It is the kinetic energy if a run has
+ * no potential for its forces. */
 static const struct observable *observable(const struct drawing *d)
 {
     const struct plot_row *row = kind_of(d);
@@ -36,14 +37,15 @@ static const struct observable *observable(const struct drawing *d)
     return observable_named(row->observable);
 }
 
-/* The energy of forces without a potential is the kinetic one. */
+/* Returns true if the energy that is drawn is the kinetic one. */
 static bool is_kinetic(const struct drawing *d)
 {
     const struct observable *drawn = kind_of(d)->energy ? observable(d) : NULL;
     return drawn && !(drawn->needs & NEED_ENERGY);
 }
 
-/* Finds the model that all runs of the plot must have. */
+/* Finds the model of all runs. Returns false with an error if they differ or the plot does not fit.
+ */
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -92,12 +94,13 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
     return label;
 }
 
-/* Errors have both signs: a logarithmic axis shows how large they are. */
+/* Returns true if magnitudes are drawn: errors have both signs, on a logarithmic axis. */
 static bool shows_size(const struct drawing *d)
 {
     return kind_of(d)->log_label && d->request->log;
 }
 
+/* Computes the values of one coordinate (or of an observable) at the chosen rows. */
 static bool vertical_values(struct drawing *d, const struct run *run, int coordinate,
                             const struct chosen_rows *rows, double *y)
 {
@@ -118,7 +121,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     return true;
 }
 
-/* [s] Of each run the phase plot shows its own last periods, wherever it ended. */
+/* Sets the window [s] of one run: in a plane the last periods before its own end. */
 static void own_window(const struct drawing *d, const struct run *run, double window[2])
 {
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
@@ -130,7 +133,7 @@ static void own_window(const struct drawing *d, const struct run *run, double wi
     window[1] = run_goes_back(run) ? end + d->shown : end;
 }
 
-/* Adds the curves of the rows, one a coordinate. */
+/* Adds a curve for each coordinate through the chosen rows. */
 static bool add_rows(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
                      const char *label, bool thinned)
 {
@@ -168,6 +171,7 @@ static bool add_rows(struct drawing *d, const struct run *run, const struct chos
     return true;
 }
 
+/* Adds the curves of a run. Returns false with an error. */
 static bool add_run(struct drawing *d, const struct run *run)
 {
     struct curve *curve = &d->curve[d->curves];
@@ -224,6 +228,7 @@ static bool is_smeared(const struct drawing *d)
                d->period * (width - FRAME_COLUMNS);
 }
 
+/* Returns the note below the plot: the part of the time shown, or an envelope; NULL for none. */
 static const char *make_note(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -259,7 +264,7 @@ bool drawing_needs_motion(const struct drawing *d, const struct recording *recor
     return kind_of(d)->of_motion && !is_shown(d, recording);
 }
 
-/* Positions are no accelerations, though both are a column over t. */
+/* Returns true if the plot cannot show what the recording holds, such as positions. */
 static bool holds_another(const struct drawing *d, const struct recording *recording)
 {
     const struct plot_row *row = kind_of(d);
@@ -323,7 +328,7 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     figure->point[1] = curve->y[curve->n - 1];
 }
 
-/* Laid over a recording while it grows: the scene, integrated to now. */
+/* Adds the scene, integrated to now, over a recording that is being collected. */
 static bool add_model(struct drawing *d, const struct recording *recording)
 {
     const struct growing *now = d->session->growing;
@@ -353,7 +358,7 @@ static double seen_period(const struct drawing *d, const struct run *run)
     return run_period(run, d->arena, &period) ? period.value : NAN;
 }
 
-/* The band of the fit that was adopted, where it is asked for. */
+/* Adds the confidence band of an adopted fit, if it is asked for. */
 static bool add_band(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -363,7 +368,8 @@ static bool add_band(struct drawing *d)
     return !request->stored_band || !tools || tools->draw_stored_band(d);
 }
 
-/* The curves: of the runs, bands, of the recording. */
+/* Collects all curves: runs, bands, the recording. Returns false with an error if there are none.
+ */
 static bool gather_curves(struct drawing *d, const struct plot_row *row)
 {
     const struct figure_request *request = d->request;
@@ -373,7 +379,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
         return false;
     if (request->runs > 0) {
         const struct run *run = run_of(d, 0);
-        const double stiffness = run->system.oscillator.stiffness; /* now in force */
+        const double stiffness = run->system.oscillator.stiffness; /* the one in force */
         d->period = request->event.len ? NAN : run_rhythm(run);
         if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d->omega0 = sqrt(stiffness);
@@ -382,7 +388,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (recording && drawing_needs_motion(d, recording) && !drawing_find_motion(d, recording))
         return false;
     drawing_window(d);
-    /* No law says how fast it goes: as it was seen to. */
+    /* The scene gives no period: it is measured. */
     if (row->horizontal == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
         !request->follow)
         d->period = seen_period(d, run_of(d, 0));
@@ -410,7 +416,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
            error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
 }
 
-/* Both axes with their names, and what is the same on both. */
+/* Sets names, units and what both axes share. */
 static bool label_axes(const struct drawing *d, const struct plot_row *row,
                        const struct variable *x_variable, struct figure *figure)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Coefficients of a method for people, for LaTeX, as a table. Numbers that are fractions are
- * written as such. */
+/* Writes the coefficients of a method (Butcher tableau, or weights of a splitting) as text for
+ * people, as LaTeX and as a table for files. Numbers that are fractions are written as fractions.
+ */
 #include <hooke/base/number.h>
 #include <hooke/method/coefficients.h>
 #include <hooke/report.h>
@@ -9,13 +10,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounding of a coefficient that was computed, in units of its last place. */
+/* Error allowed between a coefficient and a fraction, in units of its last place, because
+ * coefficients were computed. */
 static const double fraction_rounding = 2;
-/* A number that is no fraction is within rounding of one with such a denominator in one case of
- * ten thousand. */
+/* Largest denominator tried. A number that is not a fraction is within rounding of one with such a
+ * denominator in one case of ten thousand. */
 static const double denominator_max = 4e5;
 
-/* Finds the fraction that a number is, by its continued fraction. Returns false if it is none. */
+/* Finds the fraction that equals a positive number within rounding, by its continued fraction.
+ * Returns false if there is none with a denominator up to denominator_max. */
 static bool find_fraction(double value, double *numerator, double *denominator)
 {
     double p[2] = {1, floor(value)}, q[2] = {0, 1}, rest = value - floor(value);
@@ -38,6 +41,8 @@ static bool find_fraction(double value, double *numerator, double *denominator)
     return true;
 }
 
+/* Appends a coefficient as a fraction, or else as a decimal number: exact in LaTeX, six digits for
+ * people. */
 static void put_coefficient(double value, bool tex, struct buffer *output)
 {
     double p, q;
@@ -57,8 +62,10 @@ static void put_coefficient(double value, bool tex, struct buffer *output)
 
 /* ---- for people ---- */
 
+/* [cell] blanks between columns, and before each line */
 enum { GAP_WIDE = 2, GAP_NARROW = 1, INDENT = 2 };
 
+/* Returns the width [cell] of a coefficient for people. */
 static int coefficient_width(double value)
 {
     struct buffer text = {0};
@@ -68,7 +75,8 @@ static int coefficient_width(double value)
     return width;
 }
 
-/* Sets the width of the labels, and of each column; returns how many columns there are. */
+/* Finds the widths [cell] of the labels, width[0], and of the columns, width[1...]. Returns the
+ * number of columns. */
 static int measure_columns(const struct method *method, int width[1 + COEFFICIENTS_MAX])
 {
     struct coefficient_row row;
@@ -86,6 +94,7 @@ static int measure_columns(const struct method *method, int width[1 + COEFFICIEN
     return columns;
 }
 
+/* Appends a coefficient, padded with blanks to `width`. */
 static void put_cell(double value, int width, struct buffer *output)
 {
     const size_t begun = output->len;
@@ -93,6 +102,7 @@ static void put_cell(double value, int width, struct buffer *output)
     buffer_format(output, "%*s", width - (int)(output->len - begun), "");
 }
 
+/* Appends a line "label | coefficients": the time of a stage, or the name of a kind of weights. */
 static void put_row(const struct coefficient_row *row, const int *width, int gap,
                     struct buffer *output)
 {
@@ -112,6 +122,8 @@ static void put_row(const struct coefficient_row *row, const int *width, int gap
     buffer_char(output, '\n');
 }
 
+/* Appends the coefficients as lines of at most `max` cells, stages above a rule, weights below.
+ * Returns false if they do not fit or if the method has none. */
 bool coefficients_text(const struct method *method, int max, struct buffer *output)
 {
     int width[1 + COEFFICIENTS_MAX];
@@ -142,6 +154,7 @@ bool coefficients_text(const struct method *method, int max, struct buffer *outp
 
 /* ---- LaTeX ---- */
 
+/* Appends the label of weights in LaTeX; "b^" is b with a hat, longer names are upright. */
 static void put_tex_label(const char *label, struct buffer *output)
 {
     const size_t len = strlen(label);
@@ -151,6 +164,7 @@ static void put_tex_label(const char *label, struct buffer *output)
         buffer_format(output, len > 1 ? "\\mathrm{%s}" : "%s", label);
 }
 
+/* Appends the coefficients as a displayed array. Returns false if the method has none. */
 bool coefficients_tex(const struct method *method, struct buffer *output)
 {
     struct coefficient_row row;
@@ -186,6 +200,8 @@ bool coefficients_tex(const struct method *method, struct buffer *output)
 
 /* ---- a table ---- */
 
+/* Makes a table with a row for each stage and each kind of weights: columns row, c (time), k1, k2
+ * ... Returns false if out of memory or if the method has none. */
 bool coefficients_table(const struct method *method, struct arena *arena, struct table *table)
 {
     struct coefficient_row row;

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Records of events, for people, programs and files. */
+/* Reports what the events of a run recorded: as lines and records, as a table for files, and as
+ * warnings where events may have been missed. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/session/events.h>
 #include <hooke/scene/typed.h>
 
+/* Returns the name of the event that made record i of a run. */
 static const char *event_name(const struct run_slot *slot, size_t i)
 {
     return slot->events->line[run_event_record(slot->run, i)->event].name;
 }
 
-/* State variables, then what the scene observes. */
+/* Returns the number of values that a record shows: the state variables, then the observed
+ * expressions. */
 static int columns_of(const struct run *run)
 {
     return run->system.n + model_observed(run->system.model);
 }
 
+/* Returns the name and the quantity of value `column` of a record. */
 static struct variable column_at(const struct run *run, int column)
 {
     const int n = run->system.n;
@@ -23,6 +27,7 @@ static struct variable column_at(const struct run *run, int column)
                       : model_observed_variable(run->system.model, column - n);
 }
 
+/* Computes value `column` at the state of record i. */
 static double column_value(const struct run *run, size_t i, int column)
 {
     const double *y = run_event_record_state(run, i);
@@ -31,6 +36,8 @@ static double column_value(const struct run *run, size_t i, int column)
                       : system_observe(&run->system, column - n, run_event_record(run, i)->t, y);
 }
 
+/* Replies with one record: a line "1 NAME t = ... y = ..." and the same as a record for programs.
+ */
 static void reply_event_record(const struct session *session, const struct run_slot *slot, size_t i,
                                struct reply *reply)
 {
@@ -64,6 +71,8 @@ static void reply_event_record(const struct session *session, const struct run_s
     reply_end(reply);
 }
 
+/* Writes a record with the number of times an event happened, whether that number is complete, and
+ * the interval of time in which some may have been missed. */
 static void reply_count(const struct run_slot *slot, int event, const struct event_doubt *doubt,
                         struct reply *reply)
 {
@@ -81,6 +90,8 @@ static void reply_count(const struct run_slot *slot, int event, const struct eve
     reply_end(reply);
 }
 
+/* Warns once for a run of each event that may have been missed in some steps, and of the condition
+ * of `run until`. */
 void reply_event_doubts(struct run_slot *slot, struct reply *reply)
 {
     struct run *run = slot->run;
@@ -121,6 +132,8 @@ void reply_event_records(const struct session *session, struct reply *reply)
                           "one in the next run");
 }
 
+/* Makes a table of all records of the current run: event, time, direction, values. Returns false
+ * with an error if there are none or if out of memory. */
 bool export_event_records(const struct session *session, struct export *export, struct error *error)
 {
     const struct run *run = session_run(session);

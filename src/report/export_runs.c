@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of runs. */
+/* Exports runs as a table: chooses runs, columns and rows, and evaluates the columns. export_runs()
+ * is the entry; the functions before it are its stages. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
 
 #include <math.h>
 
+/* Reads every=N (rows) or every=TIME into a thinning; without it all rows are kept. Returns false
+ * with an error for another quantity or a fraction of a row. */
 bool thinning_begin(struct thinning *thinning, const struct argument_value *every,
                     struct error *error)
 {
@@ -24,6 +27,8 @@ bool thinning_begin(struct thinning *thinning, const struct argument_value *ever
     return error_hint(error, "for example every=10 or every=100ms");
 }
 
+/* Returns true if row i, `elapsed` [s] after the first, is kept. Rows must be asked for in
+ * ascending order. */
 bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed)
 {
     const double index = (thinning->by_time ? elapsed : (double)i) / thinning->step;
@@ -33,7 +38,7 @@ bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed)
     return keeps;
 }
 
-/* Sets mark[i] for the rows of a run that are written, and returns their number. */
+/* Sets mark[i] for the rows of a run that are written. Returns their number. */
 static size_t select_rows(const struct run *run, struct thinning thinning, bool *mark)
 {
     const size_t n = trace_count(run->trace);
@@ -46,6 +51,8 @@ static size_t select_rows(const struct run *run, struct thinning thinning, bool 
     return count;
 }
 
+/* Lists the indices of the runs that were asked for, or of the current run. Returns their number.
+ */
 static int list_runs(const struct session *session, const struct argument_value *runs, int *index)
 {
     int count = 0;
@@ -59,6 +66,7 @@ static int list_runs(const struct session *session, const struct argument_value 
     return count;
 }
 
+/* Adds a column to the list unless it is there already. */
 static void add_column(struct chosen_column one, struct chosen_column *list, int *count)
 {
     for (int i = 0; i < *count; i++)
@@ -67,7 +75,8 @@ static void add_column(struct chosen_column one, struct chosen_column *list, int
     list[(*count)++] = one;
 }
 
-/* t first, then what was asked for, or the state, the energy and what is observed, each once. */
+/* Lists the columns to write, each once: t, then those asked for, or else the state, the energy and
+ * the observed expressions. Returns false with an error if a name is unknown. */
 static bool list_columns(const struct system *system, const struct argument_value *column,
                          struct chosen_column *list, int *count, struct error *error)
 {
@@ -90,6 +99,7 @@ static bool list_columns(const struct system *system, const struct argument_valu
     return true;
 }
 
+/* Returns false with an error if the runs do not all have the same variables. */
 static bool same_model(const struct session *session, const int *index, int count,
                        struct error *error)
 {
@@ -140,18 +150,20 @@ bool export_runs(const struct session *session, const struct argument_value *run
         rows += select_rows(run, thinning, mark[r]);
         largest = n > largest ? n : largest;
     }
-    /* keep the columns that all of them have */
+    /* A run without potential energy determines which energy all runs show. */
     for (int r = 1; r < count && system->energy; r++)
         system = &session->runs.slot[index[r]]->run->system;
     int columns = 0;
     if (!list_columns(system, column, list, &columns, error))
         return false;
+    /* Several runs get a leading column with the number of the run. */
     const int lead = count > 1;
     struct table_column *exported = arena_array(arena, (size_t)(columns + lead), sizeof *exported);
     const bool whole = count == 1 && rows == largest; /* all rows of one run */
     double *work = arena_array(arena, whole ? 0 : largest, sizeof *work);
     if (!exported || !work)
         return error_memory(error);
+    /* The columns of all runs follow each other in one array; only marked rows are copied. */
     for (int c = 0; c < columns + lead; c++) {
         double *value = arena_array(arena, rows, sizeof *value), *all = whole ? value : work;
         size_t n = 0;

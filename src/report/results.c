@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The results that have a table: what there is at any time, and the last of what was found. */
+/* The results that have a table (for export, plots, documents): those made from the session's state
+ * when asked for, and the last one of each kind that a command reported. */
 #include <hooke/report.h>
 
 #include <math.h>
 
-/* ---- what there is ---- */
+/* ---- tables made from the session's state ---- */
 
+/* Makes a table of all measurements of the session. Returns false with an error if there are none.
+ */
 static bool export_measurements(const struct session *session, struct export *export,
                                 struct error *error)
 {
@@ -19,6 +22,7 @@ static bool export_measurements(const struct session *session, struct export *ex
                : error_memory(error);
 }
 
+/* Makes a table with a row for each run. Returns false with an error if there are no runs. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error)
 {
     struct run_row *row = arena_array(export->arena, (size_t)session->runs.count + 1, sizeof *row);
@@ -35,12 +39,14 @@ bool export_run_table(const struct session *session, struct export *export, stru
                : error_memory(error);
 }
 
-/* ---- their rows ---- */
+/* ---- the catalog of results ---- */
 
+/* A result that a command reported last; `command` makes one. */
 #define FOUND(name, brief, command)                                                                \
     {                                                                                              \
         .row = {name, "", brief, "", NULL}, .type = command                                        \
     }
+/* The same for a study, which `export FILE table` takes if it is the latest. */
 #define STUDIED(name, brief)                                                                       \
     {                                                                                              \
         .row = {name, "", brief, "", NULL}, .study = true, .type = name                            \
@@ -71,6 +77,7 @@ static const struct result_row rows[] = {
 
 const struct catalog result_catalog = CATALOG("result", rows);
 
+/* Returns the result that a row of the catalog belongs to. */
 static const struct result_row *result_at(const struct row *row)
 {
     return (const struct result_row *)(const void *)row;
@@ -82,6 +89,7 @@ static struct text result_kind(const struct result_row *row)
     return text_of(row->kind ? row->kind : row->row.name);
 }
 
+/* Returns the result whose records have this kind, or NULL. */
 static const struct result_row *row_of(struct text kind)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
@@ -90,6 +98,7 @@ static const struct result_row *row_of(struct text kind)
     return NULL;
 }
 
+/* Stores the records that a result of the present state replies, so that they become its table. */
 static void say_now(struct session *session, const struct result_row *row)
 {
     struct table_store said = {0};
@@ -102,6 +111,8 @@ static void say_now(struct session *session, const struct result_row *row)
     session_keep_results(session, &said, row->row.name);
 }
 
+/* Makes the table of a result, or takes the last stored one. Returns false with an error and the
+ * command that makes one if there is none. */
 bool export_result(struct session *session, const struct row *result, struct export *export,
                    struct error *error)
 {
@@ -124,6 +135,7 @@ bool result_is_kept(const struct session *session, const struct row *result)
     return table_store_find(&session->studies.found, result_kind(result_at(result))) != NULL;
 }
 
+/* Exports the result of the last study, or the table of runs if there was a run since. */
 bool export_latest(struct session *session, struct export *export, struct error *error)
 {
     const struct row *studied =
@@ -134,8 +146,10 @@ bool export_latest(struct session *session, struct export *export, struct error 
                    : export_run_table(session, export, error);
 }
 
-/* ---- keeping them ---- */
+/* ---- storing results of commands ---- */
 
+/* Stores a table of a result with the keys of the session's set-up, in place of the records of the
+ * reply. Does nothing if out of memory. */
 void reply_result(const struct session *session, struct reply *reply, const char *kind,
                   const struct result_columns *columns, const void *rows_of, size_t count,
                   const char *method, const char *reference)
@@ -161,6 +175,8 @@ void reply_result(const struct session *session, struct reply *reply, const char
     arena_reset(&arena);
 }
 
+/* Decides whether the session keeps a table that a statement reported, and adds the keys of the
+ * scene to it. */
 static bool stored_table_keep(void *context, struct stored_table *stored)
 {
     struct session *session = context;
@@ -178,13 +194,15 @@ static bool stored_table_keep(void *context, struct stored_table *stored)
     return true;
 }
 
+/* Moves the tables that a statement reported to the session. Returns the result of the statement
+ * (of `command`, or the last one it reported), or NULL if it has no table. */
 const struct row *session_keep_results(struct session *session, struct table_store *said,
                                        const char *command)
 {
     const struct row *result = catalog_find(&result_catalog, text_of(command));
     for (int i = 0; i < said->count; i++) {
         const struct result_row *row = row_of(text_of(said->table[i]->kind));
-        if (!row && result && said->count == 1) /* rows of a catalog have the kind that it has */
+        if (!row && result && said->count == 1) /* the only table gets the command's kind */
             said->table[i]->kind = result->name;
         if (row && (!result || !table_store_find(said, result_kind(result_at(result)))))
             result = &row->row;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A run as it is now, for programs and files. */
+/* The record of a run for programs and files: its method, cost, present state, errors and energy
+ * balance. */
 #include <hooke/run/timing.h>
 #include <hooke/base/unit.h>
 #include <hooke/run/opinion.h>
@@ -7,6 +8,8 @@
 
 #include <math.h>
 
+/* Fills the fields of a record that are computed quickly; the others are completed when it is
+ * written. */
 void run_record_init(struct run_record *record, const struct session *session,
                      const struct run *run)
 {
@@ -28,24 +31,26 @@ void run_record_init(struct run_record *record, const struct session *session,
         .status = stop_name(run->stop)};
 }
 
-static bool is_mechanical(const void *row) /* no potential covers all forces */
+static bool is_mechanical(const void *row) /* second order, but not all forces have a potential */
 {
     const struct system *system = &((const struct run_record *)row)->run->system;
     return system->order == 2 && !system->energy;
 }
 
+/* Returns true if the run was compared with a recording. */
 static bool has_data(const void *row)
 {
     return isfinite(((const struct run_record *)row)->data.rms);
 }
 
-/* Computes the slow fields, which only records have. */
+/* Computes the fields that take long: energy balance, errors, and the second solution's estimates.
+ */
 static void run_record_complete(struct run_record *record)
 {
     const struct run *run = record->run;
     const struct model *model = run->system.model;
     run_ledger(run, &record->ledger);
-    /* the difference of numbers without bound */
+    /* The energies grow without bound at a singularity. */
     if (run->stop == STOP_SINGULAR)
         record->ledger.error_max = NAN;
     run_errors(run, &record->errors);
@@ -57,6 +62,7 @@ static void run_record_complete(struct run_record *record)
     record->opinion_max = known ? run->opinion.max : NAN;
     record->opinion_t = known ? run->opinion.t : NAN;
     record->opinion_lost = known || !isnan(run_opinion_sunk(run)) ? run->opinion.lost : NAN;
+    /* y and v remain unknown (NAN) if no digit of them is reliable. */
     const int variable[] = {model_variable(model, TEXT("y")), model_variable(model, TEXT("v"))};
     double *const value[] = {&record->y, &record->v};
     for (int i = 0; i < 2; i++)
@@ -64,6 +70,7 @@ static void run_record_complete(struct run_record *record)
             *value[i] = run->y[variable[i]];
 }
 
+/* Writes the state as an object; values without a reliable digit are null. */
 static void put_state(struct reply *reply, const char *key, const void *row)
 {
     const struct run *run = ((const struct run_record *)row)->run;
@@ -77,6 +84,7 @@ static void put_state(struct reply *reply, const char *key, const void *row)
     reply_close(reply);
 }
 
+/* Writes the names of the variables without a reliable digit as an array. */
 static void put_below(struct reply *reply, const char *key, const void *row)
 {
     const struct run *run = ((const struct run_record *)row)->run;

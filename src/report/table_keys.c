@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The keys of a table: its lines "# key = value", which tell how its numbers were made. Call
+ * keys_begin(), keys_add...(), keys_finish(). */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -7,8 +9,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Room for the parameters, for other keys of a scene, and two keys for each run. */
 #define KEYS_MAX (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
 
+/* Adds a key and frees the value. Sets keys->failed if out of memory. */
 void keys_add(struct keys *keys, const char *name, struct buffer *value)
 {
     const char *copy = value->failed ? NULL : arena_text(keys->arena, buffer_text(value));
@@ -27,6 +31,7 @@ void keys_add_text(struct keys *keys, const char *name, const char *text)
     keys_add(keys, name, &value);
 }
 
+/* Appends the method of a run with its step or tolerance, such as "rk4 dt=10 ms". */
 static void put_method(const struct run *run, struct buffer *value)
 {
     buffer_put(value, text_of(run->method->row.name));
@@ -41,6 +46,7 @@ static void put_method(const struct run *run, struct buffer *value)
                       catalog_row(&drag_catalog, (size_t)run->settings.drag - 1)->name);
 }
 
+/* Adds the scene, its typed equations and tolerances as one line each, and all parameters. */
 void keys_add_scene(struct keys *keys, const struct scene *scene)
 {
     struct buffer lines = {0};
@@ -65,7 +71,8 @@ void keys_add_scene(struct keys *keys, const struct scene *scene)
     }
 }
 
-/* "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at t = 4 s; 12 by events" */
+/* Adds a key with the changes of parameters during a run: "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at
+ * t = 4 s; 12 by events". Adds nothing if there were none. */
 static void add_changes(struct keys *keys, const char *name, const struct run_slot *slot)
 {
     struct buffer value = {0};
@@ -92,6 +99,7 @@ static void add_changes(struct keys *keys, const char *name, const struct run_sl
         keys_add(keys, name, &value);
 }
 
+/* Adds the scene of the first run, and the method and changes of each. */
 void keys_add_runs(struct keys *keys, const struct session *session, const int *index, int count)
 {
     const struct run *one = session->runs.slot[index[0]]->run;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The files that tables go to: those of the core, then those of modules (tables.def). */
+/* The formats of files for tables: those of the core, then those of modules (lists/tables.def). A
+ * row's name is the ending of the file's name. */
 #include <hooke/report.h>
 
 #define TABLE_KIND(name, brief, citation, function) extern table_format function;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A result as records, as a table to a file and as a table for people, from one description of its
- * columns. */
+/* Writes results by the description of their columns: as records, as a table for a file, and as a
+ * table for people. A result is an array of structs (rows); a struct result_column tells where in
+ * the struct a value is and what it is. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/unit.h>
 #include <hooke/result.h>
@@ -9,11 +10,14 @@
 
 /* ---- values of a row ---- */
 
+/* Returns row i of an array of the columns' structs. */
 static const void *row_at(const struct result_columns *columns, const void *rows, size_t i)
 {
     return (const char *)rows + i * columns->size;
 }
 
+/* Returns the address of a column's value in a row, or in the struct that a pointer of the row
+ * leads to. */
 static const void *member(const struct result_column *column, const void *row)
 {
     if (column->pointer_offset > 0)
@@ -38,6 +42,7 @@ static bool bool_of(const struct result_column *column, const void *row)
     return *(const bool *)member(column, row);
 }
 
+/* Returns the text of a column of names, choices or characters in a row, or NULL if it has none. */
 static const char *text_in(const struct result_column *column, const void *row)
 {
     const void *value_address = member(column, row);
@@ -64,6 +69,7 @@ static enum quantity quantity_in(const struct result_column *column, const void 
 
 /* ---- records ---- */
 
+/* Writes a list column as an array of objects. */
 static void put_parts(struct reply *reply, const struct result_column *column, const void *row)
 {
     size_t count = 0;
@@ -77,6 +83,8 @@ static void put_parts(struct reply *reply, const struct result_column *column, c
     reply_close(reply);
 }
 
+/* Adds the fields of a row to the record that is open, each by its column's kind; columns may write
+ * themselves (record) or be undefined for a row (defined). */
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row)
 {
     for (const struct result_column *c = columns->column; c < columns->column + columns->count;
@@ -120,6 +128,7 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
     }
 }
 
+/* Writes each row as a record of the kind, if somebody reads or stores records. */
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count)
 {
@@ -132,6 +141,8 @@ void reply_records(struct reply *reply, const char *kind, const struct result_co
 
 /* ---- a table to a file ---- */
 
+/* Fills a column of a table with the values of all rows, numbers or texts, allocated from the
+ * arena. Returns false if out of memory. */
 static bool fill_values(const struct result_columns *columns, const struct result_column *column,
                         const void *rows, size_t count, struct arena *arena,
                         struct table_column *table_column)
@@ -164,11 +175,15 @@ static bool fill_values(const struct result_columns *columns, const struct resul
     return true;
 }
 
+/* Returns true for kinds of columns that have no single value, so that only records can hold them.
+ */
 static bool is_only_recorded(enum column_kind kind)
 {
     return kind == COLUMN_MEASURED || kind == COLUMN_OBJECT || kind == COLUMN_LIST;
 }
 
+/* Makes a table for a file of all columns that have a single value. Returns false if out of memory.
+ */
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table)
 {
@@ -189,6 +204,8 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
 
 /* ---- a table for people ---- */
 
+/* Returns true if a row has something to show in a column: a finite number, a count that is not 0,
+ * true, or a text. */
 static bool has_value(const struct result_column *column, const void *row)
 {
     if (column->any)
@@ -206,6 +223,8 @@ static bool has_value(const struct result_column *column, const void *row)
     }
 }
 
+/* Returns true if a table for people has the column: some row has a value in it, and wide columns
+ * are wanted if it is one. */
 static bool column_is_shown(const struct result_columns *columns,
                             const struct result_column *column, const void *rows, size_t count,
                             bool wide)
@@ -216,6 +235,7 @@ static bool column_is_shown(const struct result_columns *columns,
     return any && (wide || !(column->flags & COLUMN_WIDE));
 }
 
+/* Adds the cell of a row to a table for people, in the column's own form if it has one. */
 static void column_cell_put(const struct result_column *column, const void *row,
                             struct text_table *table)
 {
@@ -234,7 +254,8 @@ static void column_cell_put(const struct result_column *column, const void *row,
         cell_text(table, text_in(column, row));
 }
 
-/* The columns for people in their order; places are small, and each is taken once. */
+/* Collects the columns that a table for people shows, ordered by their index (1 first; 0 is not
+ * shown). Returns their number. */
 static int columns_shown(const struct result_columns *columns, const void *rows, size_t count,
                          bool wide, const struct result_column *shown[TABLE_COLUMNS_MAX])
 {
@@ -248,12 +269,14 @@ static int columns_shown(const struct result_columns *columns, const void *rows,
     return used;
 }
 
+/* Returns how readily a column is left out for want of room, larger first. */
 static int column_rank(const struct result_column *column)
 {
     const int usual = column->flags & COLUMN_WIDE ? TABLE_RANK_WIDE : 2;
     return column->rank ? column->rank : usual;
 }
 
+/* Adds the headings and cells of a table for people; `wide` adds the wide columns. */
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table)
 {

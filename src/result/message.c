@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formatted lines, notes and warnings; how an error is shown: position, line, caret, hint; or one
- * JSON object. Every error of the language goes through here once. */
+/* Writes lines, notes, warnings and errors of a reply. An error is shown with its place in the
+ * line, a caret and a hint, or as one JSON object. Control characters from the user's input are
+ * made visible, so that they cannot command the terminal. */
 #include <hooke/base/safe_text.h>
 #include <hooke/result.h>
 
-#define SHOWN_WIDTH 100 /* [column] of a long line that is shown around the caret */
+#define SHOWN_WIDTH 100 /* [column] part of a long line that is shown around the caret */
 
-/* A formatted text with everything visible that could command a terminal, whatever was put into it.
- */
+/* Appends a formatted text with its control characters made visible. */
 static void put_safely(struct buffer *output, const char *format, va_list args) PRINTF_LIKE(2, 0);
 
 static void put_safely(struct buffer *output, const char *format, va_list args)
@@ -33,10 +33,11 @@ void reply_line(struct reply *reply, const char *format, ...)
     buffer_free(&line);
 }
 
+/* Writes a message to the error stream, after the lines written before. A message that ran out of
+ * memory is lost. */
 static void write_err(struct reply *reply, const struct buffer *text)
 {
     reply_flush(reply);
-    /* A message that does not fit into memory is lost, not the session. */
     if (!text->failed)
         reply->sink.err(reply->sink.context, buffer_text(text));
 }
@@ -53,12 +54,14 @@ void reply_note(struct reply *reply, const char *format, ...)
     buffer_free(&line);
 }
 
+/* Returns a reply that writes JSON records to the error stream. */
 static struct reply message_record(const struct reply *reply)
 {
     return (struct reply){.sink = {.output = reply->sink.err, .context = reply->sink.context},
                           .format = FORMAT_JSON};
 }
 
+/* Writes a warning as a JSON record. */
 static void write_warning(struct reply *reply, const char *text)
 {
     struct reply record = message_record(reply);
@@ -88,7 +91,8 @@ void reply_warning(struct reply *reply, const char *format, ...)
 
 /* ---- errors ---- */
 
-/* Characters before the place, counted from 1; 0 if the place is not in the line. */
+/* Returns the column of the place in the line, in characters from 1, or 0 if it is not in the line.
+ */
 static size_t place_column(struct text line, struct text where)
 {
     if (!where.data || !line.data || where.data < line.data || where.data > line.data + line.len)
@@ -102,7 +106,8 @@ static size_t place_column(struct text line, struct text where)
     return column;
 }
 
-/* As it will stand on the screen: tabs become one blank, controls become visible. */
+/* Appends a text as it appears on the screen: tabs become one blank, control characters become
+ * visible. */
 static void put_visible(struct buffer *output, struct text text)
 {
     for (struct text piece; text_split(&text, '\t', &piece);) {
@@ -112,6 +117,7 @@ static void put_visible(struct buffer *output, struct text text)
     }
 }
 
+/* Returns the end of a text that is at most `width` columns wide. */
 static struct text clip_from(struct text text, size_t width)
 {
     while ((size_t)text_width(text) > width && text.len > 0) {
@@ -122,6 +128,7 @@ static struct text clip_from(struct text text, size_t width)
     return text;
 }
 
+/* Returns the beginning of a text that is at most `width` columns wide. */
 static struct text clip_to(struct text text, size_t width)
 {
     size_t len = 0, columns = 0;
@@ -136,6 +143,8 @@ static struct text clip_to(struct text text, size_t width)
     return (struct text){text.data, len};
 }
 
+/* Appends the part of the line around the place of an error, and below it a caret with tildes under
+ * the whole place. */
 static void put_caret(struct buffer *output, struct text line, struct text where)
 {
     const struct text whole_head = {line.data, (size_t)(where.data - line.data)};
@@ -168,6 +177,7 @@ static void put_caret(struct buffer *output, struct text line, struct text where
     buffer_free(&visible_mark);
 }
 
+/* Writes an error as a JSON record to the error stream. */
 static void write_record(struct reply *reply, const struct error *error, const struct source *where,
                          size_t column)
 {
@@ -186,6 +196,8 @@ static void write_record(struct reply *reply, const struct error *error, const s
     reply_free(&record);
 }
 
+/* Appends an error for people: "FILE:LINE:COLUMN: error: TEXT", the line with a caret, the hint,
+ * and the scripts that sourced the file. */
 static void put_text(struct buffer *output, const struct error *error, const struct source *where,
                      struct text line, size_t column)
 {
@@ -215,7 +227,9 @@ static void put_text(struct buffer *output, const struct error *error, const str
         }
 }
 
-/* The line of the file that the error is in: its number, what stands there, the column. */
+/* Narrows a statement that was joined from several lines of a file down to the line with the error:
+ * sets *line to its text and *where to `own`, a copy with its number. Returns the column, or 0 if
+ * it is unknown. */
 static size_t error_line_index(const struct error *error, const struct source **where,
                                struct source *own, struct text *line)
 {
@@ -234,6 +248,7 @@ static size_t error_line_index(const struct error *error, const struct source **
     return place_column(*line, error->where) + (size_t)piece->indent;
 }
 
+/* Writes an error to the error stream, and reports it to reply->error if that is set. */
 void reply_error(struct reply *reply, const struct error *error, const struct source *where,
                  struct text line)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes replies of commands in three forms: lines, JSON objects, CSV rows. */
+/* Writes replies of commands in three forms: lines of text, JSON objects, CSV rows. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
@@ -29,6 +29,7 @@ void reply_free(struct reply *reply)
         buffer_free(buffers[i]);
 }
 
+/* Writes text to the results unless the reply is muted; notes if that fails. */
 static void write_out(struct reply *reply, struct text text)
 {
     if (!reply->failed && !reply->muted && text.len > 0 &&
@@ -36,8 +37,7 @@ static void write_out(struct reply *reply, struct text text)
         reply->failed = true;
 }
 
-/* The buffer as it is to the results; a buffer that ran out of memory counts as results that could
- * not be written. */
+/* Writes a buffer to the results and empties it. If it ran out of memory the reply has failed. */
 static void flush_out(struct reply *reply, struct buffer *buffer)
 {
     if (buffer->failed)
@@ -78,7 +78,7 @@ void reply_paragraph(struct reply *reply, struct text text, int width)
     buffer_free(&lines);
 }
 
-/* Another table in CSV. */
+/* Begins another table in CSV: after a separator, or in a file of its own. */
 static void begin_part(struct reply *reply, const char *kind)
 {
     struct buffer separator = {0};
@@ -95,7 +95,7 @@ static void begin_part(struct reply *reply, const char *kind)
 void reply_data(struct reply *reply, const char *kind, struct text text)
 {
     reply_flush(reply);
-    reply->recorded = true; /* no second time at the command's end */
+    reply->recorded = true; /* not written again at the command's end */
     if (reply->format == FORMAT_CSV) {
         buffer_clear(&reply->last_header);
         begin_part(reply, kind);
@@ -117,7 +117,7 @@ static void put_path(struct reply *reply, const char *key)
     buffer_put(&reply->header, text_of(key));
 }
 
-/* Writes the name of the column that the field is in: "halves.gamma.1", "parameters.k.value". */
+/* Appends the field's column in a stored table: "halves.gamma.1", "parameters.k.value". */
 static void put_column(struct reply *reply, const char *key, struct buffer *name)
 {
     for (int i = 1; i <= reply->depth; i++) {
@@ -132,7 +132,7 @@ static void put_column(struct reply *reply, const char *key, struct buffer *name
     }
 }
 
-/* A number, a text, or neither. */
+/* Adds the field to the row that is being stored, if any: a number, a text, or an empty cell. */
 static void record_value_append(struct reply *reply, const char *key, const double *value,
                                 const char *unit, const char *text)
 {
@@ -162,7 +162,7 @@ static bool is_special(char c)
     return c == ',' || c == '"' || c == '\n' || c == '\r';
 }
 
-/* A text as a cell of CSV that shows what could command a terminal; a formula is quoted. */
+/* Appends a CSV cell with control characters visible, quoted if it could be a formula. */
 static void put_csv_text(struct buffer *row, const char *text)
 {
     struct buffer safe = {0};
@@ -174,7 +174,7 @@ static void put_csv_text(struct buffer *row, const char *text)
     buffer_free(&safe);
 }
 
-/* A cell of the row; inside arrays the values of all elements share the cell of the array. */
+/* Adds a cell to the CSV row; inside arrays the values of all elements share the array's cell. */
 static void put_cell(struct reply *reply, const char *key, struct text value, bool is_text)
 {
     struct buffer *row = &reply->row;
@@ -200,7 +200,7 @@ static void put_cell(struct reply *reply, const char *key, struct text value, bo
         buffer_put(row, value);
 }
 
-/* The comma and the key before a JSON value. */
+/* Writes the comma and the key before a JSON value, and counts the elements of arrays. */
 static void put_key(struct reply *reply, const char *key)
 {
     if (reply->depth > 0) {
@@ -224,6 +224,7 @@ static void put_literal(struct reply *reply, const char *key, struct text json, 
     put_cell(reply, key, cell, false);
 }
 
+/* Opens an object or an array in the record. */
 static void open_level(struct reply *reply, const char *key, bool array)
 {
     put_key(reply, key);
@@ -266,7 +267,7 @@ bool reply_wants_text(const struct reply *reply)
     return reply->format == FORMAT_TEXT && !reply->quiet && !reply->muted;
 }
 
-/* The first field of an object in an array is what its others are called by. */
+/* Returns true for the `name` that an object in an array begins with; it names its columns. */
 static bool names_object(struct reply *reply, const char *key, const char *value)
 {
     const int d = reply->depth - 1;
@@ -327,7 +328,7 @@ void reply_null(struct reply *reply, const char *key)
     record_value_append(reply, key, NULL, "", NULL);
 }
 
-/* Two columns, which have the unit: NAME and NAME_uncertainty. */
+/* A stored table gets two columns with the unit, NAME and NAME_uncertainty. */
 void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit)
 {
     struct table_store *store = reply->store;
@@ -419,7 +420,7 @@ static void put_table_row(struct reply *reply, const char *kind, const struct ta
             reply_string(reply, c->name, c->text[row]);
 }
 
-/* The same as a row of CSV below others of the table. */
+/* Appends a row of a table as CSV without its header. */
 static void put_csv_row(struct buffer *output, const char *kind, const struct table *table,
                         size_t row)
 {
@@ -437,7 +438,7 @@ static void put_csv_row(struct buffer *output, const char *kind, const struct ta
 bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed)
 {
-    const size_t chunk = (size_t)1 << 20; /* [byte] written at a time */
+    const size_t chunk = (size_t)1 << 20; /* [byte] text is written in chunks of this size */
     for (size_t i = 0; i < count && !reply->failed; i++) {
         if (i % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel)) {
             flush_out(reply, &reply->row);
@@ -468,9 +469,10 @@ void reply_command_begin(struct reply *reply, enum output_format format)
     reply->format = format;
     reply->recorded = false;
     buffer_clear(&reply->lines);
-    buffer_clear(&reply->json); /* a record that no line of text has shown */
+    buffer_clear(&reply->json); /* drops a record that was not written */
 }
 
+/* Ends the reply of a command; in JSON and CSV lines without a record are written, too. */
 void reply_command_end(struct reply *reply, const char *kind)
 {
     reply_flush(reply);

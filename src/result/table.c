@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one
- * object. The text goes out in chunks, so that a large table needs no
- * memory for itself.
- */
+/* Writes tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as
+ * one object. The text is passed on in chunks, so that a large table needs no memory for itself. */
 #include <hooke/base/file.h>
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
@@ -12,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Passes the text on to the file, if there is one, once it is longer than `max` bytes. */
 void outlet_pass(struct outlet *sink, size_t max)
 {
     if (!sink->writer || sink->text->len <= max || sink->text->failed)
@@ -22,6 +20,7 @@ void outlet_pass(struct outlet *sink, size_t max)
 
 /* ---- CSV, TSV ---- */
 
+/* Returns true if a spreadsheet would run the cell as a formula, also after leading apostrophes. */
 bool cell_is_formula(struct text cell)
 {
     size_t position = 0;
@@ -30,6 +29,7 @@ bool cell_is_formula(struct text cell)
     return position < cell.len && memchr("=+-@\t\r", cell.data[position], 6);
 }
 
+/* Appends a cell, in quotes if asked for or if it contains the separator, quotes or line ends. */
 void buffer_cell(struct buffer *output, struct text cell, char separator, bool quoted)
 {
     for (size_t i = 0; i < cell.len && !quoted; i++)
@@ -44,8 +44,8 @@ void buffer_cell(struct buffer *output, struct text cell, char separator, bool q
     buffer_char(output, '"');
 }
 
-/* Quotes what could be taken for a number; what a spreadsheet would run as a formula gets a ' in
- * front. */
+/* Appends a text cell. Texts that look like numbers are quoted, so that they are read back as
+ * texts; formulas get an apostrophe in front, so that no spreadsheet runs them. */
 static void put_text(struct buffer *output, struct text cell, char separator)
 {
     struct buffer guarded = {0};
@@ -61,6 +61,7 @@ static void put_text(struct buffer *output, struct text cell, char separator)
     buffer_free(&guarded);
 }
 
+/* Appends the heading of a column, "NAME [UNIT]". */
 static void put_name(struct buffer *output, const struct table_column *column, char separator)
 {
     struct buffer name = {0};
@@ -75,6 +76,8 @@ static void put_name(struct buffer *output, const struct table_column *column, c
     buffer_free(&name);
 }
 
+/* Writes a table as CSV or TSV: lines of keys, the header, the rows. An unknown number (NAN) is an
+ * empty cell. */
 static void put_separated(const struct table *table, char separator, struct outlet *sink)
 {
     struct buffer *output = sink->text;
@@ -108,6 +111,7 @@ static void put_separated(const struct table *table, char separator, struct outl
 
 /* ---- JSON ---- */
 
+/* Appends a text as a JSON string. Invisible and control characters are escaped. */
 void buffer_json_text(struct buffer *output, struct text text)
 {
     static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
@@ -144,6 +148,7 @@ void buffer_json_real(struct buffer *output, double value)
         buffer_put(output, TEXT("null"));
 }
 
+/* Writes a table as one JSON object with its keys and columns; an unknown number is null. */
 void table_json(const struct table *table, struct outlet *sink)
 {
     struct buffer *output = sink->text;
@@ -206,6 +211,8 @@ bool table_write(const struct table *table, table_format *format, const char *pa
     return writer_open(&writer, path, policy, error) && table_send(table, format, &writer, error);
 }
 
+/* Writes a table to an open file and closes it. Returns false with an error, and leaves no file, if
+ * out of memory, cancelled, or if writing fails. */
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
                 struct error *error)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads back what table.c writes as CSV, TSV and JSON: the same doubles, the same texts. */
+/* Reads tables that table.c wrote as CSV, TSV or JSON: the same doubles bit for bit, and the same
+ * texts. */
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include <hooke/result/outlet.h>
@@ -8,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Beginnings by which such files are recognised. */
 #define FIRST_KEY "# hooke = "
 #define FIRST_JSON "{\"keys\":{"
 
@@ -16,26 +18,31 @@ bool table_recognise(struct text text)
     return text_starts(text, TEXT(FIRST_KEY)) || text_starts(text, TEXT(FIRST_JSON));
 }
 
+/* Progress of reading a table. */
 struct table_reading {
+    /* memory of the table */
     struct arena *arena;
+    /* text that has not been read yet */
     struct text rest;
     struct error *error;
     const struct cancel *cancel;
 };
 
+/* Sets the error that the file is damaged and how. Returns false. */
 static bool damaged(struct table_reading *r, const char *what)
 {
     return error_set(r->error, ERROR_IO, "not a table written by export: %s", what);
 }
 
-/* Rows are read in pieces. */
+/* Returns false with an error if the user has cancelled; looks only every LOOK_EACH_ROWS rows. */
 static bool row_continues(struct table_reading *r, size_t row)
 {
     return row % LOOK_EACH_ROWS != LOOK_EACH_ROWS - 1 || !cancelled(r->cancel) ||
            error_set(r->error, ERROR_CANCELLED, "stopped while reading");
 }
 
-/* More room at every power of two, from `least` on; NULL if out of memory. */
+/* Returns the array with room for one more element: a copy of twice the size whenever its count is
+ * a power of two from `least` on. Returns NULL if out of memory. */
 static void *grown(struct arena *arena, void *array, size_t count, size_t size, size_t least)
 {
     if (count > 0 && (count < least || (count & (count - 1))))
@@ -46,6 +53,7 @@ static void *grown(struct arena *arena, void *array, size_t count, size_t size, 
     return more;
 }
 
+/* Copies a buffer's text into the arena. Returns NULL with an error if out of memory. */
 static const char *buffer_text_copy(struct table_reading *r, const struct buffer *text)
 {
     const char *made = text->failed ? NULL : arena_text(r->arena, buffer_text(text));
@@ -54,6 +62,7 @@ static const char *buffer_text_copy(struct table_reading *r, const struct buffer
     return made;
 }
 
+/* Returns true if a number was read; one too small for a double counts as read (0). */
 static bool is_number_status(enum real_status status)
 {
     return status == REAL_OK || status == REAL_UNDERFLOW;
@@ -61,12 +70,14 @@ static bool is_number_status(enum real_status status)
 
 /* ---- CSV, TSV ---- */
 
+/* One cell of a file of separated values. */
 struct parsed_cell {
     const char *text;
     bool quoted;
 };
 
-/* Reads a cell up to the separator or the end of the line. *last tells which. */
+/* Reads a cell up to the separator or the end of the line; sets *last if the line ends there.
+ * Returns false with an error if a quotation mark is not closed. */
 static bool read_cell(struct table_reading *r, char separator, struct parsed_cell *cell, bool *last)
 {
     struct buffer text = {0};
@@ -90,13 +101,15 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
     r->rest = text_after(rest, used);
     *last = ends;
     const char *own = ok ? buffer_text_copy(r, &text) : NULL;
-    /* A cell that a spreadsheet would run was written with a ' before it. */
+    /* The apostrophe before a formula was added by table.c. */
     cell->text =
         own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
     buffer_free(&text);
     return ok ? cell->text != NULL : damaged(r, "a quotation mark is not closed");
 }
 
+/* Reads the lines "# KEY = VALUE" at the beginning. Returns false with an error if one is
+ * malformed. */
 static bool read_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
@@ -121,7 +134,7 @@ static bool read_keys(struct table_reading *r, struct table *table)
     return true;
 }
 
-/* "dt [s]" */
+/* Splits a heading such as "dt [s]" into the name and the unit of a column. */
 static bool name_column(struct table_reading *r, const char *heading, struct table_column *column)
 {
     const struct text all = text_of(heading);
@@ -136,7 +149,8 @@ static bool name_column(struct table_reading *r, const char *heading, struct tab
     return (column->name && column->unit) || error_memory(r->error);
 }
 
-/* Numbers where every cell is one or empty, and none was quoted. */
+/* Fills a column from the cells of a file, cell[i * columns] for row i: with numbers if every cell
+ * is an unquoted number or empty, else with texts. */
 static bool fill_column(struct table_reading *r, const struct parsed_cell *cell, int columns,
                         size_t rows, struct table_column *column)
 {
@@ -164,6 +178,7 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
     return true;
 }
 
+/* Reads CSV or TSV: keys, a header, rows of equal length. A tab in the header tells TSV. */
 static bool read_separated(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
@@ -208,6 +223,7 @@ static bool read_separated(struct table_reading *r, struct table *table)
 
 /* ---- JSON, of the one form that is written ---- */
 
+/* Skips blanks and line ends, then `what` if it follows; returns false if it does not. */
 static bool table_text_take(struct table_reading *r, const char *what)
 {
     text_skip_blanks(&r->rest);
@@ -220,6 +236,7 @@ static bool table_text_take(struct table_reading *r, const char *what)
     return true;
 }
 
+/* Reads the four hexadecimal digits of \\uXXXX. */
 static bool read_code(struct table_reading *r, uint32_t *code)
 {
     *code = 0;
@@ -235,7 +252,8 @@ static bool read_code(struct table_reading *r, uint32_t *code)
     return true;
 }
 
-/* Reads the rest of an escape sequence, behind the backslash. */
+/* Reads an escape sequence of JSON behind its backslash and appends the character; a pair of
+ * surrogates is one character. Returns false if it is malformed. */
 static bool read_escape(struct table_reading *r, struct buffer *output)
 {
     static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";
@@ -258,6 +276,7 @@ static bool read_escape(struct table_reading *r, struct buffer *output)
     return true;
 }
 
+/* Reads a JSON string into the arena. Returns NULL with an error if it is not closed. */
 static const char *read_string(struct table_reading *r)
 {
     struct buffer text = {0};
@@ -278,6 +297,7 @@ static const char *read_string(struct table_reading *r)
     return made;
 }
 
+/* Reads the object of keys, behind its opening brace. */
 static bool read_json_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
@@ -296,6 +316,9 @@ static bool read_json_keys(struct table_reading *r, struct table *table)
            damaged(r, "the list of keys is not closed");
 }
 
+/* Reads the array of a column's values, behind its opening bracket: numbers and null, or texts.
+ * Sets *rows to their number. Returns false with an error if both are mixed or something is
+ * malformed. */
 static bool read_values(struct table_reading *r, struct table_column *column, size_t *rows)
 {
     double *value = NULL;
@@ -328,12 +351,14 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         ++*rows;
     }
     if (*rows == 0)
+        /* An empty column counts as one of numbers. */
         value = arena_array(r->arena, 1, sizeof *value);
     column->value = value;
     column->text = text;
     return *rows == 0 || table_text_take(r, "]") || damaged(r, "the list of values is not closed");
 }
 
+/* Reads a table in JSON, in exactly the form that table_json() writes. */
 static bool read_json(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
@@ -364,6 +389,8 @@ static bool read_json(struct table_reading *r, struct table *table)
            damaged(r, "the list of columns is not closed");
 }
 
+/* Reads a table in either form. Returns false with an error if it is damaged or reading was
+ * cancelled. */
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
                  struct table *table, struct error *error)
 {

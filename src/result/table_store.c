@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables by the kind of their rows, and records as rows of such tables. */
+/* Stores tables by the kind of their rows, and collects records as rows of such tables:
+ * store_row_begin(), a store_cell_...() for each field, store_row_end(). table_store_take() then
+ * moves the tables to the session. */
 #include <hooke/base/number.h>
 #include <hooke/result.h>
 
@@ -7,16 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A column that grows; neither numbers nor texts: so far all cells are empty. */
+/* A column that grows. It holds numbers or texts; both are NULL while all its cells are empty. */
 struct cells {
     const char *name, *unit;
     double *value;
     const char **text;
 };
 
+/* The columns of a stored table while rows are added. */
 struct column_growth {
     struct cells *cells;
-    int columns, column_capacity, next; /* next is the column that most likely comes next */
+    /* `next` is where the search for a column begins: fields of records come in the same order */
+    int columns, column_capacity, next;
     size_t rows, capacity;
     bool failed;
 };
@@ -29,6 +33,7 @@ struct stored_table *table_store_find(const struct table_store *store, struct te
     return NULL;
 }
 
+/* Frees a stored table with its memory. */
 static void destroy(struct stored_table *stored)
 {
     arena_reset(&stored->arena);
@@ -43,7 +48,8 @@ void table_store_free(struct table_store *store)
     *store = (struct table_store){0};
 }
 
-/* Adds the table in place of the one of that kind. Returns false if out of memory. */
+/* Adds a table, in place of an earlier one of its kind, which is freed. Returns false if out of
+ * memory. */
 static bool stored_table_add(struct table_store *store, struct stored_table *stored)
 {
     struct stored_table *previous = table_store_find(store, text_of(stored->kind));
@@ -62,6 +68,8 @@ static bool stored_table_add(struct table_store *store, struct stored_table *sto
     return true;
 }
 
+/* Stores a table, whose memory is in the arena, and takes over the arena. Returns false if out of
+ * memory; the arena is unchanged then. */
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
                      const struct table *table)
 {
@@ -78,6 +86,8 @@ bool table_store_put(struct table_store *store, const char *kind, struct arena *
 
 /* ---- a row ---- */
 
+/* Begins a row of the table of this kind, which is made if there is none. If out of memory, or if
+ * the table is complete, the row is dropped. */
 void store_row_begin(struct table_store *store, const char *kind)
 {
     struct stored_table *stored = table_store_find(store, text_of(kind));
@@ -95,6 +105,8 @@ void store_row_begin(struct table_store *store, const char *kind)
         store->row->growth->next = 0;
 }
 
+/* Doubles the number of rows for which columns have memory; new cells are empty. Returns false if
+ * out of memory. */
 static bool grow_rows(struct arena *arena, struct column_growth *stored)
 {
     const size_t capacity = stored->capacity ? 2 * stored->capacity : 4;
@@ -117,6 +129,7 @@ static bool grow_rows(struct arena *arena, struct column_growth *stored)
     return true;
 }
 
+/* Returns the column of this name, which is added if it is new, or NULL if out of memory. */
 static struct cells *stored_column(struct arena *arena, struct column_growth *growth,
                                    const char *name, const char *unit)
 {
@@ -165,6 +178,7 @@ void store_cell_none(struct table_store *store, const char *name)
     cell_of(store, name, "");
 }
 
+/* Sets the cell of the current row in column `name`; its first number fixes a column's unit. */
 void store_cell_real(struct table_store *store, const char *name, const char *unit, double value)
 {
     struct cells *cells = cell_of(store, name, unit);
@@ -172,7 +186,7 @@ void store_cell_real(struct table_store *store, const char *name, const char *un
         return;
     struct arena *arena = &store->row->arena;
     struct column_growth *growth = store->row->growth;
-    if (cells->text) { /* a number in a column of words */
+    if (cells->text) { /* a number in a column of texts */
         char z[REAL_TEXT_SIZE];
         const char *copy = arena_text(arena, (struct text){z, real_format(value, z)});
         cells->text[growth->rows] = copy ? copy : "";
@@ -190,6 +204,7 @@ void store_cell_real(struct table_store *store, const char *name, const char *un
         growth->failed = true;
 }
 
+/* Sets the cell of the current row in column `name`; ignored in a column of numbers. */
 void store_cell_text(struct table_store *store, const char *name, const char *text)
 {
     struct cells *cells = cell_of(store, name, "");
@@ -216,8 +231,9 @@ void store_row_end(struct table_store *store)
     store->row = NULL;
 }
 
-/* ---- what the rows have become ---- */
+/* ---- finished tables ---- */
 
+/* Turns the columns that grew into a table. Returns false if out of memory, also while it grew. */
 static bool stored_table_finish(struct stored_table *stored)
 {
     const struct column_growth *growth = stored->growth;
@@ -242,6 +258,7 @@ static bool stored_table_finish(struct stored_table *stored)
     return ok;
 }
 
+/* Moves the tables of `source` that wanted() accepts to `store`; the others are freed. */
 void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context)
 {

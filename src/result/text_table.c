@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables for people: cells are added row by row, the headings first, then text_table_put() writes
+ * them in columns that fit the screen. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
@@ -7,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+/* Adds a copy of the text as the next cell; NULL makes it empty. Sets table->failed if out of
+ * memory. */
 void cell_text(struct text_table *table, const char *text)
 {
     if (table->cells == table->capacity) {
@@ -65,6 +69,8 @@ void cell_seconds(struct text_table *table, double seconds)
         cell_quantity(table, seconds, QUANTITY_TIME, 3);
 }
 
+/* Adds the first `rows` rows of a table, with its headings, for as many columns as the text table
+ * has. */
 void table_cells(const struct table *source, size_t rows, struct text_table *table)
 {
     for (int c = 0; c < table->columns; c++) {
@@ -87,7 +93,8 @@ void table_cells(const struct table *source, size_t rows, struct text_table *tab
         }
 }
 
-/* Returns the room that the table takes with that gap; a width below 0 marks what is folded. */
+/* Returns the width of the table with this gap between columns; columns of negative width are
+ * hidden. */
 static int table_width(const struct text_table *table, const int *width, int gap)
 {
     int wide = table->indent;
@@ -97,6 +104,7 @@ static int table_width(const struct text_table *table, const int *width, int gap
     return wide;
 }
 
+/* Returns true if a column has the same cell in all rows, of which there must be at least two. */
 static bool is_same_in_all_rows(const struct text_table *table, int column)
 {
     const int rows = table->cells / table->columns;
@@ -107,10 +115,9 @@ static bool is_same_in_all_rows(const struct text_table *table, int column)
     return rows > 2;
 }
 
-/*
- * Folds columns that have the same in all rows, but for the first, which names them, until the
- * table fits: marks their widths, and writes what they have.
- */
+/* Hides columns with the same value in all rows, except the first column, which names the rows,
+ * until the table fits: sets their width to -1 and appends their values to a sentence for below the
+ * table. */
 static void fold_columns(const struct text_table *table, int *width, struct buffer *told)
 {
     for (int column = 1; column < table->columns; column++) {
@@ -126,8 +133,8 @@ static void fold_columns(const struct text_table *table, int *width, struct buff
     }
 }
 
-/* Leaves out columns, those of the largest rank first and of one rank from the right, until the
- * table fits: marks their widths, and writes their headings. */
+/* Hides columns until the table fits, those of the largest rank first and from the right within a
+ * rank: sets their width to -1 and appends their headings to a sentence for below the table. */
 static void drop_columns(const struct text_table *table, int *width, struct buffer *told)
 {
     while (table_width(table, width, 1) > table->max) {
@@ -146,7 +153,7 @@ static void drop_columns(const struct text_table *table, int *width, struct buff
     }
 }
 
-/* Puts a sentence below the table, in lines of its width. */
+/* Appends a sentence below the table, folded to its width, and frees it. */
 static void put_told(const struct text_table *table, struct buffer *told, struct buffer *output)
 {
     struct buffer folded = {0};
@@ -171,6 +178,7 @@ void text_table_put(const struct text_table *table, struct buffer *output)
         int *column = &width[i % table->columns];
         *column = w > *column ? w : *column;
     }
+    /* Narrower gaps come first, then hidden columns. */
     int gap = table->gap;
     while (table->max > 0 && gap > 1 && table_width(table, width, gap) > table->max)
         gap--;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values and words as people read them, and as commands read them back. */
+/* Writes values with units, for people with few digits and for commands exactly, and quotes words
+ * so that commands read them back. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/result.h>
@@ -7,19 +8,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Times from 0.1 s on stay in seconds: T = 0.7226 s is what the sheet asks for. */
+/* Returns the unit in which a value is readable. Times from 0.1 s on stay in seconds, because the
+ * students' worksheet asks for 0.7226 s and not 722.6 ms. */
 static const struct unit *unit_for(enum quantity quantity, double value)
 {
     return unit_display(quantity, quantity == QUANTITY_TIME && fabs(value) >= 0.1 ? 1 : value);
 }
 
+/* Appends a value with its uncertainty and unit, rounded to `digits` digits. */
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
                      int digits)
 {
     const struct unit *unit = unit_for(quantity, value.value);
     const double factor = unit ? unit->factor : 1, shown = value.value / factor + 0.0; /* no -0 */
-    /* An uncertainty below the digits shown (of a simulation: rounding) says nothing to a person.
-     */
+    /* An uncertainty below the digits shown (rounding of a simulation) is left out. */
     if (value.uncertainty > 0 && value.uncertainty > pow(10, -digits) * fabs(value.value))
         buffer_uncertain(buffer, shown, value.uncertainty / factor);
     else
@@ -29,7 +31,8 @@ void buffer_measured(struct buffer *buffer, struct measured value, enum quantity
         buffer_format(buffer, " %s", name);
 }
 
-/* A buffer in memory that is large enough for every value, so that it never grows. */
+/* Returns a buffer on the memory of a value_text, which is large enough for every value, so that it
+ * never grows. */
 static struct buffer fixed_buffer(struct value_text *text)
 {
     return (struct buffer){.data = text->data, .cap = sizeof text->data};
@@ -63,6 +66,7 @@ const char *plural_s(int64_t count)
     return count == 1 ? "" : "s";
 }
 
+/* Appends a value so that a command reads the same double and uncertainty. */
 void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity)
 {
     if (value.uncertainty > 0) {
@@ -76,6 +80,7 @@ void buffer_exact(struct buffer *buffer, struct measured value, enum quantity qu
     }
 }
 
+/* Appends a word so that a statement reads it back: plain, in '...', or in "..." with escapes. */
 void buffer_word(struct buffer *buffer, struct text word)
 {
     bool plain = word.len > 0 && word.data[0] != '#';

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plots of columns that were asked for by name. */
+/* Plots of columns that were asked for by name (plot NAME against NAME), over time or at events. */
 #include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 
@@ -10,8 +10,10 @@
 
 #include <string.h>
 
-#define MARKS_MAX 100 /* points that are told apart */
+#define MARKS_MAX 100 /* number of points above which they are drawn as a cloud of dots */
 
+/* Finds the columns that a request names. Returns false with an error if one is unknown, if there
+ * are too many, or if their units differ, since they share an axis. */
 bool drawing_columns(struct drawing *d, const struct system *system)
 {
     const struct figure_request *request = d->request;
@@ -42,15 +44,20 @@ bool drawing_columns(struct drawing *d, const struct system *system)
     return true;
 }
 
+/* Returns the label of curve i of one run: a variable's or column's name, or NULL if out of memory.
+ */
 const char *drawing_label(const struct drawing *d, int i)
 {
-    const struct model *model = d->model ? d->model : &oscillator_model; /* a recording alone */
+    /* a recording without a run has no model */
+    const struct model *model = d->model ? d->model : &oscillator_model;
     if (!d->request->columns)
         return vertical_variable(model, d->request->kind)[i].name;
     const struct run *run = d->session->runs.slot[d->request->run[0]]->run;
     return arena_text(d->arena, text_of(chosen_variable(&run->system, &d->column[i]).name));
 }
 
+/* Computes a column (observable, variable or observed expression) at the chosen rows of a run.
+ * Returns false with an error if out of memory or cancelled. */
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error)
@@ -72,6 +79,8 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 
 /* ---- at events ---- */
 
+/* Computes a column at event record i of a run. Returns false with an error for an observable that
+ * needs more than the state at the event. */
 static bool column_value(const struct run *run, const struct chosen_column *column, size_t i,
                          double *value, struct error *error)
 {
@@ -93,6 +102,8 @@ static bool column_value(const struct run *run, const struct chosen_column *colu
     return true;
 }
 
+/* Adds a curve of points for each column, one point for each time that the event happened. Returns
+ * false with an error if it never did in the window. */
 bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
 {
     const struct run *run = slot->run;
@@ -117,7 +128,7 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 !column_value(run, &d->column[c], i, &y_value, d->error))
                 return false;
             seen++;
-            /* each point of a return map is the next of the one before */
+            /* Return map: y belongs to the event after the one of x. */
             if (!request->next || seen > 1)
                 y[n++] = y_value;
         }

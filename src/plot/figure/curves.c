@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers behind the curves of a session's figures. */
+/* Chooses the rows of a run that a figure draws (all, or those that look the same on the screen),
+ * and computes values at them. choose_rows() comes first, then values_at_rows() or state_at_rows().
+ */
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>
 #include <hooke/plot/curves.h>
@@ -10,11 +12,14 @@
 #include <math.h>
 #include <string.h>
 
-#define ROWS_ALL 4096 /* so many rows are taken as they are */
-/* Shares of the time of a figure that is drawn once: more than a screen or a page has columns. */
+#define ROWS_ALL 4096 /* largest number of rows that a screen draws all */
+/* Number of shares into which the rows of a figure that is drawn once are divided: more than a
+ * screen or a page has columns. */
 #define SHARES_DRAWN 8192
-#define ROWS_DRAWN_MAX (8 * SHARES_DRAWN) /* so many rows are drawn as they are */
-#define VISITS_A_PERIOD 256               /* a screen looks at no more of them */
+/* largest number of rows that a figure which is drawn once draws all */
+#define ROWS_DRAWN_MAX (8 * SHARES_DRAWN)
+#define VISITS_A_PERIOD 256 /* rows of each period that a screen examines */
+/* rows in all that a screen examines */
 #define VISITS_MAX (1 << 17)
 
 /* ---- rows ---- */
@@ -22,15 +27,16 @@
 #define VARIABLES_MAX 8 /* largest number of variables whose extremes are kept */
 #define EXTREMES_MAX (2 * VARIABLES_MAX + 2)
 
-/* Not at the same place of each stride: an oscillation could be in step with it. */
+/* Returns the row examined in the stride that begins at i, at a pseudo-random place: an oscillation
+ * could be in step with a regular one. */
 static size_t visited(size_t i, size_t stride)
 {
     const uint64_t mixed = (uint64_t)(i / stride) * 0x9E3779B97F4A7C15u >> 40;
     return i + (stride > 1 ? (size_t)(mixed % stride) : 0);
 }
 
-/* Computes the quantities whose extremes are kept: each variable, and of second order q v of the
- * first coordinate, up and down. */
+/* Computes the quantities whose maxima are searched: each variable and its negative and, for second
+ * order, q v of the first coordinate and its negative. Returns their number. */
 static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MAX])
 {
     const int variables = run->system.n < VARIABLES_MAX ? run->system.n : VARIABLES_MAX;
@@ -46,7 +52,7 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
     return count;
 }
 
-/* Puts a row in its place among n ascending ones, once. Returns how many there are then. */
+/* Inserts a row into n ascending ones unless it is there. Returns the new number. */
 static size_t row_insert(size_t *row, size_t n, size_t next)
 {
     size_t index = n;
@@ -59,12 +65,10 @@ static size_t row_insert(size_t *row, size_t n, size_t next)
     return n + 1;
 }
 
-/*
- * Chooses rows from a share of them: the first, the last, and those where the variables, and q v of
- * the first coordinate, are least and largest. There positions, velocities and the error of the
- * energy have their extremes (the modified energy of a symplectic method differs by terms in q v,
- * q^2, v^2; Hairer, Lubich, Wanner IX.8).
- */
+/* Chooses rows of the share [begin, end): the first, the last, and those where the variables, and q
+ * v of the first coordinate, are least and largest. At these the positions, velocities and the
+ * error of the energy have their extremes (the modified energy of a symplectic method differs by
+ * terms in q v, q^2, v^2; Hairer, Lubich, Wanner IX.8). Returns their number. */
 static size_t choose_of_shared(const struct run *run, size_t begin, size_t end, size_t stride,
                                size_t *chosen_row)
 {
@@ -90,8 +94,9 @@ static size_t choose_of_shared(const struct run *run, size_t begin, size_t end, 
     return n;
 }
 
-/* Chooses of each share of the rows the first, the last, and those where a variable is least and
- * largest. A line through them covers the same pixels as one through all rows. */
+/* Chooses of each share of the rows the first, the last, and those where a drawn variable is least
+ * and largest. A line through them covers the same pixels as one through all rows. Returns false
+ * with an error if out of memory. */
 static bool choose_extremes(const struct run *run, const struct row_request *request, size_t first,
                             size_t end, struct arena *arena, struct chosen_rows *rows,
                             struct error *error)
@@ -126,6 +131,7 @@ static bool choose_extremes(const struct run *run, const struct row_request *req
     return true;
 }
 
+/* Returns the smallest power of two that is at least `min`. */
 static size_t power_of_two(double min)
 {
     size_t power = 1;
@@ -134,7 +140,8 @@ static size_t power_of_two(double min)
     return power;
 }
 
-/* Finds the rows that lie in the window. */
+/* Finds the rows [*first, *end) in the window of time; for a screen with one neighbour on each
+ * side. */
 static void find_rows(const struct run *run, const struct row_request *request, size_t *first,
                       size_t *end)
 {
@@ -153,10 +160,9 @@ static void find_rows(const struct run *run, const struct row_request *request, 
         *end = *first;
 }
 
-/*
- * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the
- * rows that were chosen stay chosen.
- */
+/* Chooses the rows of a run that a figure draws. Strides and shares are powers of two and begin at
+ * multiples of themselves, so that rows once chosen stay chosen while a run grows. Returns false
+ * with an error if out of memory. */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error)
 {
@@ -197,6 +203,7 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 
 /* ---- values ---- */
 
+/* Returns true if the run still has the parameters and forces that it started with. */
 bool run_never_changed(const struct run *run)
 {
     struct system start;
@@ -210,8 +217,8 @@ bool run_never_changed(const struct run *run)
     return true;
 }
 
-/* Returns true if a row and one system give all that the observable needs. What the state alone
- * gives does not depend on the system. */
+/* Returns true if the observable can be computed from a recorded row alone: it depends on the state
+ * only, or the run is long and the system was the same all the time. */
 static bool follows_from_row(const struct run *run, const struct observable *observable)
 {
     for (int i = 0; i < run->system.n; i++)
@@ -230,6 +237,8 @@ void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows,
         values[row] = trace_state(run->trace, rows->row[row])[i];
 }
 
+/* Computes an observable at the chosen rows, from these rows alone if that is possible, else from
+ * the whole run. Returns false with an error if out of memory or cancelled. */
 bool values_at_rows(const struct run *run, const struct observable *observable,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error)
@@ -265,7 +274,8 @@ static double acceleration(const struct system *system, double t, const double *
     return a[0];
 }
 
-/* The acceleration of the state that lies between two rows. */
+/* Returns the acceleration at the state interpolated between two rows, at the fraction x of the
+ * step h. */
 static double acceleration_between(const struct system *system, double t, double x, double h,
                                    const double *left, const double *right)
 {
@@ -278,6 +288,8 @@ static double acceleration_between(const struct system *system, double t, double
     return acceleration(system, t, state);
 }
 
+/* Returns a derivative of the first coordinate (0, 1 or 2) at t [s], interpolated between rows by
+ * Hermite polynomials, or NAN outside of the run. */
 double run_motion(const struct run *run, double t, int derivative)
 {
     const size_t next_row = trace_row_at(run->trace, t), count = trace_count(run->trace);

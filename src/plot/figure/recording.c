@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run.
- */
+/* Recordings in figures: which one a plot shows, and its curve, with velocities or energies
+ * computed from its positions where the plot needs them. */
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>
 #include <hooke/data.h>
@@ -12,8 +12,9 @@
 
 #include <math.h>
 
-#define GROWING_POINTS 2 /* points per column of velocities and energies during collection */
-/* columns of a pane that has room for more than the delay of velocities */
+/* number of points per column drawn of velocities and energies during collection */
+#define GROWING_POINTS 2
+/* [cell] width from which a pane has room for other notes beside the delay of velocities */
 #define DELAY_COLUMNS 60
 
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
@@ -22,6 +23,8 @@ bool recording_shows(const struct recording *recording, const struct run *run, e
     return shown && recorded_derivative(recording, run) == (int)shown - (int)RECORDED_POSITION;
 }
 
+/* Returns the index of the recording that belongs into a plot without being asked for, or -1: the
+ * current one, if the plot can show its quantity and it overlaps the run. */
 int figure_recording(const struct session *session, enum plot_kind kind)
 {
     const struct recording *recording = session_recording(session);
@@ -43,8 +46,9 @@ int figure_recording(const struct session *session, enum plot_kind kind)
                : -1;
 }
 
-/* Leaves out some of the derivatives of fast samples, whose scatter is drawn anew all the time;
- * they are the same in each frame. The arrays are the figure's own. */
+/* Thins the velocities or energies of a recording that is being collected to GROWING_POINTS per
+ * column, always at the same times, because their scatter would flicker. Overwrites the arrays of
+ * the series. */
 static void thin_out(const struct drawing *d, struct series *series)
 {
     const bool plane = plot_is_plane(d->request->kind);
@@ -64,7 +68,8 @@ static void thin_out(const struct drawing *d, struct series *series)
     series->n = isfinite(step) ? n : series->n;
 }
 
-/* Positions, velocities or energies of the recording. */
+/* Computes what the plot shows of a recording in its window: the recorded values, or velocities or
+ * energies. Returns false with an error. */
 static bool recorded_values(struct drawing *d, const struct recording *recording,
                             struct series *series)
 {
@@ -83,6 +88,8 @@ static bool recorded_values(struct drawing *d, const struct recording *recording
     return true;
 }
 
+/* Fills the curve of a recording in the phase plot: its positions from their mean against its
+ * velocities over omega0. Returns false if out of memory or cancelled. */
 bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve)
 {
     const struct data_motion *motion = &d->motion;
@@ -104,7 +111,8 @@ bool drawing_phase_data(struct drawing *d, const struct series *series, struct c
     return true;
 }
 
-/* Scales a voltage or a force to the axis of the run that it is laid over. */
+/* Scales a voltage or a force to the position of the run that it is compared with; the series
+ * becomes empty if it does not follow the run. Returns false if out of memory. */
 static bool scale_values(const struct drawing *d, struct series *series)
 {
     const struct session *session = d->session;
@@ -117,12 +125,13 @@ static bool scale_values(const struct drawing *d, struct series *series)
     for (size_t i = 0; i < series->n; i++)
         y[i] = data.at_zero + data.gain * series->y[i];
     series->y = y;
-    /* it does not follow the run */
     if (!isfinite(data.gain))
         series->n = 0;
     return true;
 }
 
+/* Adds the curve of a recording to the figure, with error bars where they are known. Returns false
+ * with an error. */
 bool drawing_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;
@@ -152,6 +161,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
     return !kind_of(d)->data_curve || kind_of(d)->data_curve(d, &series, curve);
 }
 
+/* Appends "v 0.2 s late": how far velocities lag behind the samples during collection. */
 void drawing_put_delay(const struct drawing *d, struct buffer *text)
 {
     const struct recording *recording = recording_of(d);
@@ -165,7 +175,8 @@ void drawing_put_delay(const struct drawing *d, struct buffer *text)
     buffer_put(text, TEXT(" late"));
 }
 
-/* Takes twice what is drawn of a recording that is being collected, however long it is. */
+/* Fills a series with the newest part of a recording that is being collected, twice as long as what
+ * is drawn. Returns false with an error. */
 static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
 {
     struct recording part = *recording; /* its arrays are shared */
@@ -176,6 +187,9 @@ static bool recent_rows(struct drawing *d, const struct recording *recording, st
     return recording_series(&part, d->arena, 2, series, d->error);
 }
 
+/* Computes the velocities of a recording for this plot. Without a run its frequency scales the
+ * phase plot. Returns false with an error if they cannot be found or do not belong to the run's
+ * scene. */
 bool drawing_find_motion(struct drawing *d, const struct recording *recording)
 {
     const bool grows = d->request->follow && session_grows(d->session, recording);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size:
- * a logarithmic axis where all is positive, else a second panel. */
+/* Axes of a figure: applies ranges that the user asked for, and gives curves of very different size
+ * a logarithmic axis if all are positive, else a second panel. drawing_scales() is the entry. */
 #include <hooke/figure/layout.h>
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
@@ -9,14 +9,15 @@
 
 #include <math.h>
 
-#define SHARED_AXIS_RATIO 10 /* Sizes up to this ratio share an axis. */
-/* part of the smallest curve; a logarithmic axis leaves out what falls below */
+#define SHARED_AXIS_RATIO 10 /* Curves whose sizes differ by at most this ratio share an axis. */
+/* A logarithmic axis leaves out values below this fraction of the smallest curve. */
 #define DECADES_LEFT 1e-6
 #define ENERGY_FLAT_RELATIVE 0.01 /* An energy that varies by less is shown from zero. */
-#define CURVE_MARGIN 0.04         /* Part of a range that is left free beyond the curves. */
+#define CURVE_MARGIN 0.04         /* Fraction of a range that is left free beyond the curves. */
 
 /* ---- ranges that were asked for ---- */
 
+/* Returns true if a range was given with at least one end. */
 static bool has_ends(const struct figure_range *range)
 {
     return range && (!isnan(range->end[0]) || !isnan(range->end[1]));
@@ -32,6 +33,7 @@ static struct extent find_extent(const struct drawing *d, bool vertical)
                                 .other_range = other_range ? other_range->end : NULL});
 }
 
+/* Returns false with an error if the user's range has a unit of another quantity than the axis. */
 static bool fits_axis(const struct drawing *d, const struct figure_range *range,
                       const struct axis *axis, enum quantity quantity)
 {
@@ -44,6 +46,9 @@ static bool fits_axis(const struct drawing *d, const struct figure_range *range,
                       quantity_unit(quantity)[0] ? quantity_unit(quantity) : "1");
 }
 
+/* Applies the range that was asked for to an axis; an open end is where the curves end, with a
+ * margin. Returns false with an error if it is empty, not positive on a logarithmic axis, or of the
+ * wrong quantity. */
 static bool fix_range(const struct drawing *d, bool vertical, enum quantity quantity,
                       struct figure *figure)
 {
@@ -99,6 +104,7 @@ static const double *curve_sizes(const struct drawing *d, const struct figure *f
     return size;
 }
 
+/* Returns the smallest positive size. */
 static double min_size(const double *size, int n)
 {
     double min = HUGE_VAL;
@@ -107,8 +113,8 @@ static double min_size(const double *size, int n)
     return min;
 }
 
-/* Returns the size between the curves that differ most from their neighbours, or 0 if all are
- * alike. A curve at rest has no size. */
+/* Returns the size that separates small from large curves, at the widest gap between sizes, or 0 if
+ * one axis can hold all. Curves at rest have size 0 and do not count. */
 static double parting_size(const double *size, int n)
 {
     double max = 0, widest = 1, parting = 0;
@@ -125,6 +131,7 @@ static double parting_size(const double *size, int n)
     return max > SHARED_AXIS_RATIO * min_size(size, n) ? parting : 0;
 }
 
+/* Returns true if the plot is one of positive quantities and no curve has a negative value. */
 static bool is_positive(const struct drawing *d, enum quantity quantity)
 {
     if (!kind_of(d)->positive && quantity != QUANTITY_ENERGY)
@@ -136,6 +143,7 @@ static bool is_positive(const struct drawing *d, enum quantity quantity)
     return true;
 }
 
+/* Returns the size of the largest curve of a panel. */
 static double panel_size(const struct drawing *d, bool x, int panel)
 {
     double size = 0;
@@ -145,6 +153,8 @@ static double panel_size(const struct drawing *d, bool x, int panel)
     return size;
 }
 
+/* Divides the curves between two panels: those larger than `parting` go to the second. Gives each
+ * panel its own axes. Returns false if out of memory. */
 static bool part_panels(struct drawing *d, struct figure *figure, enum quantity x_quantity,
                         enum quantity y_quantity, const double *size, double parting)
 {
@@ -173,7 +183,8 @@ static bool part_panels(struct drawing *d, struct figure *figure, enum quantity 
     return true;
 }
 
-/* An energy that seems not to vary at all does so by this much. */
+/* Adds a note with the variation of an energy that is drawn from zero and therefore seems constant.
+ * Returns false if out of memory. */
 static bool note_flat(struct drawing *d, struct figure *figure)
 {
     const struct extent extent = find_extent(d, true);
@@ -190,7 +201,8 @@ static bool note_flat(struct drawing *d, struct figure *figure)
     return figure->note || error_memory(d->error);
 }
 
-/* [0], [1] of the quantity on the horizontal and the vertical axis. */
+/* Chooses ranges, logarithmic axis and panels of a figure; quantity[0] is that of the horizontal
+ * axis, quantity[1] of the vertical one. Returns false with an error. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2])
 {
     const struct figure_request *request = d->request;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interpolates between the rows of an adaptive run, which may be far apart, for the eye. */
+/* Draws adaptive runs as smooth curves: interpolates between their rows, which may be far apart, by
+ * Hermite polynomials. */
 #include <hooke/method.h>
 #include <hooke/run.h>
 #include <hooke/plot/drawing.h>
@@ -8,24 +9,25 @@
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>
 
-#define SMOOTH_MAX 32 /* points for a row */
+#define SMOOTH_MAX 32 /* largest number of points for each row */
 
-/* States at and between chosen rows; n 0: the rows are close enough, or nothing is known between
- * them. */
+/* Interpolated states. n is 0 if the rows are close enough or nothing is known between them. */
 struct smooth {
-    double *t, *y; /* [n] [s], [n][variables] */
+    double *t, *y; /* t [n] in s, y [n][variables] */
     size_t n;
 };
 
-/* A stiff method's steps are long where slopes at its states, a rounding off the slow motion, mean
- * nothing. */
+/* Returns true if rows should be interpolated: an adaptive run with fewer rows than points.
+ * Implicit methods are left out, because slopes at their states, a rounding off the slow motion,
+ * mean nothing. */
 static bool is_smooth(const struct run *run, const struct chosen_rows *rows, int points)
 {
     return run->plan.adaptive && !(run->method->flags & METHOD_IMPLICIT) && rows->n > 1 &&
            rows->n < (size_t)points;
 }
 
-/* So many points at least, where there are fewer rows. */
+/* Interpolates between the rows so that there are about `points` states. Returns false if out of
+ * memory; smooth->n is 0 if no interpolation is needed. */
 static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, int points,
                         struct arena *arena, struct smooth *smooth, struct error *error)
 {
@@ -49,7 +51,7 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
         const bool last = row + 1 == rows->n;
         const size_t next = rows->row[last ? row : row + 1];
         const double h = trace_time(run->trace, next) - a, *right = trace_state(run->trace, next);
-        /* a jump has no length, a change falls on a row */
+        /* The system in force on the way to the next row; a change of parameters falls on a row. */
         const struct system *system = run_system_to(run, next);
         system_derivative(system, a, left, slope[0]);
         system_derivative(system, a + h, right, slope[1]);
@@ -82,8 +84,11 @@ static int state_on_axis(const struct drawing *d, int coordinate)
                : (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate;
 }
 
+/* interpolated points for each column of cells */
 #define POINTS_A_COLUMN 4
 
+/* Adds interpolated curves of a run, and sets *drawn, if the plot shows state variables and rows
+ * are far apart. Returns false if out of memory. */
 bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
                     const char *label, bool *drawn)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of a study as a figure: curves for each name, or shades over two columns. */
+/* Draws the stored table of a study by the description of its plot (struct study_picture): a curve
+ * for each name in a column, or shades over two columns. */
 #include <hooke/base/unit.h>
 #include <hooke/figure/layout.h>
 #include <hooke/plot/drawing.h>
@@ -22,15 +23,18 @@ static double row_value(const struct table_column *column, size_t row)
 
 /* ---- curves ---- */
 
+/* A study's figure while it is built up. */
 struct study {
     struct drawing *d;
     const struct study_picture *picture;
     const struct table *table;
+    /* The columns of the horizontal axis, of the names of curves, and of the layers. */
     const struct table_column *x, *key_column, *part;
     struct figure_guide *guide; /* [guides] */
     int guides;
 };
 
+/* Returns true if a row belongs to a layer and, unless name is NULL, to the curve of this name. */
 static bool row_is_in(const struct study *s, const struct study_layer *layer, const char *name,
                       size_t row)
 {
@@ -38,7 +42,8 @@ static bool row_is_in(const struct study *s, const struct study_layer *layer, co
            (!name || strcmp(s->key_column->text[row], name) == 0);
 }
 
-/* Returns "rk4, slope 4.00", from the first row that has that value, or NULL if out of memory. */
+/* Returns the label of a curve, such as "rk4, slope 4.00", with the layer's value from the first
+ * row that has one, or NULL if out of memory. */
 static const char *curve_label(const struct study *s, const struct study_layer *layer,
                                const char *name)
 {
@@ -108,7 +113,7 @@ static bool is_first_of_name(const struct study *s, size_t row)
     return true;
 }
 
-/* Rows of one name follow each other. */
+/* Returns an upper bound of the number of names: rows of one name usually follow each other. */
 static size_t count_names(const struct study *s)
 {
     size_t names = 1;
@@ -117,6 +122,8 @@ static size_t count_names(const struct study *s)
     return names;
 }
 
+/* Adds the curves of all layers, one for each name. Returns false with an error if no row has
+ * numbers. */
 static bool add_layers(struct study *s)
 {
     struct drawing *d = s->d;
@@ -168,6 +175,7 @@ static bool heat_axis_of(struct study *s, const struct table_column *column, str
     return true;
 }
 
+/* Returns the index of a value on an axis of the map, or the axis's count if it is not on it. */
 static size_t place_on(const struct heat_axis *axis, double value)
 {
     const double *position =
@@ -175,8 +183,8 @@ static size_t place_on(const struct heat_axis *axis, double value)
     return position ? (size_t)(position - axis->value) : (size_t)axis->count;
 }
 
-/* An axis that reaches from edge to edge of the outer places; logarithmic if they are evenly
- * spaced so. */
+/* Returns an axis that reaches from the outer edge of the first point to that of the last,
+ * logarithmic if the points are more evenly spaced that way. */
 static struct axis edged_axis(struct heat_axis *places, enum quantity quantity)
 {
     const double low = places->value[0], high = places->value[places->count - 1],
@@ -198,6 +206,8 @@ static struct axis edged_axis(struct heat_axis *places, enum quantity quantity)
     return axis;
 }
 
+/* Makes a heat map of the column `shade` over x and the first layer's y. Cells without a row have
+ * no value. Returns false with an error if no row has numbers. */
 static bool draw_shades(struct study *s, struct figure *figure)
 {
     struct drawing *d = s->d;
@@ -240,6 +250,7 @@ static bool draw_shades(struct study *s, struct figure *figure)
 
 /* ---- the figure ---- */
 
+/* Returns an axis of a study's curves, with the unit that suits their size. */
 static struct axis study_axis(const struct study *s, bool vertical)
 {
     const struct drawing *d = s->d;
@@ -256,6 +267,8 @@ static struct axis study_axis(const struct study *s, bool vertical)
     return axis;
 }
 
+/* Makes the figure of a study from its stored table. Returns false with an error and the command
+ * that makes one if there is none. */
 bool drawing_study(struct drawing *d, const struct study_picture *picture, struct figure *figure)
 {
     struct study s = {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of a table against each other: points, a curve for each method, event or the like. */
+/* Plots columns of a table against each other as points, a curve for each method, event or other
+ * word. */
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 
@@ -11,9 +12,12 @@
 #define LOG_AXIS_RATIO 300 /* Ratio of positive values from which an axis is logarithmic. */
 /* The same ratio for an axis whose other axis is logarithmic, so that power laws are lines. */
 #define LOG_BOTH_RATIO 10
+/* most words in a column that separate curves */
 #define GROUPS_MAX 8
-#define MARKS_MAX 100 /* points that are told apart */
+#define MARKS_MAX 100 /* number of points above which they are drawn as a cloud of dots */
 
+/* Finds a column of numbers by its name. Returns NULL with an error that lists the columns if there
+ * is none. */
 static const struct table_column *find_column(const struct drawing *d, struct text name)
 {
     const struct table *table = d->request->table;
@@ -41,8 +45,8 @@ enum quantity column_quantity(const struct table_column *column)
     return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
 }
 
-/* Returns the axis of a column. `wanted` is the user's range, or NULL. An axis that begins at 0 is
- * not logarithmic. */
+/* Returns the axis of a column: logarithmic if its values are positive and their ratio exceeds
+ * `ratio`, unless the user's range (`wanted`, or NULL) begins at 0 or below. */
 static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
                            const struct figure_range *wanted)
 {
@@ -76,7 +80,8 @@ static int group_of(const char *const *value, int *count, const char *group[GROU
     return (*count)++;
 }
 
-/* The first column of words with more than one, but few; NULL if there is none. */
+/* Returns the first column of texts with 2 to GROUPS_MAX different ones, which become group[0...],
+ * or NULL if there is none. */
 static const struct table_column *find_groups(const struct table *table, int *count,
                                               const char *group[GROUPS_MAX])
 {
@@ -107,6 +112,8 @@ static const char *group_label(struct drawing *d, const struct table_column *gro
     return kept;
 }
 
+/* Adds the points of the rows of a group, or of all rows if group_column is NULL. Returns false if
+ * out of memory. */
 static bool add_curve(struct drawing *d, const struct table_column *x, const struct table_column *y,
                       const struct table_column *group_column, const char *group)
 {
@@ -132,6 +139,8 @@ static bool add_curve(struct drawing *d, const struct table_column *x, const str
     return true;
 }
 
+/* Makes the figure of the columns that the request names. Returns false with an error if one is
+ * unknown or units differ. */
 bool drawing_table(struct drawing *d, struct figure *figure)
 {
     const struct figure_request *request = d->request;

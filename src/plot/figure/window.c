@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the part of the time that a plot shows. */
+/* Chooses the window of time that a plot shows: all, the part asked for, the last periods, or in a
+ * live view a window that moves on in pages. */
 #include <hooke/run.h>
 #include <hooke/data.h>
 #include <hooke/base/unit.h>
@@ -12,8 +13,10 @@
 
 #include <math.h>
 
-#define GROWING_LEAST 2.0 /* [s] that are shown of what is being collected */
+#define GROWING_LEAST 2.0 /* [s] shortest window of a recording that is being collected */
 
+/* Returns the number of coordinates (or values, for first order) that have the quantity of the
+ * first and share its plot. */
 int plot_coordinates(const struct model *model)
 {
     const int all = model->order == 2 ? model->n / 2 : model->n;
@@ -24,6 +27,8 @@ int plot_coordinates(const struct model *model)
     return n;
 }
 
+/* Returns the period [s] of a run by its scene, or an estimate from the scales of its state; NAN if
+ * unknown. */
 double run_rhythm(const struct run *run)
 {
     const struct system *system = &run->system;
@@ -33,6 +38,7 @@ double run_rhythm(const struct run *run)
     return TWO_PI * system->scale[0] / system->scale[system->n / 2];
 }
 
+/* Finds the first and the last time [s] of what the plot shows. */
 static void span_of(const struct drawing *d, double *t_begin, double *t_end)
 {
     *t_begin = HUGE_VAL;
@@ -44,7 +50,7 @@ static void span_of(const struct drawing *d, double *t_begin, double *t_end)
         *t_begin = fmin(*t_begin, fmin(a, b));
         *t_end = fmax(*t_end, fmax(a, b));
     }
-    /* A plot that follows a run shows the part of the recording that lies beside it. */
+    /* A live plot of a run shows only the part of the recording beside it. */
     const struct recording *recording = recording_of(d);
     if (recording && !(d->request->follow && d->request->runs)) {
         *t_begin = fmin(*t_begin, recording->window[0]);
@@ -82,6 +88,8 @@ double drawing_trail(const struct drawing *d)
     return d->request->trail > 0 ? d->request->trail : VIEW_TRAIL_PERIODS;
 }
 
+/* Gives an axis the unit in which numbers of this size are short; times are in s or longer units.
+ */
 void axis_suit(struct axis *axis, enum quantity quantity, double size)
 {
     const struct unit *unit =
@@ -113,16 +121,14 @@ bool run_goes_back(const struct run *run)
     return trace_time(run->trace, trace_count(run->trace) - 1) < trace_time(run->trace, 0);
 }
 
-/* The run in front, whose newest part a view shows. */
+/* Returns true if the first run, whose newest part a view shows, goes backwards in time. */
 static bool goes_back(const struct drawing *d)
 {
     return d->request->runs > 0 && run_goes_back(d->session->runs.slot[d->request->run[0]]->run);
 }
 
-/*
- * The newest part of from..to [s], `max` long. A moving window starts a whole number of pages, or
- * of columns, after the start: while the curve grows nothing else moves.
- */
+/* Sets the window to the newest part of t_begin..t_end [s], `max` long. It moves by whole pages
+ * from the start, so that only the curve changes between two moves. */
 static void follow_window(struct drawing *d, double t_begin, double t_end, double now, double max)
 {
     const double turn = max / (d->request->pages > 0 ? d->request->pages : 1);
@@ -132,7 +138,8 @@ static void follow_window(struct drawing *d, double t_begin, double t_end, doubl
     d->window[1] = d->window[0] + max;
 }
 
-/* [s] Up to a length with short quarters, half as long again at most. */
+/* Returns the smallest length [s] with short quarters that is at least `length`, or half as long
+ * again at most. */
 static double short_above(double length)
 {
     double longer = length;
@@ -141,11 +148,9 @@ static double short_above(double length)
     return short_number(longer);
 }
 
-/*
- * Chooses the window of a recording that is being collected. It fills from the left, and then
- * pages, if a window that holds all its periods or goes to its end is known; else it is lengthened
- * now and then.
- */
+/* Chooses the window of a recording that is being collected. If the longest useful window or the
+ * end is known it fills from the left and then moves in pages; else it is lengthened from time to
+ * time. */
 static void growing_window(struct drawing *d, double t_begin, double t_end, double max)
 {
     const double t_final = d->session->growing->t_end,
@@ -155,6 +160,8 @@ static void growing_window(struct drawing *d, double t_begin, double t_end, doub
                   isfinite(length) ? length : short_above(fmax(t_end - t_begin, GROWING_LEAST)));
 }
 
+/* Chooses the window of the drawing: that of the other plots, that of the request, the trail of a
+ * plane, or the newest part in a live view. */
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -182,7 +189,7 @@ void drawing_window(struct drawing *d)
                  max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !wanted && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? t_begin : t_end - trail;
-        if (grows) /* the drawn part stays for as long again */
+        if (grows) /* moves only after a whole trail, so that the curve stays meanwhile */
             d->window[0] = t_begin + floor((d->window[0] - t_begin) / trail) * trail;
         d->window[1] = grows ? t_end : d->window[0] + trail;
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
@@ -191,7 +198,8 @@ void drawing_window(struct drawing *d)
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
                !wanted &&
                (request->span > 0 ||
-                (request->runs > 0 && d->total > max))) { /* nothing is added to a recording */
+                /* a complete recording without a run is shown as a whole */
+                (request->runs > 0 && d->total > max))) {
         follow_window(d, t_begin, t_end, now, max);
     }
     d->shown = d->window[1] - d->window[0];
@@ -210,6 +218,8 @@ static double window_rhythm(const struct drawing *d)
     return TWO_PI / series_tools()->frequency(d->session, recording, &series, d->arena);
 }
 
+/* Chooses the window that the time plots of a screen share. Returns false if there is nothing to
+ * show. */
 bool session_window(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure_window *window)
 {
@@ -222,6 +232,8 @@ bool session_window(const struct session *session, const struct figure_request *
     return d.window[0] < d.window[1];
 }
 
+/* Returns the request for the rows of a run in a window; only plots of variables over time name
+ * variables whose extremes suffice. */
 struct row_request drawing_rows(const struct drawing *d, const double window[2])
 {
     const struct figure_request *request = d->request;
