@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The loop: steps, conditions, stop reasons, slices. */
+/* The loop of run_advance(): it makes steps until the target, a condition or event, a failure,
+ * cancellation or the end of a time slice. advance_step() makes one step with everything that
+ * belongs to it; advance_many() in many.c makes batches where nothing has to be looked at in
+ * between. */
 #include <hooke/base/cancel.h>
 #include <hooke/scene/formula.h>
 #include "run/event/watch.h"
@@ -12,12 +15,15 @@
 #define BATCH_NS_MIN 200000
 #define BATCH_NS_MAX 800000
 
+/* Returns true if the condition of the target is true at the present state of the run. */
 static bool holds(const struct segment *segment)
 {
     const struct condition *condition = segment->target->condition;
     return condition_holds(condition, condition_value(condition, segment->target->scope));
 }
 
+/* Returns true if two times differ by rounding only. An infinite b, which stands for a run without
+ * an end, equals no time. */
 static bool same_time(double a, double b)
 {
     /* HUGE_VAL is no time */
@@ -29,6 +35,10 @@ double run_arrival(double t, double end)
     return same_time(t, end) ? end : t;
 }
 
+/* Sets up *segment for one call of run_advance(): the grid of fixed steps (a new one if the
+ * direction or the step has changed), the last step, the time of the next row, and the events.
+ * Returns STOP_NONE if there are steps to make, STOP_END if the run is at the target already, or
+ * STOP_FULL if out of memory. */
 static enum stop segment_begin(struct run *run, const struct run_target *target,
                                struct segment *segment)
 {
@@ -81,6 +91,8 @@ bool run_in_bounds(const struct run *run, const double *y)
     return true;
 }
 
+/* Puts the state before the last step back, with its compensated rounding. The method's memory of
+ * earlier steps is given up. */
 static void restore(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -90,6 +102,8 @@ static void restore(struct run *run)
     p->step.warm = false;
 }
 
+/* Makes a step of h [s] from t, for which the method uses nothing that it remembers of earlier
+ * steps. The step ends at turning points and switches on the way if the method does that. */
 static enum step_status step_cold(struct run *run, double t, double h)
 {
     struct step *step = &run->private_state->step;
@@ -99,14 +113,16 @@ static enum step_status step_cold(struct run *run, double t, double h)
     return method_turning_step(run->method, step);
 }
 
-/* Steps of the method from where one began, over less. */
+/* Context of condition_after(): the step that is repeated over a shorter length. */
 struct partial_step {
     struct run *run;
     const struct segment *segment;
-    double t;
-    bool failed;
+    double t;    /* [s] at which the step begins */
+    bool failed; /* one of the shorter steps failed */
 };
 
+/* Repeats the step from its beginning over h [s] only, leaves the run there, and returns the value
+ * of the condition; its sign tells whether the condition is true. Sets `failed` if a step fails. */
 static double condition_after(void *context, double h)
 {
     struct partial_step *part = context;
@@ -117,13 +133,13 @@ static double condition_after(void *context, double h)
     return condition_value(part->segment->target->condition, part->segment->target->scope);
 }
 
-/* First distance from the interpolated time of the condition, as a part of a step. */
+/* First half width of the interval around the interpolated time of the condition, as a fraction of
+ * the step: interpolants are nearly always better than that. */
 #define CONDITION_DISTANCE 1e-9
 
-/*
- * A stretch about `crossing_time` of the step over h at whose ends the condition is false, then
- * true; *low = *high: there is none.
- */
+/* Finds an interval [*low, *high] of the step over h, times [s] since its beginning, at whose ends
+ * the condition is first false and then true, and sets its values there. The interval is widened
+ * around crossing_time until it is found. Sets *low = *high if there is none or if a step fails. */
 static void enclose(struct partial_step *part, double crossing_time, double h, double *low,
                     double *f_low, double *high, double *f_high)
 {
@@ -143,11 +159,9 @@ static void enclose(struct partial_step *part, double crossing_time, double h, d
     *low = *high = crossing_time;
 }
 
-/*
- * The condition became true in the step from t over h, by an interpolant at the share theta: steps
- * of the method itself say where; the run is put there, where it holds. True if that is inside the
- * step.
- */
+/* Puts the run where the condition becomes true in the step from t over h. An interpolant gave the
+ * fraction theta of the step; the time is found to rounding with steps of the method itself.
+ * Returns true if that is inside the step, false if it is the end of the step, which then stays. */
 static bool locate(struct run *run, const struct segment *segment, double t, double h, double theta)
 {
     const size_t size = (size_t)run->system.n * sizeof *run->y;
@@ -181,8 +195,8 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
     return !whole;
 }
 
-/* Returns true, and puts the run there, if it stops in the step because the condition became
- * true. */
+/* Returns true, and puts the run there, if the condition became true in the step from t over h, so
+ * that the run stops. Sets *inside if that is before the end of the step. */
 static bool condition_meet(struct run *run, struct segment *segment, double t, double h,
                            bool *inside)
 {
@@ -199,8 +213,8 @@ static bool condition_meet(struct run *run, struct segment *segment, double t, d
     return met;
 }
 
-/* One step of the method; *t, *h: where it began and how far it went, *end: the time to give its
- * end. */
+/* Makes one step of the method. Sets *t and *h to the beginning and length of the step, and *end to
+ * the time that its end gets: exactly the target's time at the last step. */
 static enum step_status step_once(struct run *run, const struct segment *segment, double *t,
                                   double *h, double *end)
 {
@@ -251,11 +265,17 @@ void controller_copy(struct controller *target, const struct controller *source,
         target->switches = source->switches;
 }
 
+/* Returns true if the trace is full and a part of the thinning of the energy balance has to be done
+ * before it can record another step. */
 static inline bool must_thin(const struct run *run)
 {
     return run->trace->count >= run->trace->cap && ledger_is_due(run);
 }
 
+/* Makes one step, or a part of the thinning of the trace if that is due: steps by the method, finds
+ * events and the condition in the step, records the state, and keeps the energy balance. Returns
+ * STOP_NONE if the run can continue. A step that fails, diverges or cannot be recorded is taken
+ * back completely. */
 static enum stop advance_step(struct run *run, struct segment *segment)
 {
     struct run_private *p = run->private_state;

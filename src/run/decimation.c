@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Decimation: a bucket of 2^k steps keeps its first row and those of smallest and largest position
- * (of equals the earliest). Merging two buckets gives the rows that one bucket of twice the size
- * would have kept, so the trace depends on the step count only.
- */
+/* Decimation of a full trace. Steps are grouped in buckets of 2^k steps; each keeps its first row
+ * and those of smallest and largest position (of equals the earliest), so that no peak is lost.
+ * Merging two buckets gives the rows that one bucket of twice the size would have kept, so the
+ * trace depends on the number of steps only, not on when it was decimated. */
 #include "run/private.h"
 
+/* Returns the address of the step of row i. */
 static inline int64_t *step_at(const struct trace *trace, size_t i)
 {
     return &trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)];
@@ -13,7 +13,7 @@ static inline int64_t *step_at(const struct trace *trace, size_t i)
 
 /* ---- one step ---- */
 
-/* Adds a row to the last bucket. */
+/* Adds a row at the end. Returns false if out of memory. */
 static bool append(struct trace *trace, int64_t step, double t, const double *y)
 {
     if (!trace_reserve_rows(trace, 1))
@@ -43,7 +43,7 @@ bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
     if (*extreme == trace->tail) {
         if (!append(trace, step, t, y))
             return false;
-    } else { /* its row goes; at most the other extreme stands after it */
+    } else { /* the old extreme is dropped; at most the other extreme is behind it */
         if (*other > *extreme) {
             const double *row = trace_row(trace, *other);
             const struct energy_tally mark = trace_mark(trace, *other);
@@ -74,7 +74,7 @@ void trace_find_tail(struct trace *trace, int64_t begin)
 
 /* ---- many steps ---- */
 
-/* Replaces numbers by others where a is less than b. */
+/* Replaces each of the four numbers by that of *replacement where a is less than b. */
 ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *replacement,
                                       four *numbers)
 {
@@ -83,9 +83,10 @@ ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *
         (*numbers)[i] = (*a)[i] < (*b)[i] ? new[i] : old[i];
 }
 
-/* Sets the places of the first rows with the smallest and the largest position in each of
- * VECTOR_LANES parts of `count` rows, n numbers each. Places are counted in doubles, as positions
- * are. */
+/* Finds the rows with the smallest and the largest position (the first number of a row) in each of
+ * VECTOR_LANES consecutive parts of `count` rows, n numbers each. Sets low and high [VECTOR_LANES]
+ * to their indices within each part, the first one of equals. Indices are counted in doubles, so
+ * that they are vectors like positions. */
 ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int64_t *low,
                                     int64_t *high)
 {
@@ -109,7 +110,8 @@ ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int
     }
 }
 
-/* The same for all of the rows, of which there is one at least. */
+/* Does the same for all of the rows, at least one: sets *low and *high to the indices of the first
+ * rows with the smallest and the largest position. */
 CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
 {
     const int64_t part = count / VECTOR_LANES;
@@ -130,8 +132,8 @@ CLONES static void extremes(const double *row, int64_t count, int n, int64_t *lo
     }
 }
 
-/* Sets the places of the rows that a bucket keeps, in order, from that of its first row and those
- * of its extremes after it. Returns how many. */
+/* Sets place to the rows that a bucket keeps, in order: its first row, which is row `first`, and
+ * those of its extremes, which are counted from that one. Returns how many they are, 1 to 3. */
 static inline size_t bucket_rows(int64_t first, int64_t low, int64_t high, int64_t place[3])
 {
     const int64_t earlier = low < high ? low : high;
@@ -144,10 +146,11 @@ static inline size_t bucket_rows(int64_t first, int64_t low, int64_t high, int64
     return rows + (later > earlier);
 }
 
-/* Buckets whose rows are chosen at once. */
+/* Largest number of buckets whose rows are chosen in one call. */
 enum { BUCKETS_MAX = 256 };
 
-/* Sets the places of the rows that stay of so many, which begin a bucket. Returns how many stay. */
+/* Chooses the rows that stay of `count` rows, the first of which begins a bucket of `bucket` rows.
+ * Sets place to their indices, in order, and returns how many they are. */
 CLONES static size_t choose_rows(const double *row, int64_t count, int64_t bucket, int n,
                                  int64_t place[3 * BUCKETS_MAX])
 {
@@ -165,15 +168,16 @@ CLONES static size_t choose_rows(const double *row, int64_t count, int64_t bucke
     return rows;
 }
 
-/* Writes rows one after the other, from row `next` on. */
+/* Place in the trace at which rows are written one after the other. */
 struct row_writer {
-    double *row;
+    double *row; /* memory of the next row and of its step */
     int64_t *step;
-    size_t next, width;
-    bool marked;
+    size_t next;  /* index of the next row */
+    size_t width; /* numbers of a row */
+    bool marked;  /* rows have marks */
 };
 
-/* The width is known where rows have two numbers, as most have: copies are short then. */
+/* Returns a writer that begins at row `next`, for rows of `width` numbers. */
 ALWAYS_INLINE struct row_writer write_from(const struct trace *trace, size_t next, size_t width)
 {
     return (struct row_writer){.row = trace_row(trace, next),
@@ -183,6 +187,7 @@ ALWAYS_INLINE struct row_writer write_from(const struct trace *trace, size_t nex
                                .marked = trace_marked(trace)};
 }
 
+/* Writes a row and its step at the writer's place, which moves on; the mark is not changed. */
 ALWAYS_INLINE void write_next(const struct trace *trace, struct row_writer *writer, int64_t step,
                               const double *y)
 {
@@ -196,7 +201,7 @@ ALWAYS_INLINE void write_next(const struct trace *trace, struct row_writer *writ
     writer->next++;
 }
 
-/* Moves row `source_row` to the front. */
+/* Moves row source_row, with its mark, to the writer's place. */
 ALWAYS_INLINE void move_next(struct trace *trace, struct row_writer *writer, int64_t step,
                              size_t source_row)
 {
@@ -209,7 +214,7 @@ ALWAYS_INLINE void move_next(struct trace *trace, struct row_writer *writer, int
                    (source_row & (CHUNK_ROWS - 1)) * writer->width);
 }
 
-/* Writes the chosen rows of those from `row` on, the first of which is after `step`. */
+/* Writes the rows `place` [chosen] of those from `row` on, the first of which is that of `step`. */
 ALWAYS_INLINE void write_chosen(const struct trace *trace, struct row_writer *writer, int64_t step,
                                 const double *row, const int64_t *place, size_t chosen)
 {
@@ -219,9 +224,9 @@ ALWAYS_INLINE void write_chosen(const struct trace *trace, struct row_writer *wr
 
 /* ---- from each step to buckets ---- */
 
-/* Thins a trace with each step in buckets of four: both of two rows stay, unless they are alike.
- * Notes the steps of the rows that stay, and moves these rows if `moves`. Returns false if out of
- * memory. */
+/* Decimates a trace that has each step in buckets of four steps. (In buckets of two both rows would
+ * stay, unless they are alike.) Sets trace->index and trace->count to the rows that stay, and moves
+ * these rows to the front if `moves`. Returns false if out of memory. */
 static bool trace_steps_thin(struct trace *trace, bool moves)
 {
     static const int64_t bucket = 4;
@@ -255,7 +260,7 @@ bool trace_thin(struct trace *trace)
 
 /* ---- buckets of twice the size ---- */
 
-/* Moves the rows that stay of a bucket. */
+/* Moves the rows that stay of a bucket, which may coincide, to the writer's place in order. */
 ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, size_t first,
                                size_t low, size_t high)
 {
@@ -268,7 +273,8 @@ ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, s
         move_next(trace, writer, *step_at(trace, later), later);
 }
 
-/* Rows move to the front, never over one that is still to be read. */
+/* Merges pairs of buckets, which halves the number of rows at most. Rows move to the front, never
+ * over one that is still to be read. */
 static void merge_buckets(struct trace *trace)
 {
     const size_t count = trace->count, width = trace->width;
@@ -302,7 +308,7 @@ static void merge_buckets(struct trace *trace)
     trace->bucket *= 2;
 }
 
-/* Merges buckets until at most half of the rows that may be there are. */
+/* Merges buckets until at most half of the largest number of rows remain. */
 static void merge_enough(struct trace *trace)
 {
     trace_touch(trace, 0);
@@ -329,8 +335,8 @@ bool trace_coarsen(struct trace *trace)
 
 /* ---- recording many steps ---- */
 
-/* Does the same as trace_keep() for each of the rows, none of which begins a bucket, so that only
- * their extremes can stay. Returns false if out of memory. */
+/* Records `count` steps that all belong to the last bucket, so that only their extremes can stay:
+ * the same rows as trace_keep() for each of them. Returns false if out of memory. */
 static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t extreme_index[2];
@@ -345,8 +351,8 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
     return true;
 }
 
-/* Does the same as trace_keep() for each of the rows, which are whole buckets. Returns false if out
- * of memory. */
+/* Records `count` steps that are whole buckets: the same rows as trace_keep() for each of them.
+ * Returns false if out of memory. */
 static bool keep_buckets(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t place[3 * BUCKETS_MAX];
@@ -365,8 +371,9 @@ static bool keep_buckets(struct trace *trace, int64_t step, const double *row, i
     return true;
 }
 
-/* Returns how many of `count` steps from `step` on are kept as whole buckets: as many as fit before
- * the trace has to be decimated. */
+/* Returns how many of `count` steps from `step` on keep_buckets() can record at once: whole
+ * buckets, as many as fit before the trace has to be decimated. Returns 0 if `step` begins no
+ * bucket. */
 static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t count)
 {
     int64_t buckets = count / trace->bucket;
@@ -377,8 +384,9 @@ static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t co
     return (buckets < BUCKETS_MAX ? buckets : BUCKETS_MAX) * trace->bucket;
 }
 
-/* Records the first ones of the states after `step`, `step` + 1, …. Returns how many; 0 if the
- * trace is full or memory is out. */
+/* Records the first of `count` states after `step`, `step` + 1, …: those that are passed over,
+ * whole buckets, the end of a bucket, or one step. Returns how many; 0 if the trace is full or out
+ * of memory. */
 static int64_t record_some(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     const int64_t skipped = trace->decimates ? 0 : trace->next - step,

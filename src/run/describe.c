@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* `plan` for people: what will be computed and what is left out, like the EXPLAIN of a database. */
+/* plan_describe(): the text of the command `plan`, which says what a run will compute and what is
+ * left out, like the EXPLAIN of a database. Each function appends one or more lines, a heading of
+ * ten columns first. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include <hooke/run/price.h>
@@ -8,6 +10,7 @@
 
 #include <math.h>
 
+/* Appends the heading of a line, padded to ten columns. */
 static void description_key_put(struct buffer *text, const char *name)
 {
     buffer_format(text, "%-10s", name);
@@ -18,7 +21,8 @@ static const char *step_word(double count)
     return count == 1 ? "step" : "steps";
 }
 
-/* Describes the form that was recognised in the typed equations. */
+/* Describes the oscillator that was recognised in typed equations; appends nothing for other
+ * scenes. */
 static void describe_recognised(const struct system *system, struct buffer *text)
 {
     const struct oscillator *o = &system->oscillator;
@@ -56,6 +60,7 @@ static void describe_recognised(const struct system *system, struct buffer *text
     buffer_char(text, '\n');
 }
 
+/* Describes the state variables, the kind of the equations, and the forces with their formulas. */
 static void describe_scene(const struct scene *scene, const struct system *system,
                            struct buffer *text)
 {
@@ -74,6 +79,7 @@ static void describe_scene(const struct scene *scene, const struct system *syste
     describe_recognised(system, text);
 }
 
+/* Appends the predicted number of force evaluations, which may need a trial of the first steps. */
 static void describe_evaluations(const struct scene *scene, const struct system *system,
                                  const struct method *method, const struct run_settings *settings,
                                  const struct plan *plan, struct buffer *text)
@@ -93,6 +99,7 @@ static void describe_evaluations(const struct scene *scene, const struct system 
         buffer_format(text, " at least");
 }
 
+/* Describes the order, the evaluations and the properties of the method. */
 static void describe_method(const struct method *method, bool compensated, struct buffer *text)
 {
     static const struct {
@@ -114,7 +121,9 @@ static void describe_method(const struct method *method, bool compensated, struc
     buffer_format(text, compensated ? ", compensated sums\n" : "\n");
 }
 
-/* Returns how it is evaluated. */
+/* Describes how the method evaluates linear drag, and returns the drag variant that it uses for
+ * `asked`; DRAG_DEFAULT stays if the method has no variants. Appends nothing if drag is evaluated
+ * like any other force. */
 static enum drag describe_drag(const struct system *system, const struct method *method,
                                enum drag asked, struct buffer *text)
 {
@@ -159,6 +168,8 @@ static const char *about_turns(const struct system *system, const struct method 
                : "order is lost at turning points: quadratic drag is only C^1 there";
 }
 
+/* Describes adaptive steps: their tolerance, the first guess, and absolute tolerances that are
+ * set. */
 static void describe_tolerance(const struct system *system, const struct run_settings *settings,
                                struct buffer *text)
 {
@@ -174,6 +185,7 @@ static void describe_tolerance(const struct system *system, const struct run_set
     buffer_char(text, '\n');
 }
 
+/* Describes fixed steps: their number, and how the last of them meets the end. */
 static void describe_grid(const struct method *method, const struct run_settings *settings,
                           const struct plan *plan, struct buffer *text)
 {
@@ -195,6 +207,8 @@ static void describe_grid(const struct method *method, const struct run_settings
     buffer_char(text, '\n');
 }
 
+/* Describes drag, turning points, steps, the kernel, and for fixed steps the evaluations and the
+ * estimated time. */
 static void describe_steps(const struct scene *scene, const struct system *system,
                            const struct method *method, const struct run_settings *settings,
                            const struct plan *plan, struct buffer *text)
@@ -226,6 +240,7 @@ static void describe_steps(const struct scene *scene, const struct system *syste
     }
 }
 
+/* Describes which columns are recorded, at which steps or times, and how much memory they take. */
 static void describe_record(const struct system *system, const struct run_settings *settings,
                             const struct plan *plan, struct buffer *text)
 {
@@ -249,6 +264,8 @@ static void describe_record(const struct system *system, const struct run_settin
     buffer_format(text, plan->adaptive || timed ? "\n" : "; times are computed, not stored\n");
 }
 
+/* Describes the growth of the amplitude per step and the largest stable step, if they are known:
+ * for the linear oscillator only. */
 static void describe_prediction(const struct system *system, const struct method *method,
                                 const struct run_settings *settings, const struct plan *plan,
                                 struct buffer *text)

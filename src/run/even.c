@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Rows at even times: origin + k interval. A row in the middle of a step lies on its dense output;
- * where a step ends at such a time but for rounding, the row is the state that was computed.
- */
+/* Rows at even times, origin + k interval (RECORD_TIMES). A row in the middle of a step lies on its
+ * dense output; where a step ends at such a time but for rounding, the row is the state that was
+ * computed. even_record() records step by step, trace_record_even() many steps that end at rows. */
 #include "run/private.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Times so near are one: the grid of steps and that of rows are both sums of rounded numbers. */
+/* Returns the difference [s] up to which two times near t count as equal: both the grid of steps
+ * and that of rows are sums of rounded numbers. */
 static double nearness(const struct trace *trace, double t)
 {
     return 8 * DBL_EPSILON * fmax(fabs(t), fabs(trace->origin));
 }
 
+/* Returns the time [s] of the next row. */
 static double due_time(const struct trace *trace)
 {
     return trace->origin + trace->due * trace->interval;
@@ -23,8 +24,8 @@ void trace_aim(struct trace *trace, double t, double h)
 {
     trace->ahead = h < 0 ? -1 : 1;
     trace->due = trace->ahead * (floor(trace->ahead * ((t - trace->origin) / trace->interval)) - 1);
-    /* Not more often than the quotient's rounding asks for: where the interval is below that of t,
-     * it never ends. */
+    /* The quotient is rounded, so that `due` may be a few rows too early. The number of corrections
+     * is limited because they would never end if the interval is below the rounding of t. */
     for (int i = 0; i < 4 && (due_time(trace) - t) * trace->ahead <= nearness(trace, t); i++)
         trace->due += trace->ahead;
 }
@@ -42,6 +43,8 @@ bool trace_in_step(struct trace *trace)
     return fabs(grid_time(grid, trace->next) - due) <= nearness(trace, due);
 }
 
+/* Records y as the row that is due and moves on to the next one. Returns false if the trace is full
+ * or out of memory. */
 static bool append(struct trace *trace, int64_t step, const double *y)
 {
     if (!trace_append(trace, step, due_time(trace), y))

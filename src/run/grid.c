@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Times of steps: grids from change to change of the step, and how many steps a span takes. */
+/* Times of steps: the grids of a trace, one for each change of the step, and the number of steps
+ * that an interval of time takes. */
 #include "run/private.h"
 
 #include <float.h>

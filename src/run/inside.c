@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* States inside of the step just taken. */
+/* States inside of the step just taken, for rows at even times and for events. */
 #include <hooke/scene/typed.h>
 #include "run/private.h"
 
@@ -21,8 +21,8 @@ struct step inside_step(const struct inside *inside, struct sliding *sliding, st
     return last;
 }
 
-/* A step of the method from the beginning of the last one over its share theta; returns false if it
- * fails. */
+/* Makes a step of the method from the beginning of the last one over its fraction theta, into y
+ * [n], with memory of its own, so that the run is not changed. Returns false if it fails. */
 static bool side_step(const struct inside *inside, const struct step *last, double theta, double *y)
 {
     struct run *run = inside->run;
@@ -42,10 +42,9 @@ static bool side_step(const struct inside *inside, const struct step *last, doub
     return status == STEP_OK;
 }
 
-/*
- * A step of a method that remembers others ends beside a step that does not: finds by how much,
- * once for each step. The states between them are moved by their share of it.
- */
+/* Moves y, the state at the fraction theta of a step of a multistep method, by theta times the gap:
+ * side_step() does not know the steps before, so it ends beside the step that was taken. The gap is
+ * found once for each step. */
 static void close_gap(const struct inside *inside, const struct step *last, double theta, double *y)
 {
     const struct run *run = inside->run;
@@ -60,7 +59,8 @@ static void close_gap(const struct inside *inside, const struct step *last, doub
         y[i] += theta * p->gap[i];
 }
 
-/* A cubic through the ends of a long step says little: a shorter step of the same method does. */
+/* Methods of high order without dense output get a shorter step of their own, because a cubic
+ * through the ends of a long step would be far less accurate. */
 void inside_state(const struct inside *inside, double theta, double *y)
 {
     const struct run *run = inside->run;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many steps at once, of a fixed size or adaptive: a kernel writes the states, where possible
- * straight into the trace. */
+/* Batches of steps, fixed or adaptive: a kernel writes the states, directly into the trace if every
+ * step is recorded, else into memory from which rows are chosen. advance_many() is the entry; what
+ * it does is the same, to the bit, as single steps by advance_step(). */
 #include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/*
- * Returns true if all numbers are within the bound, which is repeated VECTOR_LANES times.
- * Magnitudes of doubles are ordered like their bits, NaN above all: where one is too large, the
- * difference to the bound is negative, and that survives in a sum of bits.
- */
+/* Returns true if the magnitudes of all 4 fours numbers are within the bound, which is repeated
+ * VECTOR_LANES times. Magnitudes of doubles are ordered like their bits as integers, NaN above all:
+ * where one is too large, the difference from the bound is negative, and its sign survives in an OR
+ * of all differences. */
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
     const four_bits limit = *(const four_bits *)(const void *)bound;
@@ -25,7 +25,7 @@ CLONES static bool all_within(const double *number, int64_t fours, const double 
 }
 
 /* Returns the number of rows within bounds, counted from the first. Nearly always all of them are
- * within the smallest bound. */
+ * within the smallest bound, which is checked first because it is fast. */
 static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
     double least = bound[0], smallest[VECTOR_LANES];
@@ -42,14 +42,17 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
     return count;
 }
 
-#define HOT_ROWS 1024 /* Rows of two numbers that fill half of the fastest cache. */
+/* Largest number of rows in a batch by a kernel: rows of two numbers fill half of the fastest
+ * cache. */
+#define HOT_ROWS 1024
 
 static int64_t min_steps(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-/* The propagator for this step, made when it is first needed. */
+/* Returns the propagator for steps of h, which is made if there is none for this step; NULL if the
+ * scene has none or out of memory. */
 static struct propagator *propagator_for(struct run *run, double h)
 {
     struct run_private *p = run->private_state;
@@ -62,8 +65,9 @@ static struct propagator *propagator_for(struct run *run, double h)
     return p->propagator;
 }
 
-/* Finds the beginning of the block after the run went back to the middle of it: that row was
- * recorded, and belongs to the same scene. */
+/* Gives the propagator the state at the beginning of the block of `step`, if it does not know it
+ * and the trace has it: after run_back() the run may be in the middle of a block. The state must
+ * belong to the present epoch. */
 static void find_block(struct run *run, const struct segment *segment, int64_t step)
 {
     struct propagator *propagator = run->private_state->propagator;
@@ -81,7 +85,8 @@ void run_give(struct run *run, const double *row, int64_t count)
     run->private_state->given_end = run->steps + count;
 }
 
-/* Steps that are given instead of taken. */
+/* Copies states that run_give() has provided into march->row, instead of computing them. Returns
+ * how many. */
 static int64_t take_given(struct run *run, const struct march *march)
 {
     struct run_private *p = run->private_state;
@@ -93,9 +98,10 @@ static int64_t take_given(struct run *run, const struct march *march)
     return taken;
 }
 
-/* Steps by the method, those beyond a state that has diverged as if they had not been taken: what a
- * run costs depends on neither the kernel nor on how many steps are taken at once. *good: those
- * before it. */
+/* Makes up to march->count fixed steps by the method. If a state diverges before the last step, the
+ * steps beyond it are taken back and their cost is not counted, so that the cost of a run depends
+ * neither on the kernel nor on the size of batches. Sets *good to the number of steps before that
+ * state, and returns the number of steps made. */
 static int64_t march_within(struct run *run, struct march *march, enum step_status *status,
                             int64_t *good)
 {
@@ -118,8 +124,8 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
     return taken;
 }
 
-/* Copies the working memory of the method, so that many steps can be taken back. Returns false if
- * out of memory. */
+/* Copies the working memory of the method to p->work_before, so that a batch can be taken back.
+ * Returns false if out of memory. */
 static bool keep_work(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -131,8 +137,9 @@ static bool keep_work(struct run *run)
     return p->work_before;
 }
 
-/* Opens *capacity rows of `width` numbers: in the trace if each of them stays as it is, else in
- * memory that is used again. Returns NULL if there is none. */
+/* Returns memory for *capacity rows of `width` numbers: in the trace, and sets *in_trace, if it
+ * keeps every step unchanged, else p->scratch, which is used again. Returns NULL if out of
+ * memory. */
 static double *open_rows(struct run *run, size_t width, size_t *capacity, bool *in_trace)
 {
     struct run_private *p = run->private_state;
@@ -146,13 +153,15 @@ static double *open_rows(struct run *run, size_t width, size_t *capacity, bool *
     return p->scratch;
 }
 
-/* Start of adaptive steps, beside run_private's before and work_before. */
+/* State of the solver before a batch of adaptive steps, beside run_private's previous_state and
+ * work_before. */
 struct adapted_from {
     struct step step;
     struct controller controller;
 };
 
-/* Takes `count` adaptive steps from there once more, fewer than before. */
+/* Takes a batch of adaptive steps back to `saved`, and makes only the first `count` of its steps
+ * again. */
 static void adapt_again(struct run *run, const struct adapted_from *saved, double end,
                         int64_t count, double *row)
 {
@@ -183,7 +192,7 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
     copy_state(p->previous_state, run->y, n);
     const int64_t taken = method_adapt_many(&p->step, &run->controller, end, count, row, &status);
     int64_t good = rows_within(row, taken, n + 1, bound);
-    /* No step beyond the bounds was taken: the step there gives the reason. */
+    /* All states are within bounds, so the status of the last step is the reason to stop. */
     if (good == taken && good > 0)
         *stop = stop_of_step(status);
     if (good > 0)
@@ -220,7 +229,7 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     const int64_t count = min_steps(min_steps(left, p->batch), (int64_t)capacity),
                   good = adapt_within(run, end, count, row, in_trace, stop);
     if (good == 0)
-        return false; /* one step says why */
+        return false; /* the single step that follows finds the reason */
     const double *last = row + (size_t)(good - 1) * width;
     p->gap_known = false;
     if (good > 1)
@@ -276,8 +285,8 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     } else if (run->steps < p->given_end) {
         taken = take_given(run, &march);
     } else {
-        /* Advance step by step in a block that is not known, but only to its end, however the calls
-         * are cut. */
+        /* The propagator does not know this block: the method makes its steps, but only to the end
+         * of the block, so that the states do not depend on how the run is cut into calls. */
         if (propagator)
             march.count = min_steps(march.count, propagator_rest(march.first));
         taken = march_within(run, &march, &status, &good);

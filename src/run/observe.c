@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Observables: functions of a row of a run. A new one is a row of observables.def. */
+/* Observables: quantities that are computed from a row of a run when something asks for them. A new
+ * one is a row of observables.def, which gives its name, unit, needs and value. This file computes
+ * columns of them, errors against the exact solution, and the names that expressions of a run may
+ * use. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include <hooke/base/elementary.h>
@@ -9,11 +12,13 @@
 #include <float.h>
 #include <math.h>
 
+/* Returns the velocities [n / 2], the second half of the state. */
 static const double *velocity(const struct sample *sample)
 {
     return sample->y + sample->system->n / 2;
 }
 
+/* Returns the acceleration [m/s^2] of the first coordinate. */
 static double acceleration(const struct sample *sample)
 {
     double a[LIMIT_VARIABLES];
@@ -21,13 +26,15 @@ static double acceleration(const struct sample *sample)
     return a[0];
 }
 
+/* Returns (E - E0 - work)/|E0|; NAN if E0 is 0. */
 static double energy_error(const struct sample *s)
 {
     const double error = system_energy(s->system, s->y) - s->initial - s->work;
     return s->initial != 0 ? error / fabs(s->initial) : NAN;
 }
 
-/* Returns the distance in positions, or in all variables of a first-order scene. */
+/* Returns the distance from the exact solution: over the positions, or over all variables of a
+ * first-order scene. In one variable it has a sign. */
 static double distance_from_exact(const struct sample *s)
 {
     const int count = s->system->order == 2 ? s->system->n / 2 : s->system->n;
@@ -42,6 +49,7 @@ struct phase_point {
     double q, p;
 };
 
+/* Returns the state as a point of the phase plane around the equilibrium of a linear oscillator. */
 static struct phase_point phase_point(const struct system *system, const double *y)
 {
     const struct oscillator *o = &system->oscillator;
@@ -49,23 +57,26 @@ static struct phase_point phase_point(const struct system *system, const double 
                                 y[system->n / 2] / sqrt(o->stiffness)};
 }
 
-/* Grows with time: q = A cos(phase), p = -A sin(phase). From -pi to pi. */
+/* Returns the phase of a minus that of b, from -pi to pi. The phase grows with time: q = A
+ * cos(phase), p = -A sin(phase). */
 static double phase_after(struct phase_point a, struct phase_point b)
 {
     const double dot_product = a.q * b.q + a.p * b.p, cross_product = a.q * b.p - a.p * b.q;
     if (fabs(dot_product) + fabs(cross_product) > DBL_MIN / DBL_EPSILON)
         return fixed_atan2(cross_product, dot_product);
-    /* their products are too small */
+    /* The products are so small that they have lost digits. */
     return remainder(fixed_atan2(-a.p, a.q) - fixed_atan2(-b.p, b.q), 2 * M_PI);
 }
 
-/* The angle, whose turns are not known, that is nearest to the one before. */
+/* Returns the angle [rad] plus the multiple of 2 pi that brings it nearest to the previous one, so
+ * that a phase from -pi to pi is continued beyond these. */
 static double with_turns(double angle, double previous)
 {
     return fabs(angle - previous) <= M_PI ? angle
                                           : previous + remainder(angle - previous, 2 * M_PI);
 }
 
+/* Returns the amplitude [m] of the oscillation through a state. */
 static double amplitude_of(const struct system *system, const double *y)
 {
     struct phase_point point = phase_point(system, y);
@@ -106,6 +117,7 @@ const struct observable *observable_from(const struct row *row)
 
 /* ---- what they are in a scene ---- */
 
+/* Returns true if the first coordinate is a length. */
 static bool on_a_line(const struct system *system)
 {
     return system_variable(system, 0).quantity == QUANTITY_LENGTH;
@@ -113,6 +125,7 @@ static bool on_a_line(const struct system *system)
 
 enum quantity observable_quantity(const struct observable *observable, const struct system *system)
 {
+    /* The first coordinate of a pendulum is an angle, so its velocity is an angular one. */
     static const enum quantity turning[QUANTITY_COUNT] = {
         [QUANTITY_LENGTH] = QUANTITY_ANGLE,
         [QUANTITY_VELOCITY] = QUANTITY_ANGULAR_FREQUENCY,
@@ -138,7 +151,8 @@ bool run_centre(const struct run *run, double *centre)
 
 /* ---- asking ---- */
 
-/* Names what an observable needs and this run lacks; returns NULL if nothing is missing. */
+/* Returns the need that a run of this system does not meet, in words that follow "needs", or NULL
+ * if the observable is defined. */
 static const char *missing_need(const struct observable *observable, const struct system *system,
                                 bool exact_known)
 {
@@ -157,6 +171,7 @@ static const char *missing_need(const struct observable *observable, const struc
     return NULL;
 }
 
+/* Sets the error that the run lacks what the observable needs. Returns false. */
 static bool refuse_observable(const struct observable *observable, const char *missing,
                               struct error *error)
 {
@@ -245,7 +260,7 @@ void run_errors(const struct run *run, struct run_errors *errors)
         }
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
-            /* comparisons pass over NAN, as fmax() does */
+            /* The comparisons ignore NAN, as fmax() does, which would be a call. */
             const double size = fabs(sample->exact[i]);
             max[i] = distance[i] > max[i] ? distance[i] : max[i];
             amplitude[i] = size > amplitude[i] ? size : amplitude[i];
@@ -254,10 +269,10 @@ void run_errors(const struct run *run, struct run_errors *errors)
             continue;
         const struct phase_point here = phase_point(sample->system, sample->y),
                                  wanted = phase_point(sample->system, sample->exact);
-        /* a motion that has vanished has no phase, then and later */
+        /* A motion that is at rest at the equilibrium has no phase, there and in all later rows. */
         if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
             phase = NAN;
-        /* it changes little from row to row */
+        /* The phase changes by far less than pi from row to row, so its turns can be counted. */
         phase = with_turns(phase_after(here, wanted), phase);
     }
 
@@ -266,11 +281,11 @@ void run_errors(const struct run *run, struct run_errors *errors)
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);
     for (int i = 0; i < judged; i++) {
-        if (max[i] == 0 && amplitude[i] == 0) { /* nothing there, and nothing wrong */
+        if (max[i] == 0 && amplitude[i] == 0) { /* the variable is exactly 0, as it should be */
             amplitude[i] = 1;
             floor[i] = 0;
         }
-        if (amplitude[i] > 0) { /* fmax passes over NAN */
+        if (amplitude[i] > 0) { /* fmax() ignores that the errors are NAN at first */
             errors->end = fmax(errors->end, distance[i] / amplitude[i]);
             errors->max = fmax(errors->max, max[i] / amplitude[i]);
             errors->floor = fmax(errors->floor, floor[i] / amplitude[i]);
@@ -283,8 +298,14 @@ void run_errors(const struct run *run, struct run_errors *errors)
     }
 }
 
-/* ---- names in expressions ---- */
+/* ---- names in expressions ----
+ *
+ * Callbacks of run_scope(); slots are the state variables, then the observed quantities of a typed
+ * scene, then the observables.
+ */
 
+/* Sets *slot to that of a name. Returns false if the run has no such name, or if it is an energy
+ * and the forces have no potential. */
 static bool scope_find(const void *context, struct text name, int *slot)
 {
     const struct run *run = context;
@@ -304,6 +325,7 @@ static bool scope_find(const void *context, struct text name, int *slot)
     return row != NULL;
 }
 
+/* Returns the value of a slot at the run's present state; NAN if it is not defined. */
 static double scope_load(const void *context, int slot)
 {
     const struct run *run = context;
@@ -314,6 +336,7 @@ static double scope_load(const void *context, int slot)
                                : run_observable(run, &observables[slot - n - observed]);
 }
 
+/* Offers all names as corrections of a misspelled one. */
 static void scope_offer(const void *context, struct suggestion *suggestion)
 {
     const struct run *run = context;
@@ -326,6 +349,7 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
                                                               : observables[i].row.name);
 }
 
+/* Returns the physical quantity of a slot; only those of state variables are known. */
 static enum quantity scope_quantity(const void *context, int slot)
 {
     const struct run *run = context;

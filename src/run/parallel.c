@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that take items of work from a common counter. */
+/* Threads that take items of work from a common counter, until all are done: parallel_do(). The
+ * calling thread only waits and shows progress. */
 #include <hooke/base/cancel.h>
 #include <hooke/run/parallel.h>
 
@@ -8,24 +9,26 @@
 #include <time.h>
 #include <unistd.h>
 
-/* [byte] of each thread, whatever the main one has: eight times the largest frame, that of a long
- * formula. */
+/* Stack [byte] of each thread: eight times the largest frame, that of a long formula. The default
+ * would depend on the system. */
 #define THREAD_STACK ((size_t)1 << 20)
 
+/* State that all threads of one parallel_do() share. */
 struct parallel_share {
     const struct parallel *parallel;
-    int64_t count;
-    atomic_llong next;
+    int64_t count;      /* number of items */
+    atomic_llong next;  /* next item that no thread has taken */
     atomic_int working; /* threads that have not ended */
 };
 
+/* Argument of one thread. */
 struct parallel_thread {
     struct parallel_share *share;
     pthread_t id;
-    int number;
+    int number; /* 0, 1, …: which of the caller's workspaces it uses */
 };
 
-/* Takes items until none is left. */
+/* Main function of a thread: works on items until none is left or the user cancels. */
 static void *take_items(void *context)
 {
     const struct parallel_thread *thread = context;
@@ -38,7 +41,8 @@ static void *take_items(void *context)
     return NULL;
 }
 
-/* The calling thread looks after the others, so that progress comes from it. */
+/* Waits for the threads to end and reports progress ten times a second from the calling thread, so
+ * that callbacks need not be safe in threads. */
 static void watch_threads(struct parallel_share *share)
 {
     static const int64_t look_ns = 100000000;

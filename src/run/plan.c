@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plan: what a scene and a method really need, and what is refused before anything starts. */
+/* The plan of a run: what the scene and the method need to have computed, and which requests are
+ * refused before anything starts. plan_make() is the entry; plan_stable_limit() finds the largest
+ * stable step. */
 #include <hooke/base/catalog.h>
 #include <hooke/run/step_limit.h>
 #include "run/private.h"
@@ -21,20 +23,23 @@ static const struct row kernels[] = {
 
 const struct catalog kernel_catalog = CATALOG("kernel", kernels);
 
-/* Estimates [ns] on a desktop of the 2020s, good to a factor of 3: enough to warn before hours
- * pass. */
+/* Estimated times [ns] on a desktop of the 2020s, good to a factor of 3, which suffices to warn
+ * before a run that takes hours. */
 #define NS_STEP 30.0
-#define NS_TERM 15.0  /* a force evaluation, each term */
-#define NS_SOLVE 20.0 /* implicit, each variable */
+#define NS_TERM 15.0  /* added per term of a force evaluation */
+#define NS_SOLVE 20.0 /* added per variable in a step of an implicit method */
 
 #define GROWTH_MARGIN 1e-12 /* excess of a spectral radius over 1 that counts as rounding */
 
+/* Returns the estimated time [ns] of one step. */
 static double step_ns(const struct system *system, const struct method *method)
 {
     double ns = NS_STEP + NS_TERM * method->evals * system->terms * system->n / 2;
     return method->flags & METHOD_IMPLICIT ? ns + NS_SOLVE * system->n : ns;
 }
 
+/* Returns true if the rows fit into the memory budget. Otherwise sets an error whose hint has a
+ * recording rule that fits. */
 static bool check_memory(const struct run_settings *settings, double rows, double bytes,
                          struct error *error)
 {
@@ -55,6 +60,8 @@ static bool check_memory(const struct run_settings *settings, double rows, doubl
         LIMIT_SAMPLES, every, timed ? " s" : "");
 }
 
+/* Returns true if the steps can be counted and each changes the time. Otherwise sets an error that
+ * names the smallest dt. */
 static bool check_grid(double t0, double dt, double span, const struct stretch *stretch,
                        struct error *error)
 {
@@ -78,7 +85,7 @@ static bool check_grid(double t0, double dt, double span, const struct stretch *
 }
 
 /* Sets omega0 [rad/s] and zeta, with which a scene enters the stability tables (x = omega0 dt).
- * Returns false, with values of no use, if it is no linear oscillator. */
+ * Returns false, and the values mean nothing, if it is no linear oscillator. */
 static bool oscillation(const struct system *system, double *omega0, double *zeta)
 {
     const struct oscillator *o = &system->oscillator;
@@ -90,8 +97,9 @@ static bool oscillation(const struct system *system, double *omega0, double *zet
 double plan_step_limit(const struct system *system, const struct method *method, enum drag drag)
 {
     struct error ignored;
+    /* Bisection over the logarithm of the step. */
     double low = log(DBL_MIN), high = log(DBL_MAX);
-    /* This resolves the default, too. */
+    /* This replaces DRAG_DEFAULT by the variant that the method uses. */
     if (!method_applies(method, system, &drag, &ignored))
         return HUGE_VAL;
     if (method_fits(method, system, drag, exp(high), &ignored))
@@ -120,6 +128,8 @@ double plan_stable_limit(const struct system *system, const struct method *metho
                 plan_step_limit(system, method, drag));
 }
 
+/* Returns the factor by which a step multiplies the amplitude of a linear oscillator; NAN for other
+ * scenes. */
 static double predicted_growth(const struct system *system, const struct method *method,
                                enum drag drag, double dt)
 {

@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Memory for the rows of a trace. The first blocks are as large as what is asked for. Once there
- * are some, further ones are large pages: what the system takes to provide memory page by page is
- * more than a step of a short method costs.
- */
+/* Memory for the rows of a trace, freed all at once. The first blocks are as large as the request.
+ * Once the pool is larger than SMALL_BLOCKS_BYTES, further blocks are large pages: the time that
+ * the system takes to provide memory page by page is more than a step of a short method takes. */
 #include "run/private.h"
 
 #include <stdlib.h>
 #include <sys/mman.h>
 
-/* Total size up to which memory comes in blocks of its own. */
+/* Total size up to which each request gets a block of its own. */
 #define SMALL_BLOCKS_BYTES ((size_t)1 << 19)
 #define LARGE_PAGE_BYTES ((size_t)1 << 21) /* Size of a large page. */
 
 struct pool_block {
-    struct pool_block *next;
+    struct pool_block *next; /* block that was allocated before */
     max_align_t data[];
 };
 
+/* Allocates a block with `size` bytes of data; returns NULL if out of memory. */
 static struct pool_block *small_block(size_t size)
 {
     return malloc(sizeof(struct pool_block) + size);
 }
 
+/* Allocates a block that is a large page, if the system has these; returns NULL if out of
+ * memory. */
 static struct pool_block *large_block(void)
 {
     struct pool_block *block = aligned_alloc(LARGE_PAGE_BYTES, LARGE_PAGE_BYTES);
@@ -34,6 +35,7 @@ static struct pool_block *large_block(void)
     return block;
 }
 
+/* Adds a block with at least `size` free bytes. Returns false if out of memory. */
 static bool pool_grow(struct pool *pool, size_t size)
 {
     const bool small = pool->bytes < SMALL_BLOCKS_BYTES || size > LARGE_PAGE_BYTES / 4;
@@ -70,7 +72,7 @@ void pool_release(struct pool *pool)
 
 bool array_reserve(void *array, size_t bytes, size_t count, size_t *capacity)
 {
-    static const size_t large = 1024; /* [byte] things of which most arrays have one */
+    static const size_t large = 1024; /* [byte] arrays of larger elements mostly have only one */
     const size_t first = bytes < large ? 16 : 1;
     if (count < *capacity)
         return true;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declarations shared by the files of this layer. */
+/* Declarations shared by the files of this layer: the private part of struct run, and the functions
+ * of each file that others here call. run_create() allocates struct run_private, run_advance()
+ * fills it, run_destroy() frees it. */
 #pragma once
 
 #include <hooke/base/fields.h>
@@ -13,8 +15,8 @@
 
 struct cancel;
 
-/* Once or twice a step: most scenes have two variables, for which a call costs more than the copy.
- */
+/* Copies a state of n numbers. It is called once or twice in each step; most scenes have two
+ * variables, for which the call of memcpy() takes longer than the copy. */
 static inline void copy_state(double *target, const double *source, int n)
 {
     if (n == 2) {
@@ -29,44 +31,47 @@ static inline void copy_state(double *target, const double *source, int n)
 
 #define MEMORY_DEFAULT ((size_t)1 << 30) /* [byte] budget of a trace */
 
-/* The scene in force from a step on: one at the start, one more for each run_rebind(). */
+/* A part of a run in which the scene does not change: one begins at the start, one more with each
+ * run_rebind(). */
 struct epoch {
     int64_t first; /* step index of its start */
-    double t;      /* [s] */
-    /* Start of the exact solution: its own value at the end of the epoch before. */
+    double t;      /* [s] time of its start */
+    /* State at which the exact solution of this epoch starts: the value of the exact solution at
+     * the end of the epoch before. */
     double start[LIMIT_VARIABLES];
-    struct system system;
+    struct system system; /* the scene with its parameters bound */
     struct plan plan;
-    enum drag drag;
+    enum drag drag;          /* drag variant of the method for this system */
     double value[PARAM_MAX]; /* values of the scene's parameters in SI */
 };
 
-/* The energy balance up to a state of the run. */
+/* The energy balance of a run up to one of its states. balance_begin() sets it to the start,
+ * balance_block() carries it over the steps that follow. */
 struct balance {
-    int64_t step;
-    double t;                  /* [s] of the grid where steps are fixed */
-    double y[LIMIT_VARIABLES]; /* [n] the state there */
+    int64_t step;              /* step up to which the balance goes */
+    double t;                  /* [s] time of that step; with fixed steps that of the grid */
+    double y[LIMIT_VARIABLES]; /* [n] state after that step */
     double initial;            /* energy at the start, in units of factor^2 J */
     int solved;                /* steps whose work was found by solving the equations anew */
-    struct energy_tally tally;
+    struct energy_tally tally; /* the work and the largest error up to that step */
 };
 
 /* ---- work between states one step apart (work.c) ---- */
 
-#define WORK_BLOCK 128 /* steps at once: a power of 2 */
+#define WORK_BLOCK 128 /* largest number of steps of one call; a power of 2 */
 
-/* Multiples of an angle, for the drive at even times. */
+/* Cosine and sine of k omega h for k = 0, 1, …: a table of the drive at times h apart. */
 struct turns {
-    double omega, h;
+    double omega, h; /* [rad/s], [s] for which the table was made */
     double cosine[WORK_BLOCK + 1], sine[WORK_BLOCK + 1];
 };
 
-/* `count` steps under one system, from the state `initial_state`; row k is the state after step k.
- */
+/* Input of work_between(): `count` steps under one system, from the state `initial_state`; row k is
+ * the state after step k. */
 struct work {
     const struct system *system;
-    double factor; /* Scale factor of all states. */
-    int count;
+    double factor; /* all states are multiplied by it before energies are computed */
+    int count;     /* 1 … WORK_BLOCK */
     const double *initial_state, *row;
     size_t stride; /* numbers from one row to the next */
     /* Times [count + 1] of the states; NULL if they are at origin + (index + k) h, in one block of
@@ -77,28 +82,33 @@ struct work {
     struct turns *turns;
 };
 
-struct work_done { /* Results in units of factor^2 J. */
+/* Output of work_between(), in units of factor^2 J. */
+struct work_done {
     /* work in each step; drag is the part of it that drag did */
     double work[WORK_BLOCK], drag[WORK_BLOCK];
     double energy[WORK_BLOCK]; /* energy after each step */
-    /* The force jumps inside the step or at one of its ends, so that the quintic does not hold; the
-     * acceleration changes so much that it may not. Neither is set where none of them is true. */
+    /* The work is the integral of the power along a quintic polynomial between the states.
+     * `jumps` marks steps for which that is wrong, because the force jumps inside the step or at
+     * one of its ends; `coarse` marks steps for which it may be inaccurate, because the
+     * acceleration changes much. The arrays are valid only if any_jumps or any_coarse is true. */
     bool jumps[WORK_BLOCK], coarse[WORK_BLOCK];
     bool any_jumps, any_coarse;
     /* totals since the start, set by balance_block() */
     double all_work[WORK_BLOCK], all_drag[WORK_BLOCK];
 };
 
+/* Computes the energy after each step and the work of drag and drive in it. The balance adds them
+ * up. */
 void work_between(const struct work *work, struct work_done *done);
 
-/* The state was changed from outside in that step. */
+/* A change of the state from outside, by run_kick(): a step of no length. */
 struct kick {
-    int64_t step;
+    int64_t step;  /* step index of the state after the change */
     double t;      /* [s] */
-    double energy; /* [J] that it brought */
+    double energy; /* [J] change of the energy of the state */
 };
 
-/* Records of events, in order of time. */
+/* Events that have happened in a run, with the states at them, in order of time. */
 struct event_records {
     struct event_record *record;
     double *state; /* [count][n] */
@@ -106,54 +116,65 @@ struct event_records {
 };
 
 struct run_private {
-    struct step step;
-    double *work; /* memory of the method */
-    double *side; /* another one, where states inside of a step need steps of their own; NULL */
-    /* [n] the gap (inside.c) from a step without memory to the one taken, */
+    struct step step; /* input and output of the method's next step */
+    double *work;     /* memory of the method */
+    /* Memory of the method for the steps of inside_state(); NULL if states inside of a step are
+     * found by interpolation. */
+    double *side;
+    /* [n] difference of the state after the last step of a multistep method from the state after
+     * the same step without memory (inside.c); valid if gap_known */
     double *gap;
-    bool gap_known;         /* known for this step */
-    double *previous_state; /* [n] state before the step */
-    double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
-    double *bound;       /* [n] magnitudes that count as diverged */
-    struct epoch *epoch; /* one epoch or more */
+    bool gap_known;
+    double *previous_state; /* [n] state before the last step */
+    double *low_before;     /* [n] step.low before the last step; unused if that is NULL */
+    double *bound;          /* [n] magnitudes above which the run has diverged */
+    struct epoch *epoch;    /* [epochs] at least one; the last one is in force */
     size_t epochs, epoch_capacity;
-    int64_t batch, look;    /* steps between looks at the clock; the next one of run_creeps() */
-    size_t looked, checks;  /* rows that run_diagnose() has seen, and strange steps among them */
-    size_t searched;        /* the last row that run_missed_burst() has seen */
-    double probed;          /* [s] as far as run_force_unresolved() has looked for pulses */
+    int64_t batch;          /* steps between two looks at the clock and at Ctrl-C */
+    int64_t look;           /* step at which run_creeps() looks next */
+    size_t looked;          /* rows that run_diagnose() has examined */
+    size_t checks;          /* strange steps that it found among them */
+    size_t searched;        /* last row that run_missed_burst() has examined */
+    double probed;          /* [s] run_force_unresolved() has looked for pulses up to there */
     march_function *kernel; /* NULL if this method and system have none */
-    struct propagator *propagator; /* NULL if it does not exist yet or is of no use */
+    struct propagator *propagator; /* NULL if it has not been made or the scene has none */
     /* States [CHUNK_ROWS][n] that do not go into the trace unchanged; NULL until they are
      * needed. */
     double *scratch;
-    double *work_before; /* The method's memory before many steps; NULL if none were taken. */
-    const double *given; /* [n] each, of the steps from given_first to given_end: run_give() */
+    double *work_before; /* copy of `work` before a batch of steps; NULL if there was no batch */
+    /* States [n] each after the steps given_first + 1 … given_end, which run_give() provided. */
+    const double *given;
     int64_t given_first, given_end;
-    double factor;              /* power of two on states before their energies are compared */
-    const struct run *original; /* Run whose steps are taken again, for its balance; or NULL. */
-    /* Conditions or events may have ended a step early, or adaptive steps began anew. */
+    double factor; /* power of two by which states are multiplied before energies are computed */
+    /* Run whose steps this one repeats for its energy balance (ledger.c); else NULL. */
+    const struct run *original;
+    /* The steps cannot be repeated from the scene and the settings alone: a condition or an event
+     * may have ended a step early, or the step-size control began anew. */
     bool is_unrepeatable;
-    /* balance up to the last step if rows have marks, else as far as it was asked for */
+    /* Energy balance: up to the last step if rows have marks, else up to the last step for which
+     * the balance was requested. */
     struct balance balance;
     struct thinning *thinning; /* see ledger.c; NULL if none has begun */
-    struct energy_tally
-        *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
+    /* [saves] tallies after each CHUNK_ROWS steps, from which the balance continues when the run
+     * goes back; used if rows have no marks */
+    struct energy_tally *saved;
     size_t saves, save_capacity;
-    struct turns turns;
+    struct turns turns; /* table of work_between() */
     struct event_records event_records;
-    struct second *second;                      /* see opinion.c; NULL if nobody asked for it */
-    struct event_watch *watch;                  /* see watch.h; NULL if there are no events */
+    struct second *second;     /* see opinion.c; NULL if no second solution has begun */
+    struct event_watch *watch; /* see watch.h; NULL if there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
-    struct kick *kick;
+    struct kick *kick;                          /* [kicks] in order of steps */
     size_t kicks, kick_capacity;
-    struct responses responses;
-    enum solution_fate fate; /* set by run_diagnose() */
-    double sunk;             /* run_opinion_sunk() */
+    struct responses responses; /* see saltation.h */
+    enum solution_fate fate;    /* set by run_diagnose() */
+    double sunk;                /* result of run_opinion_sunk() */
     /* evaluations and Jacobians of the solutions that regrowth_look() followed */
     double regrowth_work;
 };
 
-/* The state is no longer what the compensated sums know about. */
+/* Clears the rounding errors that compensated sums carry along, after the state was changed by
+ * something else than a step. */
 static inline void forget_rounding(struct run_private *p, int n)
 {
     if (p->step.low)
@@ -163,121 +184,149 @@ static inline void forget_rounding(struct run_private *p, int n)
 /* Target and grid of one call of run_advance(). */
 struct segment {
     const struct run_target *target;
-    struct time_grid grid;
-    int64_t last;            /* fixed step: index where the whole steps end */
-    double rest;             /* [s] partial step after it; 0 if there is none */
-    bool exact;              /* the whole steps end at the target */
-    int64_t limit;           /* step index to stop at */
-    bool rows_between_steps; /* rows at even times are between the steps */
-    bool armed;              /* the condition was false since it was last true */
+    struct time_grid grid;   /* grid of fixed steps; unused if the run is adaptive */
+    int64_t last;            /* step index at which the whole fixed steps end */
+    double rest;             /* [s] signed partial step after it; 0 if there is none */
+    bool exact;              /* the whole fixed steps end at the target's time */
+    int64_t limit;           /* step index at which the call ends in any case */
+    bool rows_between_steps; /* rows are due at times at which no step ends */
+    bool armed;              /* the condition was false since it was last true, so that it counts */
 };
 
 /* ---- rows at even times, if trace->interval is set (even.c) ---- */
 
-/* The next row is the first beyond t on the way that h goes. */
+/* Sets the time of the next row to the first one after t [s] in the direction of h. */
 void trace_aim(struct trace *trace, double t, double h);
-/* Returns true if steps of the present grid end where rows are due, and sets which: every
- * trace->every, from trace->next on. */
+/* Returns true if steps of the present grid end at all times at which rows are due. Then every
+ * trace->every-th step is recorded, from step trace->next on. */
 bool trace_in_step(struct trace *trace);
-/* As trace_record_many() there. */
+/* Does the work of trace_record_many() for rows at even times, if trace_in_step(). */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
 /*
- * Records rows of the step just taken from p->before at t over h, the run being at its end. Returns
- * STOP_FULL also if out of memory, and STOP_DIVERGED if a state inside of the step is out of
- * bounds, though that at its end is not.
+ * Records the rows that are due in the step just taken from previous_state at t over h; the run is
+ * at the end of the step. `cold` is that of inside_of(). Returns STOP_NONE, STOP_FULL also if out
+ * of memory, or STOP_DIVERGED if a state inside of the step is out of bounds although that at its
+ * end is not.
  */
 enum stop even_record(struct run *run, bool cold, double t, double h);
-void even_drop(struct trace *trace, double t); /* the rows beyond t */
-/* Returns true if the last row is the present state. */
+/* Drops the rows after time t [s], but never the first one. */
+void even_drop(struct trace *trace, double t);
+/* Returns true if row_time [s], that of the last row, is the present time but for rounding. */
 bool even_present(const struct trace *trace, double row_time);
 
-/* ---- event.c, inside.c ---- */
+/* ---- states inside of the last step (inside.c) ---- */
 
-/* The state in the step just taken from p->before over h, at its share theta; the run still is at
- * its end. */
+/* Describes the step just taken, from previous_state at t over h, for inside_state(). */
 struct inside {
-    struct run *run;
+    struct run *run; /* stands at the end of the step */
     /* Copy of the method, without its dense output if that would cover only a part of the step. */
     struct method method;
-    double t, h;
+    double t, h; /* [s] */
 };
 
-/* Describes the inside of the last step; `cold` means that it was taken by method_turning_step(),
+/* Describes the last step of the run; `cold` means that it was taken by method_turning_step(),
  * perhaps in parts. */
 struct inside inside_of(struct run *run, bool cold, double t, double h);
-/* The system that the last step was taken of: p->step, or another in *frozen. */
+/* Returns the input of the last step, with the system that it was made with: that of the run, or
+ * one whose switches were frozen, which is written to *frozen. The caller frees *sliding. */
 struct step inside_step(const struct inside *inside, struct sliding *sliding,
                         struct system *frozen);
+/* Computes the state y [n] at the fraction theta of the step, 0 to 1: by a shorter step of the
+ * method if the run has p->side, else by dense output. */
 void inside_state(const struct inside *inside, double theta, double *y);
+
+/* ---- events (event.c, records.c) ----
+ *
+ * events_begin() once for each call of run_advance(); after each step events_find(), then
+ * events_until() and events_until_at() for the condition, then events_keep().
+ */
 
 /* Compiles the target's events for the present system of the run, with signs at its present state.
  * Returns false if out of memory. */
 bool events_begin(struct run *run, const struct segment *segment);
-/* The run has states that were not watched, or went back: sizes of its variables are found anew. */
+/* Marks the sizes of the variables as unknown, because the run went back or has states that were
+ * not watched; events_begin() finds them anew. */
 void events_forget_sizes(struct run *run);
-/* Finds the events in the step just taken from p->before at t over h. Returns false if out of
- * memory. */
-bool events_find(struct run *run, const struct segment *segment, double t, double h);
-/* Keeps those up to the present time; ends at one that stops the run, and puts the run there.
+/* Finds the events in the step just taken from previous_state at t over h, with their states.
  * Returns false if out of memory. */
+bool events_find(struct run *run, const struct segment *segment, double t, double h);
+/* Records the events found in the step up to the present time. If one of them stops the run, puts
+ * the run there and sets *stops. Returns false if out of memory or if no more can be recorded. */
 bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops);
 /* Returns true if the condition became true in the step, and not after another event that stops the
  * run. *theta is then the first such fraction of the step. */
 bool events_until(const struct run *run, double *theta);
-/* Returns true if another event stops the run in the step. */
+/* Returns true if an event of the step stops the run; the condition counts as one. */
 bool events_stop(const struct run *run);
-/* The state where it did is known better now: run->t and run->y, for the events at the same moment
- * too. */
+/* Gives the events at the fraction theta of the step the run's present time and state, which were
+ * located more accurately. */
 void events_until_at(struct run *run, double theta);
-/* Drops those after the present step; of that step those ahead of the present time. */
+/* Drops the records after the present step, and those of that step which are after the present time
+ * in the direction of `ahead` [s]; 0 keeps all of them. */
 void event_records_truncate(struct run *run, double ahead);
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* Four numbers at once, in whatever registers there are; of wider ones, where there are none,
- * compilers make a mess. */
+/* ---- vectors of four numbers ----
+ *
+ * Four fit the registers of most processors; compilers translate wider vectors badly if there are
+ * no registers for them.
+ */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias));
 #define VECTOR_LANES 4
-/* Raises each of *max to that of *x. */
+/* Replaces each of the four numbers *max by that of *x if that is larger. */
 ALWAYS_INLINE void four_raise(four *max, const four *x)
 {
     for (int i = 0; i < VECTOR_LANES; i++)
         (*max)[i] = (*x)[i] > (*max)[i] ? (*x)[i] : (*max)[i];
 }
 
-/* Creates the propagator, which computes the states after steps first + 1, … of a linear scene
- * without evaluating forces (propagate.c). */
-/* Returns NULL if out of memory or if a step fails. */
+/* ---- the propagator of a linear scene (propagate.c) ----
+ *
+ * It computes states by powers of the matrix of one step, without evaluating forces. Steps of the
+ * grid form blocks of equal length, so that the states do not depend on how a run is cut into
+ * calls: those inside of a block are computed from the state at its beginning, the anchor.
+ */
+
+/* Returns the propagator of the run's scene and method for steps of h [s], which the caller frees
+ * with free(), or NULL if out of memory or if a step fails. */
 struct propagator *propagator_create(const struct run *run, double h);
-double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
-/* All of its state that does not follow from the scene and the method. */
+/* Returns the step [s] that the propagator was made for. */
+double propagator_step(const struct propagator *propagator);
+/* The state of a propagator that does not follow from the scene and the method. */
 struct propagator_place {
     double h;         /* [s] */
     double anchor[2]; /* state at the beginning of its block */
     int64_t anchored; /* step of the grid at the anchor; -1 if there is none */
 };
 
+/* Return and set the anchor, to store a run and restore it. */
 struct propagator_place propagator_place(const struct propagator *propagator);
 void propagator_set_place(struct propagator *propagator, const struct propagator_place *place);
-/* The step of the grid where the block of `step` begins, whether its state is known, and that
- * state. */
+/* Returns the step of the grid at which the block of `step` begins. */
 int64_t propagator_block(int64_t step);
-int64_t propagator_rest(int64_t step); /* steps from there to its end */
+/* Returns the number of steps from `step` to the end of its block. */
+int64_t propagator_rest(int64_t step);
+/* Returns true if the steps after `step` can be computed: the anchor is that of its block, or a
+ * block begins there. */
 bool propagator_knows(const struct propagator *propagator, int64_t step);
+/* Makes y [2] after `step`, the first one of a block, the anchor. */
 void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
 /* Computes up to `count` states after step `first` of the grid. On entry y [2] is the state after
- * that step, on return the last state. Returns the number of rows written: fewer if the block of
- * step `first` was begun by something else. */
+ * that step, on return the last state. Returns the number of rows written: fewer if the anchor of
+ * the block of step `first` is unknown. */
 int64_t propagator_advance(struct propagator *propagator, int64_t first, int64_t count, double *y,
                            double *row);
 /* Returns true if the rows of the last call are certainly within bounds, without looking at
  * each. */
 bool propagator_within(const struct propagator *propagator, const double *bound);
 
-/* Takes up to p->batch whole steps at once (many.c), if nothing has to be looked at between them.
- * Returns false if single steps are needed. */
+/* Makes up to p->batch whole steps at once (many.c), if nothing has to be looked at between them,
+ * and records them. Returns false if single steps are needed; else sets *stop, STOP_NONE if the run
+ * can continue. */
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop);
+/* Returns the reason for which a run stops after a step of that status; STOP_NONE for STEP_OK. */
 enum stop stop_of_step(enum step_status status);
 /* Returns the time [s] that a step to t has reached: `end` if they differ by rounding only, else
  * t. */
@@ -285,106 +334,131 @@ double run_arrival(double t, double end);
 /* Copies the part of a controller that a system of this size uses. */
 void controller_copy(struct controller *target, const struct controller *source,
                      const struct system *system);
-/* all finite, and not what counts as diverged */
+/* Returns true if all variables of y are finite and below the bounds above which a run diverges. */
 bool run_in_bounds(const struct run *run, const double *y);
 
-/* ---- stiffness.c ---- */
+/* ---- errors of adaptive runs (stiffness.c, opinion.c, regrowth.c) ---- */
 
-/* Returns the k-th of `count` rows that are spread over those from `first` on; the last is the last
- * row of the run. */
+/* Returns the k-th of `count` rows that are spread evenly over those from `first` on; the last is
+ * the last row of the run. */
 size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t count);
-/* Returns the integral of the Jacobian's spectral radius over the run, from some of its rows. */
+/* Returns the integral over time of the Jacobian's spectral radius along the run, estimated from
+ * some of its rows. */
 double run_stiffness(const struct run *run);
 
-void opinion_forget(struct run *run); /* it starts anew */
-/* Returns what the opinion measures errors of variable i by, or infinity where it does not know the
- * present state. */
+/* Discards the opinion and the second solution, so that the next opinion starts anew. */
+void opinion_forget(struct run *run);
+/* Returns the size by which the opinion divides errors of variable i, or infinity if it does not
+ * know the present state. */
 double opinion_size(const struct run *run, int i);
-/* Returns how many rows of a run a brief opinion compares with the closed form: what takes a share
- * of its work. */
+/* Returns how many rows a brief opinion compares with the closed form: as many as take a fixed
+ * share of the work of a run with `evals` evaluations. */
 size_t opinion_brief_rows(const struct system *system, const struct method *method, double evals);
 /*
- * Handle variables that came to rest within their tolerance (regrowth.c), so that neither of the
- * solutions of the opinion knows them. The first returns true if they may have grown again since
- * then, at a small share of the run's work; the second follows what becomes of errors of that size:
- * opinion.sunk and lost.
+ * Handle variables that came to rest within their tolerance, so that neither the run nor the second
+ * solution knows their true values (regrowth.c). The first returns true if such values may have
+ * grown again since then; it takes a small share of the run's work. The second follows errors of
+ * that size along the run and corrects run->opinion and the result of run_opinion_sunk().
  */
 bool regrowth_is_likely(struct run *run);
 void regrowth_look(struct run *run, const struct cancel *cancel);
 
-/* Returns the memory of one more epoch (run.c), whose system and plan come into force; NULL if out
- * of memory. */
+/* ---- epochs (run.c) ---- */
+
+/* Appends an epoch, which the caller fills, and returns it, or NULL if out of memory. */
 struct epoch *run_push_epoch(struct run *run);
+/* Puts the system and the plan of the last epoch into force. */
 void run_use_epoch(struct run *run);
 
-/* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
+/* Returns the epoch whose equations led to the state after `step`. The state at the end of an epoch
+ * belongs to that one, not to the next. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);
 
-/* Visits the rows of a run in order, or its present state, with what an observable needs beside the
- * state. */
+/* ---- samples of observables (walk.c) ---- */
+
+/* Visits the rows of a run in order, or its present state, and makes of each the sample that an
+ * observable is computed from. */
 struct walk {
     const struct run *run;
-    unsigned needs;
-    size_t next, done_begin, done_end; /* rows from - to are in `done` */
-    struct balance balance;
+    unsigned needs;              /* bits of enum observable_need: what the samples contain */
+    size_t next;                 /* row of the next walk_next() */
+    struct balance balance;      /* energy balance up to row done_end - 1 */
+    size_t done_begin, done_end; /* rows done_begin … done_end - 1 are in `done` */
     struct work_done done;
-    double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];
-    /* table of the exact solution in the epoch; NULL if it does not exist yet or is of no use */
+    double state[LIMIT_VARIABLES]; /* state of the row times run_private.factor */
+    double exact[LIMIT_VARIABLES]; /* exact solution at its time */
+    /* table of the exact solution in `epoch`; NULL if it does not exist yet or is of no use */
     struct exact_table *table;
-    const struct epoch *epoch; /* epoch that it was requested for; NULL if there is none yet */
-    struct sample sample;
+    const struct epoch *epoch; /* epoch for which `table` was requested; NULL at first */
+    struct sample sample;      /* the result of walk_next() and walk_present() */
 };
 
+/* Begins a walk over all rows, for samples with these needs. */
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-/* Returns false after the last row, when nothing is held any longer. A caller that stops before
- * that has to call walk_leave(). */
+/* Sets walk->sample to the next row. Returns false after the last one, and frees the memory of the
+ * walk. A caller that stops earlier has to call walk_leave(). */
 bool walk_next(struct walk *walk);
 void walk_leave(struct walk *walk);
+/* Sets walk->sample to the present state of the run, without walk_begin(). Nothing has to be
+ * freed. */
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
 /* Returns true if fixed steps of the scene are powers of a matrix (plan.c). */
 bool plan_propagates(const struct system *system, const struct method *method,
                      const struct run_settings *settings, bool adaptive);
 
-/* ---- ledger.c ---- */
+/* ---- the energy balance (energy/ledger.c, energy/balance.c) ----
+ *
+ * A mark is the balance at a recorded row, kept with the row. A trace with each step needs none,
+ * because the balance can be computed from its rows.
+ */
 
-double system_energy(const struct system *system, const double *y); /* [J] */
-bool ledger_known(const struct run *run); /* the trace has each step, or marks */
-bool ledger_waits(const struct run *run); /* nothing is kept before somebody asks */
-/* Takes the steps again where rows are apart and have no marks yet. Returns ledger_known(). */
+/* Returns the kinetic and potential energy [J] of a state. */
+double system_energy(const struct system *system, const double *y);
+/* Returns true if the balance is available: the trace has each step, or its rows have marks. */
+bool ledger_known(const struct run *run);
+/* Returns true if nothing of the balance is computed until it is requested. */
+bool ledger_waits(const struct run *run);
+/* Makes the balance available: repeats the steps of the run if its rows are more than a step apart
+ * and have no marks. Returns ledger_known(). */
 bool ledger_demand(const struct run *run);
-/* The steps to come do not follow from the run's scene, grids and number of steps. */
+/* Prepares for steps that could not be repeated from the run's scene, grids and number of steps:
+ * computes the marks up to the present state first. */
 void ledger_will_not_repeat(struct run *run);
-/* starts at the first state */
+/* Sets the balance to the first state of the run. */
 void balance_begin(const struct run *run, struct balance *balance);
 /*
- * Extends the balance over at most `count` steps whose states follow in `row`, and adaptive ones'
- * times in `time`, each `stride` on. Returns the number of steps taken, at least 1: none of them
- * crosses a change of the scene or of the grid. With `marking`, rows of the trace among them get
- * their marks.
+ * Extends the balance over at most `count` steps. Their states follow each other in `row`, `stride`
+ * numbers apart, and so do the times of adaptive steps in `time`, which is NULL for fixed ones.
+ * Returns the number of steps taken, at least 1; it ends at a change of the scene or of the grid.
+ * `marking` sets the marks of rows of the trace among these steps.
  */
 int balance_block(const struct run *run, struct balance *balance, const double *row,
                   const double *time, size_t stride, int64_t count, struct work_done *done,
                   bool marking);
-/* The balance at the present state, even inside of a step. Returns false, and an unknown work, if
- * Ctrl-C came first. */
+/* Computes the balance at the present state, also if that is inside of a step. Returns false, with
+ * NAN as the work, if Ctrl-C came first. */
 bool balance_present(const struct run *run, struct balance *balance);
-/* Returns true if the next row is one with which the trace leaves some out: the balance has to be
- * kept from there on. */
+/* Returns true if the trace has each step, is full, and will leave out rows when the next one is
+ * recorded: their marks have to be computed first, by ledger_thin(). */
 bool ledger_is_due(const struct run *run);
-/* Does a part of the thinning that is due, at most some 20 ms; and all of it. Both return false if
- * out of memory. */
+/* Do a part of the thinning that is due, which takes at most some 20 ms, and all of it. Both return
+ * false if out of memory. */
 bool ledger_thin(struct run *run);
 bool ledger_ready(struct run *run);
+/* Drops a thinning that has begun. */
 void ledger_forget_thinning(struct run_private *p);
-/* Returns true if all steps are in the balance because it was asked for; and puts new ones into
- * it. */
+/* Returns true if the balance was requested up to the last step, so that it will be again. */
 bool ledger_is_asked(const struct run *run);
+/* Extends the balance to the steps that are new in the trace. */
 void ledger_follow(const struct run *run);
-/* Called after steps to these states were offered to the trace, whose marks it sets. */
+/* Extends the balance over `count` steps that the run has just made, and sets the marks of rows
+ * among them; does nothing if rows have no marks. The arguments are those of balance_block(). */
 void ledger_take(struct run *run, const double *row, const double *time, size_t stride,
                  int64_t count);
-/* the last row is this state, inside of the next step */
+/* Sets the mark of the last row, which is the state y at t [s] inside of the last step. */
 void ledger_inside(struct run *run, double t, const double *y);
-void ledger_back(struct run *run); /* the run went back to a recorded row, the last one */
-void ledger_rescale(struct run *run, double factor); /* run_private.factor becomes this */
+/* Takes the balance back to the last recorded row, where the run is. */
+void ledger_back(struct run *run);
+/* Sets run_private.factor, and converts all sums and marks to its units. */
+void ledger_rescale(struct run *run, double factor);

@@ -21,18 +21,20 @@
 typedef long double real;
 
 struct propagator {
-    /* row j: M^(j+1) by columns, and what is added */
+    /* The state after j + 1 steps from (q, v) is q first[j] + v second[j] + shift[j], where first
+     * and second are the columns of M^(j+1); each has two numbers. */
     double first[BLOCK_STEPS * STATE_SIZE], second[BLOCK_STEPS * STATE_SIZE],
         shift[BLOCK_STEPS * STATE_SIZE];
-    real last[STATE_SIZE][STATE_SIZE + 1];    /* the last row with all digits */
+    real last[STATE_SIZE][STATE_SIZE + 1];    /* those of the last step with all digits */
     double reach[STATE_SIZE][STATE_SIZE + 1]; /* largest magnitudes of first, second and shift */
-    double max[STATE_SIZE];    /* largest state at the beginning of blocks of a call */
+    double max[STATE_SIZE];    /* largest magnitudes at beginnings of blocks in the last call */
     double h;                  /* [s] */
     double anchor[STATE_SIZE]; /* state at the beginning of the block */
     int64_t anchored;          /* step of the grid at the anchor; -1 if there is none */
 };
 
-/* One step of the method on the given state. */
+/* Makes one step of h from y [2], which becomes the new state. Returns false if out of memory or if
+ * the step fails. */
 static bool image(const struct run *run, double h, double *y)
 {
     struct step step = {
@@ -109,8 +111,9 @@ struct propagator *propagator_create(const struct run *run, double h)
     return p;
 }
 
-/* The block after state y. The last row is rounded once: what a matrix of doubles leaves out would
- * add up. */
+/* Computes the BLOCK_STEPS states after (y, v) into row. The last state is computed in long
+ * double and rounded once, because the rounding of a matrix of doubles would add up from block
+ * to block. */
 static inline void block(const struct propagator *p, double y, double v, double *restrict row)
 {
     for (int i = 0; i < BLOCK_STEPS * STATE_SIZE; i++)
@@ -120,12 +123,15 @@ static inline void block(const struct propagator *p, double y, double v, double 
             (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][STATE_SIZE]);
 }
 
-/* A state that is not finite stays so: the last one is noted in any case. */
+/* Returns the larger one of max and |x|. An x that is not a number is returned, too, so that a
+ * state that is not finite cannot be overlooked. */
 static inline double larger(double max, double x)
 {
     return fabs(x) <= max ? max : fabs(x);
 }
 
+/* Computes `count` blocks of states from y [2] on, each from the last state of the block before,
+ * and notes the largest states in p->max. */
 CLONES static void blocks(struct propagator *p, const double *y, double *restrict row,
                           int64_t count)
 {

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs: creation, going back, changing the scene on the way. */
+/* Runs: creation and destruction, going back to a recorded row, and changing the scene or the state
+ * on the way. advance.c makes the steps. */
 #include "run/event/watch.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-#define LOOK_FIRST 4096 /* steps before adaptive ones are looked into, see run_creeps() */
+#define LOOK_FIRST 4096 /* step at which run_creeps() examines an adaptive run first */
 
-/* [m] above it a run has diverged: its energy still is a finite number */
+/* Position [m] above which a run has diverged; the square, in its energy, is still finite. */
 #define AMPLITUDE_MAX 1e150
 
 const char *stop_name(enum stop stop)
@@ -28,8 +29,7 @@ const char *stop_name(enum stop stop)
     return name[stop];
 }
 
-/* Magnitudes are compared in scaled state: velocities by the scene's own velocity at the same
- * amplitude. */
+/* Velocities have a bound in proportion to the scene's natural velocity at the same amplitude. */
 double run_bound(const struct system *system, int i)
 {
     const int half = system->n / 2;
@@ -39,17 +39,17 @@ double run_bound(const struct system *system, int i)
     return bound < AMPLITUDE_MAX ? AMPLITUDE_MAX : fmin(bound, DBL_MAX);
 }
 
+/* Sets the magnitudes above which the run has diverged, from the system in force. */
 static void set_bounds(struct run *run)
 {
     for (int i = 0; i < run->system.n; i++)
         run->private_state->bound[i] = run_bound(&run->system, i);
 }
 
-/*
- * Energy is quadratic in the state where forces are linear and homogeneous; there a power of two on
- * the state changes no ratio of energies, and squares of 1e-200 or 1e200 stay in range. A typed
- * potential may have a constant in it.
- */
+/* Returns the power of two by which states are multiplied before their energies are computed, so
+ * that squares of 1e-200 or 1e200 stay in range. It is 1 unless energy is quadratic in the state,
+ * where it changes no ratio of energies: forces must be linear and homogeneous, and a typed
+ * potential, which may have a constant in it, is excluded. */
 static double energy_factor(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
@@ -68,6 +68,8 @@ struct epoch *run_push_epoch(struct run *run)
     return fits ? &p->epoch[p->epochs++] : NULL;
 }
 
+/* Begins an epoch at the present step, with that system; `start` [n] is the state at which its
+ * exact solution begins. Returns false if out of memory. */
 static bool push_epoch(struct run *run, const struct scene *scene, const struct system *system,
                        const double *start)
 {
@@ -103,10 +105,9 @@ const struct epoch *run_epoch(const struct run *run, int64_t step)
     return &p->epoch[low];
 }
 
-/*
- * States inside of a step are taken by shorter steps where a cubic through its ends is of a lower
- * order than the method, and where no cubic holds because dry friction turns in it.
- */
+/* Returns true if states inside of a step are found by shorter steps of the method (inside.c): a
+ * cubic through the ends would be of a lower order than the method, or it would not hold because
+ * the step is made in pieces that end at switches. */
 static bool needs_side_steps(const struct run *run)
 {
     static const int cubic_order = 4;
@@ -116,6 +117,8 @@ static bool needs_side_steps(const struct run *run)
     return run->system.pieces || (!run->method->dense && (order == 0 || order > cubic_order));
 }
 
+/* Allocates the private part of a new run, its trace and the memory of its method, and records the
+ * first state. Returns false if out of memory; run_destroy() frees what there is. */
 static bool allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
@@ -155,7 +158,8 @@ static bool allocate(struct run *run)
     return trace_record(run->trace, 0, run->t, run->y);
 }
 
-/* The propagator is made when it is needed. */
+/* Chooses the kernel for fixed steps of the system in force, and drops the propagator, which is
+ * made again when it is needed. */
 static void choose_kernel(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -173,7 +177,7 @@ struct run *run_create(const struct scene *scene, const struct method *method,
         error_memory(error);
         return NULL;
     }
-    /* Scene and system, most of it, are set below. */
+    /* Scene and system are set below; they are large, so they are not cleared first. */
     memset(run, 0, offsetof(struct run, scene));
     memset((char *)run + offsetof(struct run, method), 0,
            sizeof *run - offsetof(struct run, method));
@@ -230,7 +234,7 @@ void run_destroy(struct run *run)
     free(run);
 }
 
-/* System and plan of the last epoch are in force. */
+/* Every change of the scene or of the state makes the method forget earlier steps. */
 void run_use_epoch(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -277,8 +281,8 @@ bool run_back(struct run *run, int64_t rows)
                p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
-    /* The next proposal of an adaptive run is the size of the step that led here; the controller's
-     * memory is not recorded. */
+    /* The first step of an adaptive run from there has the size of the step that led there, because
+     * the controller's memory is not recorded. */
     if (run->plan.adaptive)
         ledger_will_not_repeat(run);
     else
@@ -291,8 +295,8 @@ bool run_back(struct run *run, int64_t rows)
     run->t = trace->now_t;
     memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);
     if (trace->interval > 0) {
-        /* Such rows say nothing about steps, and one of them may be where no step of the grid ends.
-         */
+        /* The distance of rows at even times says nothing about the step, and no step of the grid
+         * may end at such a row. */
         if (!run->plan.adaptive && !even_present(trace, grid_time(trace_grid(trace), run->steps)))
             trace_regrid(trace, (struct time_grid){run->steps, run->t, trace_grid(trace)->h});
         event_records_truncate(run, h);
@@ -314,8 +318,8 @@ bool run_back(struct run *run, int64_t rows)
 
 bool run_remembers(const struct run *run)
 {
-    /* A decimated trace stays as coarse as it is; blocks of the propagator begin at steps that need
-     * not be rows. */
+    /* Methods that use earlier steps, compensated sums, a decimated trace, which stays coarse, and
+     * blocks of the propagator whose beginning need not be a recorded row. */
     return run->method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL | METHOD_IMPLICIT) ||
            (run->settings.compensated && !run->plan.adaptive) || trace_decimated(run->trace) ||
            (run->plan.propagates && trace_count(run->trace) <= (size_t)run->steps);
@@ -378,11 +382,10 @@ void run_unbind(struct run *run)
     if (p->epoch[p->epochs - 1].first != run->steps)
         return;
     if (p->epochs == 1) {
-        run_rebind(run, &run->scene, &ignored); /* was accepted when it began */
+        run_rebind(run, &run->scene, &ignored); /* this scene was accepted when the run began */
         return;
     }
-    /* The balance has not entered what begins here; the present step need not be a row to go back
-     * to. */
+    /* The energy balance has not entered the new epoch yet, so nothing else has to be undone. */
     p->epochs--;
     run_use_epoch(run);
 }
@@ -419,7 +422,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     p->kick[p->kicks++] =
         (struct kick){run->steps, run->t,
                       system->order == 2 ? system_energy(system, run->y) - previous_energy : 0};
-    /* Another motion: what the step control has learnt of the old one is no guide. */
+    /* The motion is another one, so the step control begins with the initial step again. */
     run->controller = (struct controller){.tol = run->settings.tol,
                                           .h = copysign(run->settings.dt, run->controller.h)};
     ledger_rescale(run, 1);

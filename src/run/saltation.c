@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Response of events, and of the jumps that they cause, to a change of the state. A solution that
- * is off by d meets an event later by dt = -(grad g . d) / (dg/dt), jumps from there, and is off by
- * what it moved in between with the other velocity (the saltation matrix; Aizerman, Gantmakher
- * 1958, J. Appl. Math. Mech. 22:1065; Leine, Nijmeijer 2004, Dynamics and Bifurcations of
- * Non-Smooth Mechanical Systems, chapter 7).
- */
+/* Response of events, and of the jumps that they cause, to a change of the state, for the second
+ * solution of opinion.c. A solution that is off by d meets an event later by dt = -(grad g . d) /
+ * (dg/dt), jumps from there, and is off by what it moved in between with the other velocity (the
+ * saltation matrix; Aizerman, Gantmakher 1958, J. Appl. Math. Mech. 22:1065; Leine, Nijmeijer 2004,
+ * Dynamics and Bifurcations of Non-Smooth Mechanical Systems, chapter 7). */
 #include <hooke/scene/formula.h>
 
 #include "run/event/watch.h"
@@ -14,7 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Difference for derivatives, as a part of a size: a compromise of rounding and curvature. */
+/* Distance of the two values of a central difference, as a fraction of a variable's size: the cube
+ * root of the rounding error, a compromise of rounding and curvature. */
 static const double difference = 6e-6;
 
 void responses_free(struct responses *all)
@@ -23,17 +22,21 @@ void responses_free(struct responses *all)
     free(all->slope);
 }
 
+/* Returns the derivatives [n + 1] of response i by the variables and by time. */
 static double *slopes_of(const struct run *run, size_t i)
 {
     return run->private_state->responses.slope + i * (2 * (size_t)run->system.n + 1);
 }
 
-/* Returns the state to which response i belongs, before the jump. */
+/* Returns the state [n] to which the derivatives of response i belong; for a jump that before
+ * it. */
 static const double *state_of(const struct run *run, size_t i)
 {
     return slopes_of(run, i) + run->system.n + 1;
 }
 
+/* Appends a response with unknown derivatives, at this state [n]. Returns false if out of
+ * memory. */
 static bool add_response(struct run *run, const struct response *response, const double *state)
 {
     struct responses *all = &run->private_state->responses;
@@ -108,6 +111,8 @@ static void find_moment_slopes(struct run *run, const struct watched *watched, d
         slope[i] = NAN;
 }
 
+/* Appends a response of an event, given by its index in the watch, with the derivatives of the
+ * event's function at the state. Returns false if out of memory. */
 static bool add_event_response(struct run *run, int event, const struct response *response,
                                const double *state)
 {
@@ -169,7 +174,8 @@ void responses_truncate(struct run *run)
 
 /* ---- along the second solution ---- */
 
-/* Returns sum_i slope_i (y_i - state_i) + slope_n moved: the difference that response i makes. */
+/* Returns sum_i slope_i (y_i - state_i) + slope_n moved: how much the event's function, or the
+ * value after a jump, differs for a solution that is at y [n] and `moved` [s] later. */
 static double difference_by(const struct run *run, size_t i, const double *y, double moved)
 {
     const double *slope = slopes_of(run, i), *state = state_of(run, i);
@@ -180,8 +186,8 @@ static double difference_by(const struct run *run, size_t i, const double *y, do
     return sum;
 }
 
-/* Returns what the event's function of response i may be off by: each variable by as much as it has
- * been off so far. The difference of two solutions may be small by chance. */
+/* Returns the possible error of the event's function of response i: each variable counts with the
+ * largest distance that the solution has had so far, as the present one may be small by chance. */
 static double function_error(const struct run *run, const struct saltation *saltation, size_t i,
                              const double *y)
 {
@@ -193,11 +199,9 @@ static double function_error(const struct run *run, const struct saltation *salt
     return sum;
 }
 
-/*
- * Returns by how much later the solution at y meets the event of response i, with the function's
- * second derivative along the motion; NAN where the event is met so slowly that errors may be as
- * large as the whole dip of the function below 0.
- */
+/* Returns by how much later [s] the solution at y meets the event of response i, from the first and
+ * second derivatives of the function along the motion. Returns NAN if the function has so small a
+ * slope that, within the errors, it may not reach 0. */
 static double moment_moved(const struct run *run, const struct saltation *saltation,
                            const struct system *system, size_t i, const double *y)
 {
@@ -219,7 +223,7 @@ static double moment_moved(const struct run *run, const struct saltation *saltat
     return -2 * deviation / (rate + copysign(sqrt(rate * rate - 2 * bend * deviation), rate));
 }
 
-/* Moves y by the motion over the time between the two moments (midpoint rule). */
+/* Moves y [n] along the motion over sign times the time between the two moments (midpoint rule). */
 static void saltation_shift(const struct saltation *saltation, const struct system *system,
                             double sign, double *y)
 {
@@ -253,7 +257,7 @@ const struct response *saltation_next_miss(const struct run *run, struct saltati
 
 bool saltation_pass_miss(const struct run *run, struct saltation *saltation, const double *y)
 {
-    static const double margin = 3; /* times the errors of an estimate */
+    static const double margin = 3; /* factor on errors, which are estimates */
     const size_t i = saltation->miss++;
     const struct response *miss = &run->private_state->responses.response[i];
     if (margin * function_error(run, saltation, i, y) < fabs(miss->value))
@@ -285,8 +289,9 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
     return isfinite(saltation->moved);
 }
 
-/* Returns what rounding has typically done to the value of a jump: to each of its terms, and to it.
- */
+/* Returns the typical rounding error of the value of jump i: a fraction of the value or of the
+ * sum of its terms' magnitudes, if that is larger. Returns 0 if the value does not depend on the
+ * state. */
 static double jump_rounding(const struct run *run, size_t i)
 {
     static const double typical = DBL_EPSILON / 4;
@@ -306,8 +311,8 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
         const struct response *response = &all->response[i];
         if (response->step != step || response->variable < 0)
             continue;
-        /* Both solutions would be rounded alike: errors of a map that spreads them would be lost.
-         */
+        /* Both solutions are rounded alike, so their difference would not contain the rounding
+         * error, which matters for a map that magnifies errors: it is added. */
         const double deviation = difference_by(run, i, y, saltation->moved);
         y[response->variable] =
             response->value + deviation + copysign(jump_rounding(run, i), deviation);

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * A run as bytes, and back: rows apart from everything else, as they are many and come one after
- * the other. What follows from the scene and the method (systems, kernels, powers of the one-step
- * matrix) is made anew, the same bits by the same operations; all that was computed is there. What
- * somebody else's library remembers, nobody can keep.
- */
+/* A run as bytes, and back, for sessions that are kept in files. Rows are stored apart from
+ * everything else, because there are many and they are appended. What follows from the scene and
+ * the method (systems, kernels, powers of the one-step matrix) is computed again, with the same
+ * bits; everything else is stored. The memory of an external solver library cannot be. */
 #include <hooke/base/catalog.h>
 #include "run/store_private.h"
 
@@ -62,13 +60,15 @@ static const struct field epoch_fields[] = {
 
 /* ---- writing ---- */
 
-/* The method's memory, and the states that run.c has put behind it. */
+/* Returns the number of doubles that are stored of p->work: the method's memory and the vectors
+ * that allocate() in run.c has put behind it, but for those of side steps. */
 static size_t work_size(const struct run *run)
 {
     const size_t n = (size_t)run->system.n;
     return method_work_size(run->method, run->system.n) + 4 * n;
 }
 
+/* Appends an array of `count` elements of `bytes` each as a field. */
 static void put_array(struct buffer *buffer, const char *name, const void *array, size_t count,
                       size_t bytes)
 {
@@ -145,7 +145,8 @@ void run_store_rows(const struct run *run, size_t first, size_t count, struct bu
 
 /* ---- reading ---- */
 
-/* A list into memory of its own. */
+/* Reads the field `name` into new memory, which replaces *(void **)array, and sets *count to its
+ * number of elements. Returns false if it is missing, of a wrong size, or out of memory. */
 static bool get_array(struct text text, const char *name, size_t bytes, void *array, size_t *count)
 {
     struct text value;
@@ -161,6 +162,8 @@ static bool get_array(struct text text, const char *name, size_t bytes, void *ar
     return true;
 }
 
+/* Reads one epoch, binds its scene anew, and appends it to the run. Returns false if it is damaged
+ * or if the scene refuses a parameter. */
 static bool get_epoch(struct run *run, const struct field_places *places, struct text text)
 {
     struct epoch epoch = {0};
@@ -174,7 +177,7 @@ static bool get_epoch(struct run *run, const struct field_places *places, struct
         return false;
     memcpy(epoch.start, start.data, start.len);
     memcpy(scene.value, epoch.value, sizeof scene.value);
-    struct scene same = scene; /* takes its values */
+    struct scene same = scene; /* scene_set() checks the values */
     for (size_t i = 0; i < scene_params(&scene)->count; i++)
         if (!scene_set(&same, (int)i, (struct measured){scene.value[i], 0}, &ignored))
             return false;
@@ -184,6 +187,7 @@ static bool get_epoch(struct run *run, const struct field_places *places, struct
     return place;
 }
 
+/* Reads all epochs, in order. Returns false if one is damaged or if there is none. */
 static bool get_epochs(struct run *run, const struct field_places *places, struct text text)
 {
     struct run_private *p = run->private_state;
@@ -196,6 +200,8 @@ static bool get_epochs(struct run *run, const struct field_places *places, struc
     return ok && p->epochs > 0;
 }
 
+/* Reads the trace, but for its rows. Returns false if fields are missing or values are out of
+ * range. */
 static bool get_trace(struct trace *trace, int n, struct text text)
 {
     size_t grids = 0;
@@ -208,7 +214,8 @@ static bool get_trace(struct trace *trace, int n, struct text text)
     return ok;
 }
 
-/* `count` rows in pieces, which have to be all of them. */
+/* Reads the rows of the trace from pieces, which have to follow each other and contain all rows of
+ * trace->count. Returns false if they do not, or if out of memory. */
 static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pieces)
 {
     struct trace *trace = run->trace;
@@ -237,6 +244,7 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
     return trace->count == count && count > 0;
 }
 
+/* Reads the responses of events and jumps. Returns false if they are missing or inconsistent. */
 static bool get_responses(struct run *run, struct text text)
 {
     struct responses *all = &run->private_state->responses;
@@ -252,7 +260,8 @@ static bool get_responses(struct run *run, struct text text)
     return true;
 }
 
-/* Reads the parts of a run beside its rows, whose arrays have to fit each other. */
+/* Reads the private parts of a run beside its rows and its memory. Returns false if they are
+ * missing or if arrays that belong together differ in length. */
 static bool get_private(struct run *run, struct text text)
 {
     struct run_private *p = run->private_state;
@@ -271,8 +280,9 @@ static bool get_private(struct run *run, struct text text)
     return ok;
 }
 
-/* The scene that is in force last, and what the method knows of its way: use_epoch() has it begin
- * anew. */
+/* Puts the last epoch into force, as run_use_epoch() does, and then restores the memory of the
+ * method and the propagator, so that the next step has the same bits. Returns false if they are
+ * missing. */
 static bool get_work(struct run *run, struct text text)
 {
     struct run_private *p = run->private_state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declarations shared by the two files that store runs as bytes. */
+/* Declarations shared by store.c, which writes runs as bytes and reads them, and store_sound.c,
+ * which checks that what was read is valid. */
 #pragma once
 
 #include <hooke/run/store.h>
@@ -7,8 +8,9 @@
 
 #include <math.h>
 
-/* Reads the settings from a run's fields; returns false if they are missing or if no run can have
- * them. */
+/* Reads the settings from the fields of a stored run. Returns false if they are missing or if no
+ * run can have them. */
 bool run_settings_take(struct text fields, struct run_settings *settings);
-/* All but its rows, of which there are so many, can be what a run has come to. */
+/* Returns true if everything that was read of a run, except for its rows, is within the limits on
+ * which other code relies. */
 bool run_is_sound(const struct run *run);

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Checks of everything that was read from a stored run: anybody can write a session's file, with
- * checksums. Values of the motion may be any; counts, indices, flags and choices may not, because
- * other parts of the program rely on them.
- */
+/* Checks of a run that was read from a file, which anybody can write, with valid checksums. Values
+ * of the motion may be any numbers; counts, indices, flags and enums may not, because other parts
+ * of the program rely on them. The tables give the limits of members. */
 #include "run/store_private.h"
 
 #include <float.h>
@@ -82,7 +80,7 @@ bool run_settings_take(struct text text, struct run_settings *settings)
     return true;
 }
 
-/* Returns true if the epochs follow each other and each has what the method needs. */
+/* Returns true if the epochs follow each other, and each suits the method and the settings. */
 static bool epochs_sound(const struct run *run)
 {
     const struct run_private *p = run->private_state;
@@ -104,7 +102,8 @@ static bool epochs_sound(const struct run *run)
     return sound;
 }
 
-/* Places in the rows, and steps of them. */
+/* Returns true if row numbers, steps and grids of the trace are consistent with each other and with
+ * the recording rule. */
 static bool trace_places_sound(const struct run *run)
 {
     const struct trace *trace = run->trace;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The trace: rows in chunks, their marks, and what is recorded of the steps. */
+/* The trace: memory of rows in chunks, marks, which are the energy balance at each row, and
+ * recording of steps by the rule. trace_read.c reads it, decimation.c thins it. */
 #include "run/private.h"
 
 #include <assert.h>
@@ -22,7 +23,7 @@ void trace_destroy(struct trace *trace)
     free(trace);
 }
 
-/* A chunk of steps for each chunk of rows: only a decimated trace needs them. */
+/* A chunk of steps for each chunk of rows. */
 bool trace_grow_index(struct trace *trace)
 {
     int64_t **index = realloc(trace->index, trace->capacity * sizeof *index);
@@ -37,8 +38,8 @@ bool trace_grow_index(struct trace *trace)
 
 /* ---- marks: the first numbers of a tally ---- */
 
-#define MARK_EXTREMES 2
-#define MARK_WORK 6
+#define MARK_EXTREMES 2 /* numbers of a mark without work: max and scale */
+#define MARK_WORK 6     /* numbers of a mark with work */
 _Static_assert(sizeof(struct energy_tally) == MARK_WORK * sizeof(double),
                "a mark is the beginning of a tally");
 
@@ -47,6 +48,7 @@ bool trace_marked(const struct trace *trace)
     return trace->mark_width > 0;
 }
 
+/* Returns the numbers of the mark of row i, trace->mark_width of them. */
 static double *mark_at(const struct trace *trace, size_t i)
 {
     assert(trace->mark);
@@ -72,6 +74,7 @@ void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *ta
         memcpy(mark_at(trace, i), tally, MARK_EXTREMES * sizeof(double));
 }
 
+/* Makes room for the marks of the rows in all chunks. Returns false if out of memory. */
 static bool grow_marks(struct trace *trace)
 {
     const size_t bytes = CHUNK_ROWS * trace->mark_width * sizeof(double);
@@ -85,6 +88,7 @@ static bool grow_marks(struct trace *trace)
     return true;
 }
 
+/* Frees the marks; the caller sets trace->mark. */
 static void free_marks(struct trace *trace)
 {
     pool_release(&trace->mark_pool);
@@ -122,6 +126,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
     return true;
 }
 
+/* Adds a chunk of rows. Returns false if out of memory. */
 static bool trace_chunks_grow(struct trace *trace)
 {
     if (trace->chunks == trace->capacity) {
@@ -139,7 +144,6 @@ static bool trace_chunks_grow(struct trace *trace)
     return true;
 }
 
-/* Makes room for a few more rows. */
 bool trace_reserve_rows(struct trace *trace, size_t rows)
 {
     const size_t needed = ((trace->count + rows - 1) >> CHUNK_SHIFT) + 1;
@@ -162,6 +166,7 @@ void trace_write_row(struct trace *trace, size_t i, int64_t step, double t, cons
         trace_set_mark(trace, i, mark);
 }
 
+/* Adds a row at the end. Returns false if out of memory. */
 static bool append(struct trace *trace, int64_t step, double t, const double *y,
                    const struct energy_tally *mark)
 {
@@ -193,7 +198,7 @@ bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
-    /* even_record() records them */
+    /* even_record() records rows at even times, but for the first one. */
     if (trace->interval > 0 && trace->count > 0)
         return true;
     if (trace->count == 0)
@@ -236,7 +241,7 @@ void trace_truncate(struct trace *trace, size_t i)
         trace_touch(trace, trace->count);
         trace->next = (int64_t)trace->count * trace->every;
     }
-    /* as it began */
+    /* A trace with only its first row is not decimated. */
     if (i == 0)
         trace->bucket = 1;
     while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The trace: its creation, and reading it: rows by number, step and time, the last one being the
- * present state. */
+/* The trace: its creation, and reading it by row number, step and time. The last row is the present
+ * state of the run. */
 #include "run/private.h"
 
 #include <stdlib.h>
@@ -57,7 +57,7 @@ int64_t trace_step(const struct trace *trace, size_t i)
 double trace_time(const struct trace *trace, size_t i)
 {
     int64_t step = trace_step(trace, i);
-    /* The end of a span is exactly the time that was asked for. */
+    /* The present time is exact, which the time of the grid need not be. */
     if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
         return trace->now_t;
     if (trace->timed)

@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Forces that change in time faster than fixed steps look. Where a force repeats between the points
- * of a step, every stage sees the same value, and the run is one of another force (Shannon 1949,
- * Proc. IRE 37:10).
- */
+/* Finds forces that change in time faster than fixed steps resolve: run_force_unresolved(). Where a
+ * force repeats between the points of a step, every stage sees the same value, and the run is that
+ * of another force (Shannon 1949, Proc. IRE 37:10). Pulses in single steps are found by comparing
+ * the mean force in a step with what the method's quadrature rule sees of it. */
 #include <hooke/run/unresolved.h>
 #include "run/private.h"
 
 #include <math.h>
 
+/* Steps at which the force is compared; numbers of shorter steps that are tried for a force that is
+ * too fast and for a pulse. */
 enum { LOOKS = 64, SHORTER = 40, SHORTER_PULSE = 7 };
-/* Steps that are tried instead; no simple fraction, so that they are no multiple of a period. */
+/* Factor from one step to the next that is tried; no simple fraction, so that it is unlikely to be
+ * a multiple of the force's period. */
 static const double SHORTER_BY = 0.37;
 
-/* Share of what is missed above which one look has met a pulse: of a force that repeats all miss.
- */
+/* Share of the sum of squared differences above which the largest of them is taken for a pulse: a
+ * force that repeats differs at all looks. */
 static const double few_looks_share = 0.2;
 
-/* Sum over all rates of the squared difference of two derivatives, in units of their sizes. */
+/* Returns the sum over all rates of the squared difference of two derivatives, in units of their
+ * sizes [n]. */
 static double difference_squared(const struct system *system, const double *size, const double *a,
                                  const double *b)
 {
@@ -30,7 +33,7 @@ static double difference_squared(const struct system *system, const double *size
 
 /* Evaluates the derivatives of one state y at the beginning, middle and end of the step from t.
  * Fills parabola [n] with the value at theta of the parabola through them, and inside [n] with the
- * derivatives at theta. */
+ * derivatives at theta; they are equal for a force that the step resolves. */
 static void look_at_step(const struct system *system, const double *y, double t, double h,
                          double theta, double *parabola, double *inside)
 {
@@ -43,8 +46,8 @@ static void look_at_step(const struct system *system, const double *y, double t,
                       f[2][i] * theta * (2 * theta - 1);
 }
 
-/* Returns true if steps of h, looked at in LOOKS of them between t0 and the run's end, miss more
- * than this share of how the force changes in time. */
+/* Returns true if steps of h, at LOOKS points between t0 and the run's end, miss more than this
+ * share of how the force changes in time. */
 static bool misses_changes(const struct run *run, double h, double share)
 {
     const struct system *system = &run->system;
@@ -77,11 +80,14 @@ static bool misses_changes(const struct run *run, double h, double share)
 
 /* ---- pulses in single steps ---- */
 
-/* Points between those of Simpson's rule, and evaluations for all steps that are looked at: at
- * least so many, and more in a run of very many. */
-enum { PROBES_MIN = 6, PROBES_MAX = 62, PROBED_EVALS_MIN = 8192, PROBED_EVALS_SHARE = 16 };
+enum {
+    PROBES_MIN = 6, /* points in a step at which a force is evaluated, beside those of the rule */
+    PROBES_MAX = 62,
+    PROBED_EVALS_MIN = 8192, /* evaluations for all steps that are examined, at least, */
+    PROBED_EVALS_SHARE = 16  /* or one for this many evaluations of the run */
+};
 
-/* Share of a variable's size by which a step may miss what the force does in it. */
+/* Share of a variable's size above which the force that a step misses counts as a pulse. */
 static const double step_missed_share = 0.02;
 
 /* Points and weights of rules that see a step as methods of low and of high order do. */
@@ -92,8 +98,9 @@ static const struct step_rule simpson = {{0, 0.5, 1}, {1. / 6, 4. / 6, 1. / 6}};
 static const struct step_rule gauss = {{0.1127016653792583, 0.5, 0.8872983346207417},
                                        {5. / 18, 8. / 18, 5. / 18}};
 
-/* Adds to missed [n] what a force that changes in time alone does in the step from t, by the mean
- * over `probes` points, but for what a rule sees of it. */
+/* Adds to missed [n] the change of the state by the force in the step from t, found by the mean
+ * over `probes` points, minus the change that the rule gives. The state is that of the start, so
+ * only changes in time are seen. */
 static void add_missed(const struct system *system, double t, double h, int probes,
                        const struct step_rule *rule, double *missed)
 {
@@ -108,8 +115,8 @@ static void add_missed(const struct system *system, double t, double h, int prob
     }
 }
 
-/* Returns what `count` steps of h from t on miss together, as a part of the variable's size where
- * that is the largest. */
+/* Returns the change of the state that `count` steps of h from t on miss together, as a share of
+ * the variable's size; the largest one of all variables. */
 static double missed_share(const struct system *system, const double *size, double t, double h,
                            int64_t count, int probes, const struct step_rule *rule)
 {
@@ -150,8 +157,8 @@ int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t eva
     return looks;
 }
 
-/* Returns true if a step and its neighbours miss a part of what a force does in them, by one of the
- * rules: what the one misses the next may make good. */
+/* Returns true if a step and its neighbours together miss much of the force in them, by one of the
+ * rules. The neighbours are included because they may compensate the error. */
 static bool misses_pulse(const struct run *run, const double *size, double t, double h, int probes)
 {
     const struct system *system = &run->system;
@@ -164,16 +171,16 @@ static bool misses_pulse(const struct run *run, const double *size, double t, do
     return misses;
 }
 
-/* Returns the time from which on nothing has looked for pulses: a run that is continued was looked
- * at before, unless it has been taken back since. */
+/* Returns the time [s] from which on the run has not been searched for pulses: the end of the last
+ * search, or the present time if the run has been taken back since. */
 static double probed_until(const struct run *run)
 {
     const double start = run->system.t0, probed = run->private_state->probed;
     return fabs(probed - start) < fabs(run->t - start) ? probed : run->t;
 }
 
-/* Returns true if a step, of those that are looked at, misses a pulse; sets *dt to a step that
- * does not, NAN if none was found. */
+/* Returns true if one of the steps that are examined misses a pulse; then sets *dt to a step that
+ * resolves it, or leaves NAN if none was found. */
 static bool step_misses_pulse(const struct run *run, double h, double *dt)
 {
     const struct system *system = &run->system;

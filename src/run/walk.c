@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walking over the rows of a run: each becomes a sample, and the energy balance is carried along
- * where it is needed. */
+/* Walks over the rows of a run: each row becomes a sample, from which observables are computed. The
+ * energy balance and the exact solution are carried along only if the samples need them. */
 #include "run/private.h"
 
+/* Sets walk->state to y times the factor with which energies stay in range. */
 static void take_state(struct walk *walk, const double *y)
 {
     double factor = walk->run->private_state->factor;
@@ -10,7 +11,8 @@ static void take_state(struct walk *walk, const double *y)
         walk->state[i] = y[i] * factor;
 }
 
-/* The sample for (step, t, y); walk->state holds y scaled. */
+/* Sets walk->sample to that of the state y at t. The work and the work of drag are in units of
+ * factor^2 J; walk->state is y scaled. */
 static void walk_sample_fill(struct walk *walk, int64_t step, double t, const double *y,
                              double work, double drag)
 {
@@ -32,8 +34,9 @@ static void walk_sample_fill(struct walk *walk, int64_t step, double t, const do
         system_exact(&epoch->system, epoch->t, epoch->start, t, walk->exact, NULL);
 }
 
-/* Rows at equal times: what the exact solution does between them is found once. A method that has
- * the exact solution is compared with the very same. */
+/* Makes a table of the exact solution for the epoch of `step`, if rows are at equal times: what the
+ * solution does from row to row is computed once. A method that uses the exact solution itself is
+ * compared with the very same function, without a table. */
 static void tabulate(struct walk *walk, int64_t step)
 {
     const struct run *run = walk->run;
@@ -67,13 +70,14 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
     }
 }
 
+/* Returns the value of a compensated sum. */
 static double total(struct compensated_sum sum)
 {
     return sum.high + sum.low;
 }
 
-/* Computes the work at the recorded row i of a trace with each step: blocks of rows are taken as
- * the walk reaches them. */
+/* Computes the work at the recorded row i of a trace that has each step and no marks. The balance
+ * advances by blocks of rows as the walk reaches them. */
 static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;
@@ -89,7 +93,8 @@ static void work_on_the_way(struct walk *walk, size_t i, double *work, double *d
     *drag = walk->done.all_drag[i - walk->done_begin];
 }
 
-/* Work since the start up to row i, in units of factor^2 J. */
+/* Sets the work, and that of drag, since the start up to row i, in units of factor^2 J; NAN if they
+ * are not known. */
 static void work_at(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;

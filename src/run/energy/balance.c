@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The energy balance from state to state: what each step's energy differs by from that at the start
- * and the work since, in sums that keep what rounding takes. */
+/* The energy balance from state to state: the energy after each step minus that at the start and
+ * the work since, in sums that keep what rounding takes. balance_block() takes many steps,
+ * balance_extend() a part of a step. */
 #include "run/energy/work.h"
 
 #include <math.h>
@@ -23,7 +24,8 @@ static inline void sum_add(struct compensated_sum *sum, double x)
 
 typedef double two __attribute__((vector_size(16)));
 
-/* Both sums at once; what they are after each step is noted. */
+/* Adds the work of steps `begin` to `end` to both sums of the tally, as sum_add() does, and notes
+ * the totals after each step. */
 static void add_work(struct energy_tally *tally, struct work_done *done, int begin, int end)
 {
     two high = {tally->work.high, tally->drag.high}, low = {tally->work.low, tally->drag.low};
@@ -39,6 +41,7 @@ static void add_work(struct energy_tally *tally, struct work_done *done, int beg
     tally->drag = (struct compensated_sum){high[1], low[1]};
 }
 
+/* Notes unchanged totals after each step, in which no work was done. */
 static void same_work(const struct energy_tally *tally, struct work_done *done, int begin, int end)
 {
     const double work = tally->work.high + tally->work.low,
@@ -49,7 +52,7 @@ static void same_work(const struct energy_tally *tally, struct work_done *done, 
     }
 }
 
-/* The largest of them in pairs; `min` at least. */
+/* Returns the largest one of x [4] and `min`. */
 static inline double largest_of_four(const double *x, double min)
 {
     const double a = x[0] > x[1] ? x[0] : x[1];
@@ -58,7 +61,8 @@ static inline double largest_of_four(const double *x, double min)
     return max > min ? max : min;
 }
 
-/* Uses comparisons, which are false for NaN, since fmax() would be a call. */
+/* Raises tally->max to the largest |E - E0 - work| after these steps. Uses comparisons, which are
+ * false for NaN, since fmax() would be a call. */
 static inline void note_lacks(struct energy_tally *tally, double initial,
                               const struct work_done *done, int begin, int end)
 {
@@ -70,6 +74,7 @@ static inline void note_lacks(struct energy_tally *tally, double initial,
     tally->max = max;
 }
 
+/* Does the same in vectors. */
 CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
                                    const struct work_done *done, int begin, int end)
 {
@@ -87,7 +92,8 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
     note_lacks(tally, initial, done, k, end);
 }
 
-/* The largest energy is the unit where there was none at first. */
+/* Updates the largest error after steps `begin` to `end`, and, if the initial energy is 0, the
+ * largest energy, which is the unit of errors then. */
 static void note_extremes(struct energy_tally *tally, double initial, const struct work_done *done,
                           int begin, int end)
 {
@@ -139,7 +145,8 @@ double balance_energy(const struct run *run, const struct system *system, const 
     return system_energy(system, y);
 }
 
-/* A change of the scene at the balance's step changes the energy of a state: that is work too. */
+/* Adds the change of energy by a change of the scene, if the epoch begins at the balance's step; it
+ * counts as work. */
 static void enter(const struct run *run, struct balance *balance, const struct epoch *epoch)
 {
     if (epoch > run->private_state->epoch && epoch->first == balance->step)
@@ -152,8 +159,9 @@ static int64_t min_steps(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-/* The steps of one grid from the balance's on, or the one step to where another begins. times [2]
- */
+/* Sets the times of work->count steps after the balance's, and reduces the count to those of one
+ * grid; if another grid begins there, to the one step that leads to it. times [2] is memory for
+ * that. */
 static void on_grid(const struct run *run, const struct balance *balance, struct work *work,
                     double *times)
 {
@@ -229,7 +237,8 @@ static void tally_up(struct balance *balance, bool still, struct work_done *done
     note_extremes(&balance->tally, balance->initial, done, begin, end);
 }
 
-/* Rows of the trace among the steps after `first` get their marks on the way. */
+/* Adds all steps of the work done to the balance, and sets the marks of rows of the trace among
+ * them. */
 static void tally_marking(const struct run *run, struct balance *balance, bool still,
                           struct work_done *done, int count)
 {

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The energy balance: what each step's energy differs by from that at the start and the work since.
- *
- * Where the trace has each step, nothing is done while the run advances: who asks pays for the
- * steps since somebody asked last. Where it leaves steps out, each row has a mark, the balance up
- * to it, from when somebody asks: steps are then taken once more. Runs that cannot be
- * repeated step by step have marks from the start. Either way each step is seen once, by the same
- * operations in the same order: the balance does not depend on what is recorded, nor on how a run
- * is cut into calls.
- */
+/* The energy balance of a run: its error, the energy after a step minus that at the start and the
+ * work since, is known for each step, whatever is recorded. If the trace has each step, the balance
+ * is computed from its rows when it is requested. If it leaves steps out, each row gets a mark, the
+ * balance up to it: the run's steps are repeated when the balance is requested, or the marks are
+ * kept while the run advances if its steps cannot be repeated. Either way each step is processed
+ * once, by the same operations in the same order, so that the result depends neither on what is
+ * recorded nor on how a run is cut into calls. */
 #include <hooke/base/cancel.h>
 #include <hooke/scene/typed.h>
 
@@ -17,17 +14,19 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Returns the time of the first row if rows have times, else NULL. */
 static const double *times_of(const struct run *run, const double *row)
 {
     return run->plan.adaptive ? row + run->system.n : NULL;
 }
 
+/* Saves the present tally as entry `index`, so that the balance can go back to there. Returns false
+ * if out of memory; then going back starts from an earlier one. */
 static bool tally_save(struct run_private *p, size_t index)
 {
     if (index == p->save_capacity) {
         const size_t capacity = p->save_capacity ? 2 * p->save_capacity : 16;
         struct energy_tally *saved = realloc(p->saved, capacity * sizeof *saved);
-        /* going back starts earlier then */
         if (!saved)
             return false;
         p->saved = saved;
@@ -38,8 +37,8 @@ static bool tally_save(struct run_private *p, size_t index)
     return true;
 }
 
-/* Takes the recorded rows that are new into the balance, each once. Returns false if Ctrl-C came
- * before the last one. */
+/* Extends the balance over the recorded rows that are new, of a trace that has each step. Returns
+ * false if Ctrl-C came before the last one. */
 static bool balance_add_rows(const struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -64,10 +63,10 @@ static bool balance_add_rows(const struct run *run)
     return true;
 }
 
-/* ---- steps once more ---- */
+/* ---- repeating the steps ---- */
 
-/* Returns true if the states of the run follow from its scene, its grids and its number of steps.
- */
+/* Returns true if the states of the run can be computed again from its scene, its grids and its
+ * number of steps. */
 static bool is_repeatable(const struct run *run)
 {
     const struct run_private *p = run->private_state;
@@ -81,8 +80,9 @@ bool ledger_waits(const struct run *run)
                                         run->private_state->balance.step == 0);
 }
 
-/* Takes the steps of the run again, whose balance sees them. Returns false if they do not lead to
- * its present state. */
+/* Advances the run `again` as the run has been advanced, over the same grids; ledger_take() enters
+ * its steps into the balance of the run. Returns false if that does not lead to the run's present
+ * state. */
 static bool repeat_steps(const struct run *run, struct run *again)
 {
     const struct trace *trace = run->trace;
@@ -106,7 +106,7 @@ bool ledger_demand(const struct run *run)
     struct run_private *p = run->private_state;
     struct error ignored;
     if (ledger_known(run) || settings.unbalanced || run->system.order != 2 || !is_repeatable(run) ||
-        cancelled(run->cancel)) /* room for the marks of all rows alone takes a while */
+        cancelled(run->cancel)) /* even making room for the marks takes a while */
         return ledger_known(run);
     settings.record = (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
     settings.unbalanced = true;
@@ -132,21 +132,23 @@ void ledger_will_not_repeat(struct run *run)
     run->private_state->is_unrepeatable = true;
 }
 
-/* ---- on the way ---- */
+/* ---- while the run advances ---- */
 
 /*
- * A trace that had each step is thinned in parts, with looks at keys and at Ctrl-C in between:
- * which rows stay, room for their marks, the marks, at last the rows move. Until then the trace
- * shows each step; what it will be is here.
+ * Thinning of a full trace that has each step. It is done in parts, between which the program looks
+ * at keys and at Ctrl-C: choose the rows that stay, make room for their marks, compute the marks,
+ * move the rows. Until the last part the trace shows each step, and the members here are those that
+ * struct trace will have; exchange() swaps them while a part is done.
  */
 struct thinning {
     int64_t bucket;
     size_t count, mark_width;
-    struct balance balance;
+    struct balance balance; /* balance at the last mark that was computed */
 };
 
-static const int64_t part_ns = 5000000;
+static const int64_t part_ns = 5000000; /* length of a part */
 
+/* Swaps the members of the trace that thinning changes with those in *other. */
 static void exchange(struct trace *trace, struct thinning *other)
 {
     const struct thinning was = {trace->bucket, trace->count, trace->mark_width, {.step = 0}};
@@ -165,7 +167,8 @@ bool ledger_is_due(const struct run *run)
            trace->bucket == 1 && trace->count >= trace->cap && !ledger_waits(run);
 }
 
-/* Marks some of those that stay. Returns false if Ctrl-C left a mark that is wrong. */
+/* Computes marks of rows that stay, for part_ns; the trace has each of `rows` rows still. Returns
+ * false if Ctrl-C left a mark that is wrong. */
 static bool mark_staying(const struct run *run, struct balance *balance, size_t rows)
 {
     const int64_t begin = clock_ns();
@@ -188,6 +191,8 @@ void ledger_forget_thinning(struct run_private *p)
     p->thinning = NULL;
 }
 
+/* Does the first part of the thinning, which chooses the rows that stay. Returns false if out of
+ * memory. */
 static bool thinning_begin(struct run_private *p, struct trace *trace)
 {
     p->thinning = malloc(sizeof *p->thinning);
@@ -327,6 +332,7 @@ void ledger_back(struct run *run)
     copy_state(p->balance.y, trace_state(trace, row), run->system.n);
 }
 
+/* Multiplies all sums of a tally by a factor. */
 static void rescale(struct energy_tally *tally, double factor)
 {
     double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high,
@@ -356,9 +362,9 @@ void ledger_rescale(struct run *run, double factor)
     }
 }
 
-/* ---- asking ---- */
+/* ---- results ---- */
 
-/* Fills only the energies at the start and at present; the work on the way is not computed. */
+/* Fills only the energies at the start and at present; work and errors become NAN. */
 static void energies_alone(const struct run *run, struct ledger *ledger)
 {
     const double unit = run->private_state->factor * run->private_state->factor,
@@ -384,11 +390,12 @@ void run_ledger(const struct run *run, struct ledger *ledger)
         return;
     }
     const struct energy_tally *tally = &balance.tally;
-    const double energy = balance_energy(run, &run_epoch(run, run->steps)->system, balance.y),
-                 work = tally->work.high + tally->work.low,
-                 /* A total that is 0 all the time (x'' = -1/x from 1) is no unit: what moves is. */
+    const double
+        energy = balance_energy(run, &run_epoch(run, run->steps)->system, balance.y),
+        work = tally->work.high + tally->work.low,
+        /* An energy that is always 0 (x'' = -1/x from 1) is no unit; the kinetic one is. */
         moving = system_kinetic(&run_epoch(run, run->steps)->system, balance.y),
-                 scale = balance.initial != 0 ? fabs(balance.initial) : fmax(tally->scale, moving);
+        scale = balance.initial != 0 ? fabs(balance.initial) : fmax(tally->scale, moving);
     ledger->initial = balance.initial / unit;
     ledger->final = energy / unit;
     ledger->factor = energy / balance.initial;
@@ -400,8 +407,8 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     }
 }
 
-/* Steps whose energy a line shows that nobody asked for. The work of long adaptive ones is found by
- * solving the equations again. */
+/* Largest number of steps for which the summary of a run shows the balance without being asked. The
+ * work in long adaptive steps is found by solving the equations again, which takes longer. */
 #define BRIEF_STEPS 4096
 #define BRIEF_ADAPTIVE 256
 
@@ -415,8 +422,9 @@ bool ledger_is_sampled(const struct system *system, const struct plan *plan)
     return !plan->ledger && !typed_potential_is_integrated(system);
 }
 
-/* Returns the largest error of the energy in one row of each of equal parts of a run without work.
- * Where in its part a row is follows no rule, so that no period of the motion hides the error. */
+/* Returns the largest relative error of the energy in one row of each of LEDGER_SAMPLE equal parts
+ * of a run without work. The row within each part is pseudo-random, so that no period of the motion
+ * hides the error. */
 static double sampled_error(const struct run *run, const struct ledger *ledger)
 {
     const double unit = run->private_state->factor * run->private_state->factor;
@@ -438,7 +446,8 @@ static double sampled_error(const struct run *run, const struct ledger *ledger)
 
 void run_ledger_brief(const struct run *run, struct ledger *ledger)
 {
-    /* All steps count: how many of them the balance knows already follows the clock. */
+    /* The decision depends on all steps, not on those that the balance still lacks: their number
+     * depends on the clock. */
     if (!run->system.energy || trace_marked(run->trace) ||
         ledger_is_brief(&run->plan, run->steps)) {
         run_ledger(run, ledger);
@@ -453,6 +462,7 @@ void run_ledger_brief(const struct run *run, struct ledger *ledger)
 #define ENERGY_PEAK_FACTOR 100
 #define PEAK_STRIDE 16 /* Stride in rows: a peak that fixed steps resolve lasts longer. */
 
+/* Returns the largest energy [J] of every stride-th row. */
 static double largest_energy(const struct run *run, size_t stride)
 {
     double max = 0;

@@ -21,6 +21,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Returns the length [s] of step k. */
 static double length_of(const struct work *work, int k)
 {
     return work->t ? work->t[k + 1] - work->t[k] : work->h;
@@ -28,6 +29,7 @@ static double length_of(const struct work *work, int k)
 
 /* ---- powers ---- */
 
+/* Power of all forces without a potential, and the part of drag, in units of factor^2 W. */
 struct power {
     double all, drag;
 };
@@ -42,13 +44,14 @@ static bool drags_only(const struct system *system)
     return true;
 }
 
+/* Returns the powers at a state; `drags` is drags_only(). */
 static struct power power_at(const struct system *system, bool drags, double t, const double *y)
 {
     const double all = system_power(system, t, y);
     return (struct power){all, drags ? all : system_dissipation(system, t, y)};
 }
 
-/* ---- where drag has a kink: a step across a turning point in two parts ---- */
+/* ---- steps across a turning point, where drag has a kink: in two parts ---- */
 
 /* Computes position and velocity at the fraction s of the step. */
 static void quintic_at(const struct quintic *p, double s, double *q, double *v)
@@ -66,13 +69,15 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 #define TURN_TOLERANCE 1e-11
 #define TURN_STEPS_MAX 64 /* Largest number of such steps. */
 #define STEP_MEMORY 64    /* number of doubles for the memory of a step */
-/* Part of the step around a turning point; the power there grows with the square or cube of the
- * velocity. */
+/* Accuracy of the turning point, as a fraction of the step: the power near it, which grows with the
+ * square or cube of the velocity, is negligible. Also the fraction of the velocity at which forces
+ * on both sides of it are compared. */
 #define NEAR_REST 1e-9
-/* Part of the acceleration: a change within NEAR_REST of the turning point that is larger counts as
- * a jump. */
+/* A change of the acceleration between both sides of the turning point that is above this share of
+ * it counts as a jump. */
 static const double jump_min = 1e-6;
 
+/* Returns the velocity of the quintic `context` at the fraction s of the step. */
 static double velocity_at(void *context, double s)
 {
     double q, v;
@@ -87,6 +92,8 @@ static double turning_point(struct quintic p)
     return root_between(velocity_at, &p, 0, v0, 1, v1, NEAR_REST);
 }
 
+/* Adds the work from the fraction s_begin to s_end of the step, by Lobatto's rule with four
+ * points. */
 static void add_part(const struct system *system, bool drags, const struct quintic *p, double t,
                      double s_begin, double s_end, double *work, double *drag)
 {
@@ -103,10 +110,9 @@ static void add_part(const struct system *system, bool drags, const struct quint
     }
 }
 
-/*
- * Dry friction jumps where the body turns, and a quintic does not: the motion over the step once
- * more, from its start, in steps of high order that end there.
- */
+/* Computes the work of a step under dry friction, which jumps where the body turns, so that no
+ * quintic holds. Solves the motion over the step again by dopri5, whose steps end at such points,
+ * and adds the work of each of these. Returns false if that fails. */
 static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work,
                        double *drag)
 {
@@ -135,6 +141,8 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
     return there && step.t == t + p->h;
 }
 
+/* Computes the work of a step with a turning point: up to there and from there on, or by
+ * across_dry(). */
 static void work_across(const struct system *system, const struct quintic *p, double t,
                         double *work, double *drag)
 {
@@ -154,7 +162,8 @@ static void work_across(const struct system *system, const struct quintic *p, do
 
 /* ---- any system ---- */
 
-/* Both inner points of one step. */
+/* Computes the states first and second [n] at both inner points of Lobatto's rule in a step from y0
+ * to y1, with the accelerations a0 and a1 [half]. */
 static void inner_states(int half, double h, const double *y0, const double *a0, const double *y1,
                          const double *a1, double *first, double *second)
 {
@@ -189,8 +198,8 @@ static bool switches_differ(const struct system *system, const double t[4], doub
     return false;
 }
 
-/* Returns true if, in a step in which the velocity changes its sign, the force jumps where that is
- * 0 or some other switch goes over. |v| v only has a kink there. */
+/* Returns true if, in a step in which the velocity changes its sign, the force jumps at v = 0 or
+ * another switch changes its branch. A force like |v| v has only a kink there. */
 static bool turn_jumps(const struct system *system, const struct quintic *p, double t)
 {
     const double s = p->v0 * p->v1 < 0 ? turning_point(*p) : fabs(p->v0) > fabs(p->v1),
@@ -217,6 +226,7 @@ bool work_turn(const struct system *system, const struct quintic *p, double t, d
     return !system->dry && turn_jumps(system, p, t);
 }
 
+/* Sets y [n] to the state after k steps, times work->factor. */
 static void scaled_state(const struct work *work, int k, double *y)
 {
     const double *state = k == 0 ? work->initial_state : work->row + (size_t)(k - 1) * work->stride;
@@ -224,6 +234,8 @@ static void scaled_state(const struct work *work, int k, double *y)
         y[i] = state[i] * work->factor;
 }
 
+/* Computes energies and work for any system, step by step. The state, acceleration and power at the
+ * end of a step are kept for the next one, in two places that alternate. */
 static void work_of_any(const struct work *work, struct work_done *done)
 {
     const struct system *system = work->system;
@@ -279,7 +291,7 @@ static void work_of_any(const struct work *work, struct work_done *done)
     }
 }
 
-/* Returns the second derivative of the quintic at the share s of the step. */
+/* Returns the second derivative of the quintic at the fraction s of the step. */
 static double quintic_acceleration(const struct quintic *p, double s)
 {
     const double r = 1 - s, rs = r * s;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declarations that the two ways to compute the work between states share. */
+/* Work between states one step apart: declarations shared by work.c (any system), work_terms.c
+ * (oscillators and the pendulum, faster), work_check.c (where the result is not to be trusted),
+ * balance.c (sums of it) and ledger.c (what is kept with the rows). */
 #pragma once
 
 #include "run/private.h"
@@ -16,19 +18,22 @@ static inline double work_time(const struct work *work, int k)
     return work->t ? work->t[k] : work->origin + (double)(work->index + k) * work->h;
 }
 
-/* One coordinate between two states. */
+/* One coordinate between two states, as the polynomial of degree 5 that has the position, velocity
+ * and acceleration of both. */
 struct quintic {
-    double h, q0, v0, a0, q1, v1, a1;
+    double h; /* [s] */
+    double q0, v0, a0, q1, v1, a1;
 };
 
-/* Shares of the velocity of a step: by which it may differ from what the accelerations at both ends
- * tell, and which a change of the acceleration within the step may add. Where the motion turns by
- * theta in a step, they are at most theta^2/12 and about theta^2. */
+/* Limits above which work_coarse() distrusts the quintic, as shares of the velocity: the change of
+ * velocity that the accelerations at both ends do not explain, and the change of acceleration times
+ * h. In an oscillation that proceeds by the angle theta in a step they are at most theta^2/12 and
+ * about theta^2. */
 #define WORK_COARSE_CHANGE 1.7e-3
 #define WORK_COARSE_BEND 2e-2
 
 /* Returns 1 if the acceleration changes so much in a step that the quintic may not hold, and 0
- * otherwise, in a number as wide as those compared: loops over many steps vectorise. */
+ * otherwise. The result is as wide as a double, so that loops over many steps vectorise. */
 static inline int64_t work_coarse(double h, double v0, double v1, double a0, double a1)
 {
     const double velocity = fabs(v0) > fabs(v1) ? fabs(v0) : fabs(v1);
@@ -38,20 +43,21 @@ static inline int64_t work_coarse(double h, double v0, double v1, double a0, dou
            (fabs(h * (a1 - a0)) > WORK_COARSE_BEND * size);
 }
 
-/* Returns true if there is a kink in the step. A body with dry friction that is at rest at one end
- * has one there. */
+/* Returns true if the force has a kink in the step because the velocity changes its sign from v0 to
+ * v1. A body with dry friction that is at rest at one end has one there. */
 static inline bool work_turns(const struct system *system, double v0, double v1)
 {
     return system->kinks && (v0 * v1 < 0 || (system->dry && v0 * v1 == 0 && v0 != v1));
 }
 
-/* Sets the work of a step from t on in which the velocity changes its sign, in parts. Returns true
- * if the force jumps there, so that the quintic does not hold. */
+/* Sets the work of all forces and of drag in a step from t on in which the velocity changes its
+ * sign, as the sum of the parts before and after that. Returns true if the force jumps there, so
+ * that the quintic does not hold. */
 bool work_turn(const struct system *system, const struct quintic *p, double t, double *work,
                double *drag);
 
-/* Returns true if the quintic of a step from y0 [n] at t to y1 [n] obeys the equations in the
- * middle of the step and twice as many points on it give the same work within `allowed`. */
+/* Returns true if the quintic of a step from y0 [n] at t to y1 [n] obeys the equations between the
+ * ends, and Lobatto's rule on both halves of the step gives the same work within `allowed`. */
 bool work_converges(const struct system *system, double t, double h, const double *y0,
                     const double *y1, double work, double allowed);
 
@@ -61,8 +67,9 @@ bool work_of_terms(const struct work *work, struct work_done *done);
 
 /* ---- work_check.c ---- */
 
-/* Replaces the work of those steps over which the quintic does not hold by that of the solution
- * from where each began; NAN where there is none. `done` is that of the `work` between states. */
+/* Replaces the work of steps for which the quintic does not hold by that of a solution of the
+ * equations from the beginning of the step, or NAN if none is found. `done` is the result of
+ * work_between() for `work`. Counts them in balance->solved. */
 void work_check(const struct run *run, struct balance *balance, const struct work *work,
                 struct work_done *done);
 
@@ -70,7 +77,7 @@ void work_check(const struct run *run, struct balance *balance, const struct wor
 
 /* Returns the energy of a state of the run, in units of factor^2 J. */
 double balance_energy(const struct run *run, const struct system *system, const double *state);
-/* A part of a step, from the balance to (t, y). */
+/* Extends the balance over a part of a step, to the state y [n] at t. It counts as a step. */
 void balance_extend(const struct run *run, struct balance *balance, double t, const double *y);
 
 /* ---- ledger.c ---- */

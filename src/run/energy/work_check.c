@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Steps whose work the quintic between their ends cannot show: a force that jumps, v that settles
- * at once, accelerations that are a small difference of large forces, steps of an order above its
- * own. There the solution from where the step began tells what the work was.
- */
+/* Checks of the work that the quintic between two states gives. It is wrong where a force jumps,
+ * where the velocity settles within a step, where the acceleration is a small difference of large
+ * forces, and where the method is of a higher order. For such steps the equations are solved again
+ * from the beginning of the step, and the work is the change of energy of that solution. */
 #include <hooke/base/cancel.h>
 #include "run/energy/work.h"
 
@@ -19,8 +18,9 @@ static const double solution_tolerance_fraction = 1e-3;
 static const double solution_tolerance_max = 1e-12, solution_tolerance_min = 1e-14;
 /* Share of the difference after a step that may come from the quadrature. */
 static const double quadrature_error_fraction = 0.05;
-/* So many steps are solved anew in a run, or this part of all so far: more would take far longer
- * than the run itself. What more of them do is not known. */
+/* Largest number of steps of a run that are solved again, unless that is less than one in
+ * SOLVED_PART of all so far: more would take far longer than the run itself. The work in further
+ * ones is unknown. */
 enum { SOLVED_STEPS_MAX = 4000, SOLVED_PART = 10 };
 
 /* Returns the state after k steps of the block, in the run's own units. */
@@ -29,6 +29,7 @@ static const double *state_after(const struct work *work, int k)
     return k == 0 ? work->initial_state : work->row + (size_t)(k - 1) * work->stride;
 }
 
+/* Returns the energy after k steps of the block, in units of factor^2 J. */
 static double energy_after(const struct run *run, const struct work *work,
                            const struct work_done *done, int k)
 {
@@ -74,7 +75,7 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                          balance->solved < balance->step / SOLVED_PART;
     const double *y_begin = state_after(work, k);
     double y_end[LIMIT_VARIABLES];
-    /* Marks stay: what a row of a thinned run has done is not left unknown by Ctrl-C. */
+    /* Ctrl-C is ignored if rows have marks: these are computed once, and stay. */
     const struct cancel *cancel = trace_marked(run->trace) ? NULL : run->cancel;
     balance->solved++;
     system_turn_at_kinks(&turning);
@@ -110,7 +111,7 @@ void work_check(const struct run *run, struct balance *balance, const struct wor
              energy_rounding_units * DBL_EPSILON);
     if (isnan(balance->tally.work.high)) /* nothing is known from there on */
         return;
-    /* all but the first step at once: most blocks have nothing to solve */
+    /* The steps after the first are checked together, because most blocks have nothing to solve. */
     const bool any = done->any_jumps || (run->plan.adaptive ? is_any_missing(done, balance->initial,
                                                                              share, 1, work->count)
                                                             : done->any_coarse);

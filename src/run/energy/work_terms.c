@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Work and energy of oscillators and of the pendulum, by blocks of steps in loops that vectorise:
- * the functions of terms.def, only those terms that the scene has. work.c says what is computed; so
- * do the names here.
- */
+/* Work and energy of oscillators and of the pendulum, for blocks of steps in loops that vectorise.
+ * They use the functions of terms.def, but only for the terms that the scene has. work.c has the
+ * formulas, with the same names, and handles all other systems. */
 #include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
@@ -13,6 +11,7 @@
 
 /* ---- terms ---- */
 
+/* Index of each term in struct oscillator_terms, in the order of terms.def. */
 enum {
 #define CONSERVATIVE_TERM(name, ...) PLACE_##name,
 #define POWERED_TERM(name, ...) PLACE_##name,
@@ -31,17 +30,17 @@ enum {
 #define PENDULUM_TERMS (HAS(weight) | HAS(damping) | HAS(drive))
 #define POWERED_TERMS (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
 
-/* Coefficients of the terms that are there; those of the others are 0. */
+/* Coefficients of the terms that the scene has; those of the others are 0. */
 struct oscillator_terms {
     double c[PLACES][TERM_COEFFICIENTS];
-    double mass;
+    double mass; /* [kg] */
 };
 
-/* Row i of the pendulum's terms is the term here that has its form; those behind have none. */
+/* Index of the term with the same formula as row i of the pendulum's terms; later rows have no
+ * such term. */
 static const int pendulum_index[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 
-/* Returns the index of a term of the system in this table, or PLACES if the table does not have
- * it. */
+/* Returns the index of a term of the system among those above, or PLACES if it is none of them. */
 static ptrdiff_t index_of(const struct system *system, const struct term_row *row)
 {
     const struct term_row *rows =
@@ -56,8 +55,8 @@ static ptrdiff_t index_of(const struct system *system, const struct term_row *ro
                : PLACES;
 }
 
-/* Returns the terms of an oscillator or a pendulum, one bit each, or 0 if the system is something
- * else. */
+/* Returns the terms of an oscillator or a pendulum, one bit HAS() each, and fills *line. Returns 0
+ * if the system has other terms. */
 static unsigned terms_of(const struct system *system, struct oscillator_terms *line)
 {
     unsigned terms = 0;
@@ -75,18 +74,19 @@ static unsigned terms_of(const struct system *system, struct oscillator_terms *l
     return terms;
 }
 
-/* States and times of a block, each quantity for itself. */
+/* States and steps of a block, an array for each quantity, so that loops vectorise. Index k is the
+ * state after k steps, or step k. */
 struct work_block {
-    double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1],
-        d[WORK_BLOCK + 1];
-    double h[WORK_BLOCK], rate[WORK_BLOCK]; /* 1/h */
-    /* cosine of the drive, at the states and at the inner points of the steps */
+    double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1]; /* scaled motion */
+    double p[WORK_BLOCK + 1], d[WORK_BLOCK + 1]; /* power of the drive and of drag */
+    double h[WORK_BLOCK], rate[WORK_BLOCK];      /* step [s] and 1/h */
+    /* cosine of the drive, at the states and at both inner points of the steps */
     double cosine[3][WORK_BLOCK + 1];
     /* sines of the pendulum's angle and of half of it */
     double sine[WORK_BLOCK + 1], half[WORK_BLOCK + 1];
 };
 
-/* Sines of factor times each of them. */
+/* Sets sine [count] to the sines of factor times x [count]. */
 static void take_sines(int count, const double *restrict x, double factor, double *restrict sine)
 {
     for (int k = 0; k < count; k++)
@@ -94,8 +94,8 @@ static void take_sines(int count, const double *restrict x, double factor, doubl
     fixed_sines(count, sine, sine);
 }
 
-/* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are
- * already there. */
+/* Returns the acceleration by the terms in the order of terms.def, whose rounding it has. The
+ * cosine of the drive and the sine of the pendulum's angle are computed by the caller. */
 ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms *line, double q,
                                   double v, double cosine, double sine)
 {
@@ -123,6 +123,7 @@ ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms 
     return a;
 }
 
+/* Returns the power of all terms that depend on velocity. */
 ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms *line, double q,
                                    double v)
 {
@@ -139,6 +140,7 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms
     return line->mass * a * v;
 }
 
+/* Returns kinetic and potential energy; `half` is the sine of half the pendulum's angle. */
 ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *line, double q,
                                double v, double half)
 {
@@ -155,7 +157,8 @@ ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *li
     return 0.5 * line->mass * v * v + potential;
 }
 
-/* Row i of the states is y[i stride]. */
+/* Scales the states after each step and enters them into the block. The stride is a constant in the
+ * common case, so that the loop vectorises. */
 ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work_block *restrict b)
 {
     const double factor = work->factor;
@@ -165,6 +168,7 @@ ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work
     }
 }
 
+/* Enters the states before and after all steps into the block. */
 ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restrict b)
 {
     b->q[0] = work->initial_state[0] * work->factor;
@@ -175,7 +179,8 @@ ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restr
         take_rows(work, work->stride, b);
 }
 
-/* Loops without branches, so that they vectorise. */
+/* Enters the steps and their inverses into the block, in loops without branches, so that they
+ * vectorise. */
 ALWAYS_INLINE void take_lengths(const struct work *work, struct work_block *restrict b)
 {
     const double h = work->h, rate = 1 / h;
@@ -192,6 +197,9 @@ ALWAYS_INLINE void take_lengths(const struct work *work, struct work_block *rest
     }
 }
 
+/* Computes energies and work of a block, for a set of terms that is a constant where this is
+ * inlined. The integral of the power in each step is Lobatto's rule at the two ends and the two
+ * inner points of the quintic, q -+ dq and v +- dv. */
 ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *line,
                               const struct work *work, struct work_block *restrict b,
                               struct work_done *restrict done)
@@ -245,7 +253,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
         done->coarse[k] = work_coarse(b->h[k], b->v[k], b->v[k + 1], b->a[k], b->a[k + 1]);
 }
 
-/* Wider vectors gain nothing: memory is waited for. */
+/* Defines block_NAME(), which is block_work() compiled for a set of terms. Wider vectors than those
+ * of AVX2 gain nothing, because the loops wait for memory. */
 #define KIND(name, terms)                                                                          \
     CLONES_FOR("avx2")                                                                             \
     static void block_##name(const struct oscillator_terms *line, const struct work *work,         \
@@ -254,8 +263,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
         block_work((terms), line, work, b, done);                                                  \
     }
 
-/* The first that has all terms of a scene is taken; coefficients of terms that are not there are 0.
- */
+/* Sets of terms with a function of their own. The first one that contains all terms of a scene is
+ * used; terms that the scene does not have get the coefficient 0. */
 #define KINDS(K)                                                                                   \
     K(elastic, HAS(spring) | HAS(gravity) | HAS(cubic))                                            \
     K(damped, HAS(spring) | HAS(damping) | HAS(gravity))                                           \
@@ -277,11 +286,10 @@ static const struct kind {
 #define KIND_ROW(name, terms) {(terms), block_##name},
     KINDS(KIND_ROW)};
 
-/*
- * Cosines of the drive at even times: the angle of the block's beginning, and from there on the
- * sums of angles. A table holds the multiples of omega h, so that each value is one product away
- * from the library's.
- */
+/* Computes the cosines of the drive at even times: the angle at the beginning of the block, and
+ * from there on sums of angles. A table holds the multiples of omega h, so that each value is one
+ * product away from the library's. c is that of the drive: its amplitude, angular frequency and
+ * phase. */
 static void even_cosines(const struct work *work, const double *c, struct work_block *b)
 {
     struct turns *turns = work->turns;
@@ -309,6 +317,8 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
     }
 }
 
+/* Computes the cosines of the drive at the states and inner points of a block; c is that of
+ * even_cosines(). */
 static void cosines(const struct work *work, const double *c, struct work_block *b)
 {
     if (!work->t) {
@@ -325,6 +335,8 @@ static void cosines(const struct work *work, const double *c, struct work_block 
     }
 }
 
+/* Computes the work anew for steps in which the velocity changes its sign, in two parts, and marks
+ * those in which the force jumps. */
 static void turn_across(const struct work *work, const struct work_block *b, struct work_done *done)
 {
     for (int k = 0; k < work->count; k++) {

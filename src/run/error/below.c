@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values below the tolerance of an adaptive run: numbers without a right digit. */
+/* run_below_tolerance(): variables of an adaptive run whose present value is below the error that
+ * it may have, so that none of its digits is reliable. */
 #include "run/error/follower.h"
 
 #include <float.h>
 #include <math.h>
 
-#define ADDED_UP 10 /* errors of steps come to about so many tolerances in a run */
+#define ADDED_UP 10 /* errors of all steps of a run add up to about this many tolerances */
 /* A value below this many times its error has no reliable first digit. */
 #define DIGIT_ERROR_FACTOR 10
 /* A value that would exceed the tolerance within this part of the run passes through 0. */
@@ -44,7 +45,8 @@ int run_below_tolerance(const struct run *run, double *magnitude_floor)
 
 bool run_asks_small_values(const struct run *run)
 {
-    static const double small_tolerances = 1e4; /* 100, which errors may be, a hundred times */
+    /* Errors may be 100 tolerances; a value is small up to a hundred times that. */
+    static const double small_tolerances = 1e4;
     const struct system *system = &run->system;
     double size[LIMIT_VARIABLES] = {0};
     bool asks = false;

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Adaptive solutions beside a run. */
+/* Followers: adaptive solutions beside a run, which start from one of its rows and keep a state of
+ * their own. follower_begin(), follower_go() to each time at which the state is wanted,
+ * follower_end(). */
 #include <hooke/base/cancel.h>
 #include "run/error/follower.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+/* Returns evaluations and Jacobians together, the unit in which work is limited. */
 static double work_of(const struct cost *cost)
 {
     return (double)(cost->evals + cost->jacobians);

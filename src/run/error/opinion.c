@@ -31,56 +31,53 @@
 #define OPINION_ROWS_MAX 256 /* Largest number of rows compared in one call. */
 /* dop853 is not used if stability alone costs it more than this part of the run's evaluations. */
 #define STIFF_EVALS_FRACTION 0.5
-/* Evaluations for |J| dt = 1 by dop853 at the edge of stability: 12 evaluations over 6. */
+/* Evaluations of dop853 per unit of |J| dt where stability limits its steps: 12 in a step of 6. */
 #define EVALS_A_UNIT 2.
-#define EVALS_FREE 1000 /* nobody minds */
-/* Steps of the second solution are at most this part of the run where forces depend on time, as
- * there may be pulses; those of a brief opinion may be as long as the run's own in the mean. */
+#define EVALS_FREE 1000 /* evaluations of dop853 that are allowed in any case */
+/* Steps of the second solution are at most this part of the run if forces depend on time, because
+ * of pulses; those of a brief opinion may be as long as the run's own in the mean. */
 #define RUN_PARTS 512
-/* A run is lost for certain, and followed no more, after this part of the time until it was
- * lost. */
+/* A lost run is followed no more after this part of the time until it was lost. */
 #define LOST_CONFIRMATION 0.2
 /* The part of the run's work that rows of the closed form may take. */
 #define CLOSED_FORM_SHARE 0.2
-/* Least ratio of the numbers of two steps whose errors are kept: the earlier one of the last two is
- * then in the second half of the way, or a little before. */
+/* Least ratio of two step numbers at which errors are kept: the earlier one is about halfway. */
 #define OPINION_STEP_RATIO 1.4
-/* errors that grow faster than this power of time are taken to grow exponentially */
+/* Errors that grow faster than this power of time are taken to grow exponentially. */
 #define POWER_MAX 3
-/* The growth of an error is taken from at least one part in so many of the run: less says nothing.
- */
+/* The growth of an error is trusted if it was seen over at least 1/BRIEF_TELLS of the run. */
 #define BRIEF_TELLS 10
 /* Smallest mean error of a lost run since then; an error that is large only in jumps is no loss. */
 #define LOST_MEAN_MIN 0.1
 
-/* Distances so far. */
+/* Distances of the run from the other solution so far. */
 struct distances {
-    double size[LIMIT_VARIABLES]; /* the largest values of the run, */
+    double size[LIMIT_VARIABLES]; /* largest magnitudes of the run, the units of errors */
     size_t sized;                 /* number of rows that were searched for them */
-    double t;                     /* [s] of the last one */
-    /* [s] integrals over time, since the start and since struct opinion's lost */
+    double t;                     /* [s] time of the last comparison */
+    /* [s] integrals of the distance over time, since the start and since `lost` */
     double sum, lost_sum;
-    double lost; /* [s] where it first was OPINION_LOST; NAN */
+    double lost; /* [s] time at which it first was OPINION_LOST; NAN if it was not */
 };
 
+/* The second solution, or the closed form if follower.method is NULL; of the members below
+ * `compared_step` the closed form uses `saltation` only. */
 struct second {
-    /* The closed form is used if there is no method; then no member below `compared_step` is used.
-     */
     struct follower follower;
     struct distances distances;
     int64_t compared_step; /* step of the run that it was last compared with */
-    size_t epoch, kick;    /* the next ones */
+    size_t epoch, kick;    /* indices of the run's next changes of scene and state */
     struct saltation saltation;
-    /* The error, as in struct opinion, at steps of the run that are apart by the factor
-     * OPINION_STEP_RATIO. */
+    /* opinion.error at the last two steps of the run whose ratio is OPINION_STEP_RATIO or more. */
     struct {
         int64_t step;
         double error;
     } past[2];
     int parts;            /* its steps are no longer than 1/parts of the run, see RUN_PARTS */
-    struct system system; /* The last member, because most of it is not used and not cleared. */
+    struct system system; /* last, because it is large and second_create() does not clear it */
 };
 
+/* Allocates a second solution, all members 0 but for the system; returns NULL if out of memory. */
 static struct second *second_create(void)
 {
     struct second *second = malloc(sizeof *second);
@@ -111,8 +108,8 @@ static void add_new_rows(const struct run *run, struct distances *d)
     d->sized = rows;
 }
 
-/* Returns what a distance of variable i is measured by: its largest value, or its natural size
- * where the run leaves it next to that at rest, so that what is seen of it may be errors alone. */
+/* Returns the unit of a distance of variable i: its largest value, or its natural size if it has
+ * hardly moved and the distance is comparable to what it moved, which may be errors alone. */
 static double size_of(const struct run *run, const struct distances *d, int i, double distance)
 {
     static const double at_rest = 0.01, unknown = 0.1;
@@ -121,7 +118,7 @@ static double size_of(const struct run *run, const struct distances *d, int i, d
                                                                               : natural;
 }
 
-/* Compares state y with the run's own state at t. */
+/* Compares state y with the run's `own` state at t, and updates the opinion. */
 static void compare(struct run *run, struct distances *d, double t, const double *own,
                     const double *y)
 {
@@ -152,7 +149,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
     opinion->t = t;
 }
 
-/* The first row that it has not been compared with; the last one at the latest. */
+/* Returns the first row that was not yet compared; the last one if all were. */
 static size_t next_row(const struct run *run, const struct second *second)
 {
     const size_t found =
@@ -161,8 +158,8 @@ static size_t next_row(const struct run *run, const struct second *second)
     return found < rows ? found : rows - 1;
 }
 
-/* Returns false if the closed form may have met an event up to the state after `step` that the run
- * only came near to. */
+/* Returns false if the closed form may have met an event before `step` that the run only came
+ * near. */
 static bool closed_form_misses(const struct run *run, struct saltation *saltation, int64_t step)
 {
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
@@ -189,7 +186,7 @@ static size_t closed_form_rows(const struct run *run, enum opinion_effort effort
                : OPINION_ROWS_MAX;
 }
 
-/* The rows since the last time: what it says of those before stays. */
+/* Compares the rows since the last call with the closed form. */
 static void against_closed_form(struct run *run, enum opinion_effort effort)
 {
     struct run_private *p = run->private_state;
@@ -219,6 +216,7 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
 
 /* ---- the second solution ---- */
 
+/* Returns a method for stiff or for smooth equations, by the run's Jacobian, or the `other` one. */
 static const struct method *choose_method(const struct run *run, bool other)
 {
     const double evals = (double)run->cost.evals;
@@ -228,6 +226,7 @@ static const struct method *choose_method(const struct run *run, bool other)
                           : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
 
+/* Starts the second solution at the run's first row. Returns false if that fails. */
 static bool second_begin(struct run *run, bool other, enum opinion_effort effort)
 {
     const struct epoch *epoch = run->private_state->epoch;
@@ -261,7 +260,7 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     return true;
 }
 
-/* Returns false if the solver fails or has used up the work that it is allowed. */
+/* Advances to t_end within `max` work. Returns false if the solver fails or has used that up. */
 static bool second_go(const struct run *run, struct second *second, double t_end, double max,
                       const struct cancel *cancel)
 {
@@ -279,7 +278,8 @@ static bool second_go(const struct run *run, struct second *second, double t_end
     return follower_work(follower) <= max;
 }
 
-/* Advances to the time of the changes before the state after `step`, and across them. */
+/* Advances to and across the events, jumps and changes of the scene before the state after
+ * `step`. */
 static bool second_cross(const struct run *run, struct second *second, int64_t step, double max,
                          const struct cancel *cancel)
 {
@@ -322,6 +322,7 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
     }
 }
 
+/* Returns true if the run has been lost for so long that it need not be followed any further. */
 static bool is_lost(const struct run *run)
 {
     const struct opinion *opinion = &run->opinion;
@@ -396,9 +397,8 @@ static double first_budget(const struct run *run, enum opinion_effort effort)
            solver_evaluation_price(&run->system, run->opinion.method, true);
 }
 
-/* Follows the run as far as its budget allows, and again with the other method if the first one
- * fails in its first call. Sets *max to the work that was allowed. Returns false if the end was not
- * reached. */
+/* Follows the run as far as its budget, *max, allows, and again with the other method if the first
+ * one fails in its first call. Returns false if the end was not reached. */
 static bool second_try(struct run *run, enum opinion_effort effort, double *max,
                        const struct cancel *cancel)
 {
@@ -419,7 +419,7 @@ static bool second_try(struct run *run, enum opinion_effort effort, double *max,
     return false;
 }
 
-/* A brief opinion goes on only where no digit may be left at the end. */
+/* Compares with the second solution, beyond the first budget only if the error may be large. */
 static void against_second(struct run *run, enum opinion_effort effort, const struct cancel *cancel)
 {
     const double own = run_evaluations(run);

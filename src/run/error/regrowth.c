@@ -24,11 +24,12 @@
 /* Number of rows, one after the other, in which a value has to be below the tolerance, or an error
  * large. */
 #define ROWS_LASTING 8
-/* Fewer do where they are that share of the run. */
+/* A variable rests if this many rows, over more than this share of the run, are within its
+ * tolerance. */
 #define ROWS_AT_REST_MIN 3
 #define REST_RUN_SHARE 0.01
-/* Tolerances within which a variable is at 0, which errors of steps add up to, as long as that is
- * no more than a share of its size; and by which it must have been away from there. */
+/* It rests at 0 within this many tolerances, to which errors of steps add up, but at most this
+ * share of its size; and it must have been farther away than AWAY_TOLERANCES before. */
 #define REST_TOLERANCES 50
 #define REST_MAX 0.01
 #define AWAY_TOLERANCES 100
@@ -45,18 +46,19 @@
 
 struct regrowth {
     struct run *run;
-    size_t row;                    /* the first one where variables rest */
-    bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
-    bool any;
-    /* true if it follows the run's jumps, by starting from each of its rows */
+    size_t row; /* first row in which a variable rests; both solutions start there */
+    bool resting[LIMIT_VARIABLES]; /* variables that rest at some time */
+    bool any;                      /* one of them is set */
+    /* The run has jumps or changes of its scene: both solutions start anew from each of its rows.
+     */
     bool follows_jumps;
-    double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
-    double rest[LIMIT_VARIABLES];       /* and their values there, */
-    double rest_width[LIMIT_VARIABLES]; /* uncertainty of the rest position */
-    double size[LIMIT_VARIABLES];       /* the largest values of the run */
-    /* initial distance of the two, in sizes along the run, and the last one that was seen */
+    double scale[LIMIT_VARIABLES];      /* sizes of the variables when they came to rest */
+    double rest[LIMIT_VARIABLES];       /* their values there; 0 at 0 */
+    double rest_width[LIMIT_VARIABLES]; /* uncertainties of these values */
+    double size[LIMIT_VARIABLES];       /* largest magnitudes in the run */
+    /* distance of the two solutions to which it is scaled back, and the last one, in these sizes */
     double displacement, previous_distance;
-    /* Set where variables came to rest: they are large, and most runs need none. */
+    /* Used only if variables rest; not cleared before, because they are large. */
     struct system system;
     struct follower base, displaced;
 };
@@ -66,6 +68,7 @@ struct scale_mean {
     double sum, previous_t; /* [s] integral of the fourth root of the size; time of the last row */
 };
 
+/* Adds a row to the mean size of variable i, and returns that size. */
 static double scale_add(struct scale_mean *mean, const struct run *run, size_t row, int i)
 {
     const double y = fabs(trace_state(run->trace, row)[i]), min = run->system.scale[i],
@@ -79,13 +82,14 @@ static double scale_add(struct scale_mean *mean, const struct run *run, size_t r
     return isfinite(scale) ? scale : min;
 }
 
-/* Rows in which a variable stays within its tolerance of a value. */
+/* Consecutive rows in which a variable stays within its tolerance of a value. */
 struct rest {
     double value;
     size_t count, first_row;
 };
 
-/* Takes the next row. Returns true if the variable has rested for long enough. */
+/* Adds the next row, in which the variable has this distance from the value. Returns true if it has
+ * rested there for more than min_time [s]. */
 static bool rest_add(struct rest *rest, const struct trace *trace, size_t row, double distance,
                      double tolerance, double min_time)
 {
@@ -99,14 +103,15 @@ static bool rest_add(struct rest *rest, const struct trace *trace, size_t row, d
     return rest->count >= ROWS_AT_REST_MIN && time > min_time;
 }
 
-/* Returns how many rows are looked at: what takes some percent of the run's work. */
+/* Returns how many rows find_rest() examines: as many as take some percent of the run's work. */
 static size_t rows_looked(const struct run *run)
 {
     static const double evals_a_row = 128, rows_min = 32, rows_max = 4096;
     return (size_t)fmin(rows_max, fmax(rows_min, run_evaluations(run) / evals_a_row));
 }
 
-/* Finds where variable i came to rest within its tolerance. */
+/* Finds out whether variable i came to rest within its tolerance, at 0 or elsewhere, after it had
+ * been away from there; then sets the members of r for it. */
 static void find_rest(struct regrowth *r, int i)
 {
     const struct trace *trace = r->run->trace;
@@ -145,7 +150,7 @@ static void find_rest(struct regrowth *r, int i)
     }
 }
 
-/* Returns the largest distance of the resting variables, in the largest values of the run. */
+/* Returns the largest distance of the two solutions in a resting variable, in r->size. */
 static double distance(const struct regrowth *r)
 {
     double max = 0;
@@ -155,7 +160,8 @@ static double distance(const struct regrowth *r)
     return max;
 }
 
-/* Displaces the resting variables that are nearer to each other than an error of each step. */
+/* Displaces resting variables in which the two solutions are nearer than r->displacement, up to
+ * that. */
 static void displace(struct regrowth *r)
 {
     for (int i = 0; i < r->run->system.n; i++) {
@@ -176,22 +182,23 @@ static void rescale_displacement(struct regrowth *r, const double *own, double f
     }
 }
 
-/* Growth of errors as large as the second solution's tolerance. */
+/* Growth of an error that is as large as the second solution's tolerance at first. */
 struct growth {
     double log;     /* logarithm of the error over the tolerance */
-    double error;   /* it, in sizes of the variables */
-    double began;   /* [s] where errors were last no larger than the tolerance */
-    double large;   /* [s] where it became ERROR_LOST, */
-    int large_rows; /* that many rows ago */
+    double error;   /* the error, in sizes of the variables */
+    double began;   /* [s] time at which it was last no larger than the tolerance */
+    double large;   /* [s] time at which it became ERROR_LOST, */
+    int large_rows; /* this many rows ago */
     double lost;    /* [s] time from which no digit is certain; NAN if there is none */
-    double t;       /* [s] followed up to there */
+    double t;       /* [s] time up to which it was followed */
     /* [s] time at which the run last grew as the base did; NAN if there is none */
     double agreed;
 };
 
 /* ---- finding out whether anything grows ---- */
 
-/* Returns at how many rows the Jacobian is looked at: what takes some percent of the run's work. */
+/* Returns at how many rows rest_is_unstable() evaluates the Jacobian: as many as take some percent
+ * of the run's work. */
 static size_t jacobians_looked(const struct run *run)
 {
     static const double share = 0.02, count_min = 2, a_product = 500;
@@ -220,8 +227,8 @@ static double exponential_apply(int n, double *a, double *v, double *work)
     return size > 0 ? power * fixed_log(2) + fixed_log(size / initial_size) : -HUGE_VAL;
 }
 
-/* Takes v [n], in sizes along the run, on by dt with the Jacobian of a row. Returns the logarithm
- * of its growth, 0 where that is rounding of the Jacobian. work has 3 n^2 doubles. */
+/* Advances v [n], in sizes along the run, by dt [s] with the Jacobian of a row. Returns the
+ * logarithm of its growth, 0 where that is rounding of the Jacobian. work has 3 n^2 doubles. */
 static double frozen_growth(const struct regrowth *r, size_t row, double dt, double *v,
                             double *work)
 {
@@ -272,19 +279,22 @@ static bool rest_is_unstable(const struct regrowth *r)
     return unstable;
 }
 
+/* Adds the growth up to t, the logarithm `change` of the distance's ratio. An error below the
+ * tolerance starts again from it, because steps leave new errors of that size. */
 static void growth_add(struct growth *growth, double t, double change, double tol)
 {
     growth->log += change;
     growth->t = t;
-    if (growth->log < GROWTH_MIN) { /* steps leave new errors of that size */
+    if (growth->log < GROWTH_MIN) {
         growth->log = 0;
         growth->began = t;
     }
     growth->error = growth->log > 0 ? tol * fixed_exp(growth->log) : 0;
 }
 
-/* Returns true if the run has grown as the base has, by the variables that errors grow in. Values
- * that two methods have lost grow from errors of their own. */
+/* Returns true if the run's state `own` has grown as the base has, in the variables in which errors
+ * grow: then the regrowth is real. Values that two methods have lost grow differently, from errors
+ * of their own. */
 static bool run_agrees(const struct regrowth *r, const double *own)
 {
     double apart = 0, grown = 0;
@@ -298,7 +308,8 @@ static bool run_agrees(const struct regrowth *r, const double *own)
     return apart < GROWTH_AGREEMENT * grown;
 }
 
-/* Compares the two, and goes on from `own`, which may be the base itself. */
+/* Adds the growth of the distance up to t. Then continues both from `own` (the base itself, or the
+ * run's state), with their distance scaled back if it has become large. */
 static void compare(struct regrowth *r, struct growth *growth, const double *own, double t)
 {
     double now = 0, factor = 1;
@@ -321,7 +332,8 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
     follower_state_changed(&r->displaced);
 }
 
-/* Large errors that do not last are those of the moments of jumps. */
+/* Sets growth->lost if the error has been ERROR_LOST for ROWS_LASTING rows or at the last one.
+ * Shorter large errors are those of the times of jumps. */
 static void growth_judge(struct growth *growth, double t, bool agrees, bool is_last)
 {
     if (growth->error > 0 && agrees)
@@ -336,7 +348,8 @@ static void growth_judge(struct growth *growth, double t, bool agrees, bool is_l
         growth->lost = growth->large;
 }
 
-/* Follows the solutions from one row to the next, which may be many growth times later. */
+/* Advances both solutions to t_end, the time of the next row, in parts no longer than `longest`
+ * [s], in which growth is added. Returns false if their work exceeds `max`. */
 static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, double longest,
                        double max, const struct cancel *cancel)
 {
@@ -353,8 +366,8 @@ static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, 
     return true;
 }
 
-/* Follows both until no digit is certain, or to the end of the run. Returns false if that takes too
- * long. */
+/* Follows both until no digit is certain, or to the end of the run. Returns false if their work
+ * exceeds `max`. */
 static bool regrowth_follow(struct regrowth *r, struct growth *growth, double max,
                             const struct cancel *cancel)
 {
@@ -376,6 +389,8 @@ static bool regrowth_follow(struct regrowth *r, struct growth *growth, double ma
     return true;
 }
 
+/* Displaces the second of the two solutions, which have just begun, and follows both; returns false
+ * as regrowth_follow() does. */
 static bool follow_both(struct regrowth *r, struct growth *growth, double max,
                         const struct cancel *cancel)
 {
@@ -387,6 +402,7 @@ static bool follow_both(struct regrowth *r, struct growth *growth, double max,
     return regrowth_follow(r, growth, max, cancel);
 }
 
+/* Follows the growth by one method. Returns false if it cannot begin or its work exceeds `max`. */
 static bool look_by(struct regrowth *r, const struct method *method, struct growth *growth,
                     double max, const struct cancel *cancel)
 {
@@ -401,7 +417,8 @@ static bool look_by(struct regrowth *r, const struct method *method, struct grow
     return done;
 }
 
-/* Returns true if variables came to rest, which it finds. */
+/* Finds the variables that came to rest, and sets the members of r for them. Returns true if there
+ * are any. */
 static bool find_resting(struct regrowth *r, struct run *run)
 {
     memset(r, 0, offsetof(struct regrowth, system));
@@ -432,7 +449,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     r.base = r.displaced = (struct follower){0};
     p->regrowth_work = 0;
     const double max = fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * run_evaluations(run));
-    /* The other one where dop853 has to take short steps for its stability. */
+    /* rodas5p is for stiff equations, in which dop853 has to take short steps for its stability. */
     const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
                           look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
     if (!isnan(growth.lost)) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stiffness of a scene along a run: the spectral radius of its Jacobian. */
+/* Stiffness of a scene along a run: the spectral radius of its Jacobian, from which opinion.c
+ * chooses the method of the second solution. */
 #include <hooke/base/elementary.h>
 
 #include "run/private.h"
@@ -9,7 +10,8 @@
 
 #define JACOBIANS_MAX 32    /* Number of Jacobians whose spectral radius is estimated. */
 #define POWER_ITERATIONS 12 /* Number of multiplications by each Jacobian. */
-/* The last ones count; an even number, so that pairs +-lambda do not matter. */
+/* Number of the last multiplications whose growth is averaged; an even number, so that eigenvalue
+ * pairs +-lambda do not matter. */
 #define POWER_ITERATIONS_COUNTED 6
 
 size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t count)
@@ -18,11 +20,12 @@ size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t coun
     return first + (size_t)((double)(k + 1) * (double)rows / (double)count) - 1;
 }
 
-/* Spectral radius of the Jacobian [n][n], by powers. */
+/* Returns an estimate of the spectral radius of the Jacobian [n][n] [1/s], by the power method: its
+ * geometric mean growth. */
 static double spectral_radius(const double *jacobian, int n)
 {
     double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 1;
-    /* nothing in particular */
+    /* The vector at the start has parts along all eigenvectors, most likely. */
     for (int i = 0; i < n; i++)
         v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
     for (int round = 0; round < POWER_ITERATIONS; round++) {
