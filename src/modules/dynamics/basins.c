@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* basins */
+/* The command basins: reads the grid of starts, and replies attractors, their shares and a map in
+ * letters. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/run/timing.h>
@@ -13,19 +14,21 @@
 #include <stdio.h>
 
 #define MAP_ROWS 20    /* largest number of rows of a map */
-#define MAP_ROWS_MIN 5 /* largest number of rows in a short answer */
-#define MAP_COLUMNS 64
+#define MAP_ROWS_MIN 5 /* rows that a map has even in a short answer */
+#define MAP_COLUMNS 64 /* largest number of columns of a map */
 
+/* All that the answer is written from. */
 struct map {
     const struct basins_request *request;
     const struct basins *basins;
     const struct system *system;
-    int answer, width; /* [row] [cell] of the short answer; 0 shows everything */
-    bool timed;
+    int answer, width; /* [row] [cell] room for the answer; answer is 0 if all is to be shown */
+    bool timed;        /* run times are shown */
 };
 
 /* ---- the two axes ---- */
 
+/* Reads one argument NAME=FROM:TO:STEP into request->axis[axis]. Returns false with *error. */
 static bool read_side(struct session *session, const struct arguments *args, struct text argument,
                       const struct system *system, struct basins_request *request, int axis,
                       struct error *error)
@@ -52,13 +55,14 @@ static bool read_side(struct session *session, const struct arguments *args, str
     return true;
 }
 
-enum { CANCEL_ROWS = 65536 };
+enum { CANCEL_ROWS = 65536 }; /* number of rows between two looks at Ctrl-C */
 
 /* Largest table of a search that was stopped: more rows would keep the user waiting. */
 static const int64_t stopped_table_rows_max = 400000;
 
 /* ---- what is said ---- */
 
+/* Returns the character of a fate on the map: A to Z for attractors. */
 static char letter(int fate)
 {
     if (fate >= 0)
@@ -68,6 +72,7 @@ static char letter(int fate)
     return fate == BASIN_UNDECIDED ? '?' : ' ';
 }
 
+/* Appends the map in at most `max` rows, with its axes. Every letter is the fate of one start. */
 static void put_map(struct buffer *output, const struct map *map, int max)
 {
     const int x_count = map->request->axis[0].count, y_count = map->request->axis[1].count;
@@ -89,6 +94,7 @@ static void put_map(struct buffer *output, const struct map *map, int max)
 
 static const char *const kind_name[] = {"equilibrium", "orbit", "response", "irregular"};
 
+/* Appends a line about attractor k: its share of the starts, its kind and a state on it. */
 static void put_basin(struct buffer *output, const struct map *map, int k)
 {
     const struct basin *b = &map->basins->basin[k];
@@ -112,9 +118,10 @@ static void put_basin(struct buffer *output, const struct map *map, int k)
     buffer_char(output, '\n');
 }
 
+/* Appends the whole answer: attractors, other fates, map, effort. */
 static void put_basins(struct buffer *output, const struct map *map)
 {
-    enum { BELOW = 3 /* [row] the axis, and how it was found */ };
+    enum { BELOW = 3 /* [row] lines below the map: its axis, and the effort */ };
     const struct basins *b = map->basins;
     buffer_format(output, "%d attractor%s of %lld starts\n", b->count, b->count == 1 ? "" : "s",
                   (long long)b->finished);
@@ -139,6 +146,7 @@ static void put_basins(struct buffer *output, const struct map *map)
                   plural_s(b->threads), b->seconds);
 }
 
+/* Adds the record of attractor k. */
 static void reply_basin(struct reply *reply, const struct map *map, int k)
 {
     const struct basin *b = &map->basins->basin[k];
@@ -156,6 +164,7 @@ static void reply_basin(struct reply *reply, const struct map *map, int k)
     reply_end(reply);
 }
 
+/* Adds a record for starts that reach no attractor, unless there are none. */
 static void reply_rest(struct reply *reply, const struct basins *basins, const char *name,
                        int64_t count)
 {
@@ -169,7 +178,8 @@ static void reply_rest(struct reply *reply, const struct basins *basins, const c
     reply_end(reply);
 }
 
-/* Keeps the map as a table, unless the user stops it: of very many starts it takes a while. */
+/* Stores the map as a table with a row for each start. Of very many starts this takes a while, so
+ * that it can be stopped. */
 static void keep_map(const struct map *map, struct reply *reply)
 {
     static const char *const names[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I",
@@ -199,6 +209,7 @@ static void keep_map(const struct map *map, struct reply *reply)
     table_finish(&table, reply, "basins");
 }
 
+/* Replies text, records and table. */
 static void reply_map(const struct map *map, struct reply *reply)
 {
     put_basins(reply_buffer(reply), map);
@@ -210,6 +221,7 @@ static void reply_map(const struct map *map, struct reply *reply)
         keep_map(map, reply);
 }
 
+/* Reads the axes, finds the basins and replies them; if stopped, those of the finished starts. */
 HANDLER(basins)
 {
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO:STEP");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* branch */
+/* The command branch: reads which solution is followed over which parameters, follows and verifies
+ * the branch, and replies its special points. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
@@ -17,20 +18,24 @@
 
 /* ---- reading NAME=FROM:TO … [of WHAT] [from LABEL] [max=N] [step=V] [--forward] ---- */
 
+/* The arguments as they were read. */
 struct branch_words {
-    int params, param[2];
-    double low[2], high[2];
+    int params, param[2];   /* number and indices of the parameters that vary */
+    double low[2], high[2]; /* SI; their ranges */
+    /* kind and number of the solution behind `of`, and special point behind `from` */
     struct text origin, number, label;
-    double max, step;
+    double max, step; /* as in struct branch_request */
     bool forward;
 };
 
+/* Returns true if the text begins with that word, and a blank or the end follows. */
 static bool is_word(struct text text, const char *word)
 {
     const size_t len = strlen(word);
     return text_starts(text, text_of(word)) && (text.len == len || strchr(" \t", text.data[len]));
 }
 
+/* Removes the first word from *rest and returns it. */
 static struct text take_word(struct text *rest)
 {
     size_t end = 0;
@@ -56,6 +61,7 @@ static struct text take_argument(struct text *rest)
     return text_trim(argument);
 }
 
+/* Reads NAME=FROM:TO of a parameter. Returns false with *error. */
 static bool read_range(struct session *session, const struct arguments *args, struct text argument,
                        struct text name, struct branch_words *words, struct error *error)
 {
@@ -85,6 +91,7 @@ static bool read_range(struct session *session, const struct arguments *args, st
     return true;
 }
 
+/* Reads NAME=NUMBER, above 0 and at most `most`. Returns false with *error. */
 static bool read_number(struct session *session, const struct arguments *args, struct text argument,
                         struct text name, double most, double *number, struct error *error)
 {
@@ -100,6 +107,8 @@ static bool read_number(struct session *session, const struct arguments *args, s
            error_at(error, argument, "%s is more than 0 and at most %g", what, most);
 }
 
+/* Reads "of equilibrium N", "of orbit N" or "of response", where N may be missing. Returns false
+ * with *error. */
 static bool read_of(struct text *rest, struct branch_words *words, struct error *error)
 {
     take_word(rest);
@@ -112,6 +121,7 @@ static bool read_of(struct text *rest, struct branch_words *words, struct error 
                     "a branch follows 'of equilibrium N', 'of orbit N' or 'of response'");
 }
 
+/* Reads all arguments. Returns false with *error. */
 static bool read_words(struct session *session, const struct arguments *args,
                        struct branch_words *words, struct error *error)
 {
@@ -161,9 +171,10 @@ static bool read_words(struct session *session, const struct arguments *args,
            error_set(error, ERROR_COMMAND, "branch needs a parameter, as in branch r=0:30");
 }
 
-/* ---- where it begins ---- */
+/* ---- the start of the branch ---- */
 
-/* The number that was typed behind `orbit` or `equilibrium`, or NULL if there is none. */
+/* Returns the number that was typed behind `orbit` or `equilibrium`, in *item, or NULL if none
+ * was. */
 static const struct item *number_item(const struct branch_words *words, struct item *item)
 {
     *item = (struct item){.text = words->number};
@@ -171,7 +182,8 @@ static const struct item *number_item(const struct branch_words *words, struct i
                                                                                              : NULL;
 }
 
-/* The response that the motion settles on. */
+/* Finds the periodic response to the drive that the motion settles on. Returns false with
+ * *error. */
 static bool find_response(struct session *session, struct kept_reference *found,
                           struct error *error)
 {
@@ -198,7 +210,7 @@ static bool find_response(struct session *session, struct kept_reference *found,
     return fine;
 }
 
-/* The nearest to where the scene starts; looked for where none is kept. */
+/* Takes the first stored equilibrium. Returns false with *error and a hint if there is none. */
 static bool find_rest(struct session *session, struct kept_reference *found, struct error *error)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -209,6 +221,9 @@ static bool find_rest(struct session *session, struct kept_reference *found, str
     return error_hint(error, "type: equilibria, or say 'of orbit' or 'of response'");
 }
 
+/* Finds the solution at which the branch begins, and writes its name (such as "HB1") to `origin`.
+ * Without "of" or "from" it is the first equilibrium, else the last orbit. Returns false with
+ * *error. */
 static bool find_start(struct session *session, const struct branch_words *words,
                        struct kept_reference *found, char *origin, struct error *error)
 {
@@ -249,9 +264,10 @@ static bool bind_start(struct kept_reference *start, struct error *error)
     return scene_bind_inside(&start->scene, box, &system, error);
 }
 
-/* ---- what is said ---- */
+/* ---- text, records and table ---- */
 
-/* The longest step in the direction of the parameter: what lies closer may be missed. */
+/* Returns the longest step in the direction of the parameter; special points closer to each other
+ * than that may be missed. */
 static double longest_step(const struct branch *branch)
 {
     double longest = 0;
@@ -261,6 +277,7 @@ static double longest_step(const struct branch *branch)
     return longest;
 }
 
+/* Appends the answer: extent and ends of the branch, its special points, effort. */
 static void put_branch(const struct session *session, const struct kept_branch *b,
                        struct arena *arena, struct buffer *output)
 {
@@ -295,6 +312,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
     buffer_put(output, TEXT("; all points: 'export FILE table'"));
 }
 
+/* Adds the columns stability and label to the table of a branch. */
 static void add_words(struct table_builder *table, const struct kept_branch *b)
 {
     const char **stable = table_add_texts(table, "stability"),
@@ -311,7 +329,8 @@ static void add_words(struct table_builder *table, const struct kept_branch *b)
     }
 }
 
-/* A row for each point: the parameters, extrema of the states, the period, stability, label. */
+/* Stores the branch as a table with a row for each point: parameters, extrema of the states,
+ * period, stability, label. */
 static void keep_rows(const struct session *session, const struct kept_branch *b,
                       struct reply *reply)
 {
@@ -345,6 +364,7 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
     table_finish(&table, reply, "branch");
 }
 
+/* Adds the records of the special points and of the branch. */
 static void reply_branch(const struct session *session, const struct kept_branch *b,
                          struct reply *reply)
 {
@@ -362,6 +382,8 @@ static void reply_branch(const struct session *session, const struct kept_branch
     reply_end(reply);
 }
 
+/* Follows a branch, compares its special points with runs, stores it and replies it. A branch that
+ * was stopped is stored as far as it goes. */
 HANDLER(branch)
 {
     struct branch_words words = {.params = 0};

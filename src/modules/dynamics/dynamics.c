@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The module dynamics: equilibria, periodic orbits, branches of both over parameters, Lyapunov
- * exponents, basins of attraction and phase portraits.
- */
+/* The module dynamics: equilibria, periodic orbits, branches of both over parameters, Lyapunov
+ * exponents, basins of attraction and phase portraits. This file has its row, and labels as
+ * arguments of `use`. */
 #include <hooke/base/number.h>
 #include <hooke/language/complete.h>
 #include "modules/dynamics/chaos.h"
@@ -11,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Labels are two letters and a number. */
+/* Returns true if the word looks like the label of a special point: two letters and a number. */
 static bool is_label(struct text word)
 {
     const struct row *row = NULL;
@@ -22,6 +21,7 @@ static bool is_label(struct text word)
     return row && real_parse(text_after(word, 2), &number) == REAL_OK;
 }
 
+/* Offers the labels of stored special points to completion. */
 static void complete_labels(struct completion *c)
 {
     const struct dynamics *d = session_dynamics(c->session);
@@ -35,6 +35,7 @@ static void complete_labels(struct completion *c)
         }
 }
 
+/* Frees the module's part of a session. */
 static void free_part(void *state)
 {
     struct dynamics_part *part = state;
@@ -42,6 +43,7 @@ static void free_part(void *state)
     stored_portrait_clear(&part->portrait);
 }
 
+/* Returns true if the stored portrait needs that typed model. */
 static bool part_uses(const void *state, const struct model *model)
 {
     const struct stored_portrait *portrait = &((const struct dynamics_part *)state)->portrait;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Equilibria, periodic orbits, how both change with a parameter, and the special points at which
- * they change their kind.
- */
+/* Equilibria, periodic orbits, how both change with a parameter (branches), and the special points
+ * at which they change their kind. First call equilibria_find() or orbit_find(), then
+ * branch_follow() and branch_verify() from one of the solutions. All state and parameters are in SI
+ * units. */
 #pragma once
 
 #include <hooke/base/cancel.h>
@@ -15,6 +15,7 @@ struct catalog;
 /* Largest number of variables of a scene whose orbits can be followed. */
 #define DYNAMICS_VARIABLES ATTRACTOR_VARIABLES
 
+/* Kinds of solutions that branches consist of. */
 enum solution_kind {
     SOLUTION_EQUILIBRIUM,
     SOLUTION_ORBIT,   /* has a period of its own */
@@ -25,40 +26,44 @@ enum solution_kind {
 struct solution {
     enum solution_kind kind;
     int n;
-    double param[2];                  /* SI */
-    double state[DYNAMICS_VARIABLES]; /* SI; the start of an orbit */
+    double param[2]; /* SI; values of the branch's parameters, where it varies any */
+    double state[DYNAMICS_VARIABLES]; /* SI; for an orbit, a state on it */
     double period;                    /* [s] 0 for an equilibrium */
     /* number of drive periods in the period, or 0 if it is not driven */
     int multiple;
     /* Eigenvalues [1/s] of the Jacobian, or multipliers without the trivial one of an autonomous
      * orbit. */
-    int values;
+    int values; /* number of them; 0 if none could be computed */
     struct eigenvalue value[DYNAMICS_VARIABLES];
     int unstable;    /* number of values that grow */
-    double noise;    /* Multipliers smaller than this are not known. */
-    double trivial;  /* |M f - f| / |f| of an autonomous orbit, or NAN if there is none */
-    double residual; /* largest residual, in natural sizes */
+    double noise;    /* multipliers smaller than this are below the rounding errors */
+    double trivial;  /* |M f - f| / |f|, M the monodromy matrix, f the flow; NAN if there is none */
+    double residual; /* largest residual of the equations, relative to natural sizes */
     double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
 };
 
-/* Not of an orbit on which the equations jump: it has no multipliers then. */
+/* Returns true if the stability is known. It is not for orbits on which the equations jump, which
+ * have no multipliers. */
 static inline bool solution_is_known(const struct solution *solution)
 {
     return solution->kind == SOLUTION_EQUILIBRIUM || solution->values > 0 ||
            solution->trivial == solution->trivial;
 }
 
+/* Returns true if no eigenvalue or multiplier grows. */
 static inline bool solution_stable(const struct solution *solution)
 {
     return solution->unstable == 0;
 }
 
-#define SOLUTION_ONE 1e-5 /* distance from 1 below which a multiplier is that of a family */
-/* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
+#define SOLUTION_ONE 1e-5 /* distance from 1 below which a multiplier counts as 1 */
+/* Returns the number of multipliers, besides the trivial one, that are 1: the orbit is a member of
+ * a family or a fold. 0 for an equilibrium. */
 int solution_ones(const struct solution *solution);
 
 /* ---- equilibria ---- */
 
+/* Type of an equilibrium by its eigenvalues; the first five in two variables. */
 enum equilibrium_type {
     EQUILIBRIUM_STABLE_NODE,
     EQUILIBRIUM_STABLE_FOCUS,
@@ -71,8 +76,9 @@ enum equilibrium_type {
     EQUILIBRIUM_UNSTABLE,
 };
 
-extern const struct catalog equilibrium_catalog; /* struct row, at the enum's place */
+extern const struct catalog equilibrium_catalog; /* rows in the order of the enum */
 
+/* Type, index and eigenvectors of an equilibrium. */
 struct equilibrium_form {
     enum equilibrium_type type;
     int index; /* Poincare-Hopf index: the sign of det J, or 0 if unknown */
@@ -81,14 +87,16 @@ struct equilibrium_form {
     double re[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES], im[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES];
 };
 
+/* A search for equilibria. */
 struct equilibria_request {
     const struct scene *scene;
-    double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
+    double box[DYNAMICS_VARIABLES][2]; /* SI; lower and upper end of the region for each variable */
     const struct cancel *cancel;
     void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 
+/* Result of a search for equilibria, freed by equilibria_free(). */
 struct equilibria {
     int count;
     struct solution *solution;     /* [count] in the order of the first variable */
@@ -98,7 +106,7 @@ struct equilibria {
     bool forced;
     bool complete;    /* It is proven that the box holds no others. */
     char reason[192]; /* reason why it is not complete, with the place */
-    int boxes;
+    int boxes;        /* number of boxes that were examined */
     double seconds;
 };
 
@@ -111,26 +119,29 @@ void equilibria_free(struct equilibria *found);
 
 /* ---- periodic orbits ---- */
 
+/* A search for a periodic orbit. */
 struct orbit_request {
     const struct scene *scene;
     double state[DYNAMICS_VARIABLES], t; /* SI; the search begins there, at this time [s] */
     double period;                       /* [s] approximate period; 0 takes it from the motion */
-    double span;                         /* [s] of the motion that is looked at first, > 0 */
-    bool settles; /* it may go on until it has settled: what attracts is wanted */
+    double span;                         /* [s] length of motion that is examined first, > 0 */
+    bool
+        settles; /* the motion is followed until it settles, so that an attracting orbit is found */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* fraction 0: nobody knows */
+    void (*progress)(void *context, double fraction); /* fraction is 0 if unknown; may be NULL */
     void *context;
 };
 
+/* Result of a search for an orbit, freed by orbit_free(). */
 struct found_orbit {
     struct solution solution;
     bool family; /* True if a multiplier is 1, as in a family of orbits and at a fold. */
     /* [s] period of the orbit from which it was followed to this one, or 0 */
     double family_from;
-    bool given_up; /* It is unstable, and the search for a stable one was given up. */
+    bool given_up; /* the orbit is unstable, and the search for a stable one was given up */
     double error;  /* error of states and period, relative to natural sizes; NAN for a family */
     /* Smallest distance from the requested state as a part of the extent, or NAN. */
-    double away;
+    double away;      /* the extent is that of the orbit */
     double energy_in; /* [J] work of the drive over a period; NAN if there is no energy */
     int samples;      /* number of samples over one period */
     /* [samples][n + 1] time since the start [s], state; denser where the equations jump */
@@ -139,13 +150,16 @@ struct found_orbit {
     double seconds;
 };
 
-/* The smallest period first; with a drive, multiples of its. */
+/* Finds a periodic orbit near a state, or the one that the motion from there settles on. Shorter
+ * periods are tried first; with a drive they are multiples of its period. Returns false with *error
+ * if none is found, or if out of memory or cancelled; orbit_free() must be called in both cases. */
 bool orbit_find(const struct orbit_request *request, struct found_orbit *found,
                 struct error *error);
 void orbit_free(struct found_orbit *found);
 
 /* ---- branches ---- */
 
+/* Kinds of special points of branches; comments give the labels. */
 enum special {
     SPECIAL_NONE,
     SPECIAL_FOLD,     /* LP, where the branch turns back */
@@ -163,53 +177,59 @@ enum special {
 
 extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP CP BT GH, from 1 on */
 
+/* One point of a branch. */
 struct branch_point {
     struct solution solution;
     enum special special;
     /* first Lyapunov coefficient of a Hopf point (Kuznetsov 2004, 5.62), else NAN */
     double criticality;
-    double accuracy;                        /* relative accuracy of the parameter */
-    int verified;                           /* enum branch_verdict, from runs on both sides */
+    double accuracy;                        /* relative accuracy of a special point's parameter */
+    int verified;                           /* enum branch_verdict (branches/verdict.h) */
     double tangent[2 + DYNAMICS_VARIABLES]; /* direction of the branch there (private) */
 };
 
-/* The second parameter of a curve of special points. */
+/* Second parameter of a curve of special points: index in the scene and range. */
 struct branch_axis {
     int param;
     double low, high; /* SI */
 };
 
+/* A branch that is to be followed. */
 struct branch_request {
     const struct scene *scene;
-    int param;        /* place in the scene's, which varies */
-    double low, high; /* SI */
+    int param;        /* index of the scene's parameter that varies */
+    double low, high; /* SI; its range */
     const struct solution *start;
-    /* start on the branch that leaves it there: of a crossing, a doubling or a Hopf point */
+    /* If not NULL, the start is this crossing, doubling or Hopf point, and the branch that leaves
+     * its own one there is followed. */
     const struct branch_point *leave;
-    /* not NULL: the curve of points like that one (LP, HB, PD, NS) in both parameters */
+    /* If not NULL, the curve of points like `leave` (LP, HB, PD, NS) in both parameters is
+     * followed. */
     const struct branch_axis *second;
-    double step;  /* part of the range; 0 chooses it */
-    int max;      /* points in each direction, 0: 1000 */
-    bool forward; /* towards growing values only, at the start */
+    double step;  /* first step as a fraction of the range, or 0 to choose it */
+    int max;      /* largest number of points in each direction; 0 stands for 1000 */
+    bool forward; /* only in the direction in which the parameter grows at the start */
     const struct cancel *cancel;
     void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 
+/* A branch that was followed, freed by branch_free(). */
 struct branch {
     enum solution_kind kind;
     int count;
     struct branch_point *point; /* [count] in the order along the branch */
     int64_t evals;
     double seconds;
-    bool closed; /* comes back to where it began */
+    bool closed; /* the branch returns to where it began */
     bool cancelled;
-    char ends[2][96]; /* reason of the end there */
+    char ends[2][96]; /* reason why each end is where it is */
 };
 
-/* Returns false with the error if no point was found: the start is no solution, or one of a family
- * at one value, or it was cancelled or out of memory. Otherwise, a branch that was cancelled holds
- * what was found so far. */
+/* Follows a branch from its start in both directions and locates its special points. Returns false
+ * with *error if no point was found: the start is no solution, or one of a family at one value, or
+ * it was cancelled or out of memory. Otherwise a branch that was cancelled holds what was found so
+ * far. */
 bool branch_follow(const struct branch_request *request, struct branch *branch,
                    struct error *error);
 /* Compares the special points with runs on both sides of them. If cancelled, the remaining ones are

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* equilibria */
+/* The command equilibria: reads the search region, finds all equilibria in it and replies them. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
@@ -11,8 +11,10 @@
 #include <float.h>
 #include <math.h>
 
-/* ---- the box ---- */
+/* ---- the search region ---- */
 
+/* Reads one argument NAME=FROM:TO into the box; an end that is left out stays as it is. Returns
+ * false with *error. */
 static bool read_side(struct session *session, const struct arguments *args, struct text argument,
                       const struct system *system, double box[][2], struct error *error)
 {
@@ -33,13 +35,15 @@ static bool read_side(struct session *session, const struct arguments *args, str
                     variable.name);
 }
 
-/* ---- what they are ---- */
+/* ---- text and records ---- */
 
+/* Returns the name of a type, such as "saddle". */
 static const char *type_name(enum equilibrium_type type)
 {
     return catalog_row(&equilibrium_catalog, (size_t)type)->name;
 }
 
+/* Appends an eigenvalue; `sign` stands before the imaginary part. */
 static void put_eigenvalue(struct buffer *output, const struct eigenvalue *value, const char *sign)
 {
     if (isnan(value->re))
@@ -52,6 +56,7 @@ static void put_eigenvalue(struct buffer *output, const struct eigenvalue *value
         buffer_format(output, "%.5g %s %.5gi", value->re, sign, fabs(value->im));
 }
 
+/* The second one of a conjugate pair is left out. */
 void put_eigenvalues(struct buffer *output, const struct solution *s)
 {
     for (int i = 0; i < s->values; i++) {
@@ -63,7 +68,8 @@ void put_eigenvalues(struct buffer *output, const struct solution *s)
     }
 }
 
-/* The digits by which states show that they differ: 7, or more where two are close. */
+/* Returns the number of significant digits that states need to show that they differ: 7, or more if
+ * two are close. n is the number of variables. */
 static int digits_of(const struct equilibria *found, int n)
 {
     int digits = 7;
@@ -102,7 +108,8 @@ void put_equilibria(struct buffer *output, const struct system *system,
     text_table_put(&table, output);
 }
 
-/* Real ones as (1, 2), those of pairs once, as (1, 2) +- i (3, 4); the largest part is 1. */
+/* Appends eigenvector k with its largest component scaled to 1: "(1, 2)" or, for a conjugate pair,
+ * "(1, 2) +- i (3, 4)". */
 static void put_vector(struct buffer *output, const struct equilibrium_form *form, int k, int n)
 {
     int largest = 0;
@@ -110,7 +117,7 @@ static void put_vector(struct buffer *output, const struct equilibrium_form *for
         if (hypot(form->re[k][i], form->im[k][i]) >
             (1 + 1e-9) * hypot(form->re[k][largest], form->im[k][largest]))
             largest = i;
-    const double size = form->re[k][largest]; /* its imaginary part is 0 */
+    const double size = form->re[k][largest]; /* that component is real by its normalisation */
     bool turns = false;
     if (isnan(size)) {
         buffer_put(output, TEXT(" an unknown direction"));
@@ -129,6 +136,7 @@ static void put_vector(struct buffer *output, const struct equilibrium_form *for
     }
 }
 
+/* Appends index, eigenvalues and eigenvectors of each equilibrium. */
 static void put_vectors(struct buffer *output, const struct system *system,
                         const struct equilibria *found)
 {
@@ -147,6 +155,7 @@ static void put_vectors(struct buffer *output, const struct system *system,
     }
 }
 
+/* Appends the search region. */
 static void put_box(struct buffer *output, const struct system *system, double box[][2])
 {
     for (int i = 0; i < system->n; i++) {
@@ -156,6 +165,7 @@ static void put_box(struct buffer *output, const struct system *system, double b
     }
 }
 
+/* Appends the number of equilibria, whether they are proven to be all, and their table. */
 static void put_found(struct buffer *output, const struct system *system, double box[][2],
                       const struct equilibria *found, struct arena *arena)
 {
@@ -178,7 +188,7 @@ static void put_found(struct buffer *output, const struct system *system, double
         put_equilibria(output, system, found, arena);
 }
 
-/* Each eigenvector as its real and its imaginary part. */
+/* Adds the index and the eigenvectors, each as its real and its imaginary part. */
 static void reply_form(const struct equilibrium_form *form, int n, struct reply *reply)
 {
     reply_int(reply, "index", form->index);
@@ -211,6 +221,7 @@ void reply_equilibrium(const struct system *system, const struct equilibria *fou
     reply_end(reply);
 }
 
+/* Adds the records of all equilibria and one that tells whether they are complete. */
 static void reply_equilibria(const struct system *system, const struct equilibria *found, bool full,
                              struct reply *reply)
 {
@@ -239,7 +250,8 @@ static bool read_sides(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* Binds the scene, if need be from a start in the box that is asked for. */
+/* Binds the scene. If its own start has no derivatives, a start inside the requested region is
+ * used. Returns false with *error. */
 static bool bind_in_box(struct session *session, const struct arguments *args, struct scene *scene,
                         struct system *system, struct error *error)
 {
@@ -258,6 +270,8 @@ static bool bind_in_box(struct session *session, const struct arguments *args, s
                : false;
 }
 
+/* The region is read twice: once to bind the scene, which gives the natural region, then to
+ * override that. */
 HANDLER(equilibria)
 {
     struct scene scene = session->setup.scene;

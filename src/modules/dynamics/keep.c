@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The results stored for the present equations, and when they are dropped. */
+/* Stores results for the present equations, finds them again, and drops them when the equations
+ * change. */
 #include "modules/solving/compute/start.h"
 #include "modules/dynamics/kept.h"
 #include <hooke/scene/poles.h>
@@ -13,9 +14,11 @@
 /* Two solutions are the same if they differ by less than this, relative to the sizes. */
 #define SAME_SOLUTION_RELATIVE 1e-8
 
-/* ---- whose they are ---- */
+/* ---- the equations that results belong to ---- */
 
-/* All that decides what the right-hand sides are, but for values: of what was typed, names. */
+/* Returns a text that changes when the right-hand sides do, but not when only values do: the preset
+ * and the typed lines, of variables and parameters only their names. Returns NULL if out of memory;
+ * the caller frees it. */
 static char *equations_of(const struct scene *scene)
 {
     struct buffer text = {0};
@@ -104,9 +107,10 @@ static struct dynamics *dynamics_for(struct session *session)
     for (int i = 0; i < SPECIAL_COUNT; i++)
         fresh->next_point[i] = 1;
     dynamics_free(part->found);
-    return part->found = fresh;
+    return part->found = fresh; /* identifiers continue, so that none is used twice in a file */
 }
 
+/* Returns a copy of the values of all parameters, or NULL if out of memory. */
 static double *copy_values(const struct session *session, const double *source)
 {
     const size_t bytes = scene_params(&session->setup.scene)->count * sizeof(double);
@@ -116,6 +120,7 @@ static double *copy_values(const struct session *session, const double *source)
     return value;
 }
 
+/* Returns true if both are the same solution within the tolerance, found from anywhere. */
 static bool same_solution(const struct solution *a, const struct solution *b)
 {
     bool same = a->kind == b->kind && a->n == b->n && a->multiple == b->multiple &&
@@ -161,7 +166,7 @@ bool dynamics_keep_equilibria(struct session *session, const struct equilibria *
     return true;
 }
 
-/* The place where that orbit is kept, or -1 if it is new. */
+/* Returns the index of the same orbit, found with the same parameters, or -1 if it is new. */
 static int find_same_orbit(const struct dynamics *dynamics, const double *value,
                            const struct solution *orbit)
 {
@@ -219,7 +224,7 @@ const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int num
 
 /* ---- branches ---- */
 
-/* All values but those that vary are the same. */
+/* Returns true if both branches vary the same parameters and all other values are the same. */
 static bool same_setting(const struct dynamics *dynamics, const struct kept_branch *a,
                          const struct kept_branch *b)
 {
@@ -232,6 +237,7 @@ static bool same_setting(const struct dynamics *dynamics, const struct kept_bran
     return same;
 }
 
+/* Returns true if point p of branch a and point q of branch b are the same special point. */
 static bool same_point(const struct kept_branch *a, const struct kept_point *p,
                        const struct kept_branch *b, const struct kept_point *q)
 {
@@ -243,7 +249,7 @@ static bool same_point(const struct kept_branch *a, const struct kept_point *p,
     return same;
 }
 
-/* The number of a point that is kept already at that place, or 0 if there is none. */
+/* Returns the number in the label of the same point on a stored branch, or 0 if there is none. */
 static int known_number(const struct dynamics *dynamics, const struct kept_branch *branch,
                         const struct kept_point *point)
 {
@@ -256,6 +262,8 @@ static int known_number(const struct dynamics *dynamics, const struct kept_branc
     return 0;
 }
 
+/* Fills branch->special with the special points and their labels. Returns false if out of
+ * memory. */
 static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
 {
     int count = 0;
@@ -332,7 +340,7 @@ void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL])
              catalog_row(&special_catalog, (size_t)point->special - 1)->name, point->number);
 }
 
-/* ---- back into a scene ---- */
+/* ---- scenes of results ---- */
 
 void dynamics_scene(const struct session *session, const double *value, struct scene *scene)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lists of the stored results, and how `use` takes them into the scene. */
+/* Lists of the stored results (list equilibria, orbits, branches, points), and how `use` takes them
+ * into the scene. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/solving/compute/start.h"
@@ -8,6 +9,7 @@
 
 #include <math.h>
 
+/* Types of special points, as text and in records. */
 static const char *const special_types[SPECIAL_COUNT] = {
     [SPECIAL_FOLD] = "fold",
     [SPECIAL_HOPF] = "Hopf",
@@ -24,6 +26,7 @@ static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibri
                                              [SOLUTION_ORBIT] = "orbit",
                                              [SOLUTION_RESPONSE] = "response"};
 
+/* Adds a cell with the eigenvalues or multipliers. */
 static void cell_values(struct text_table *table, const struct solution *s)
 {
     struct buffer output = {0};
@@ -31,6 +34,7 @@ static void cell_values(struct text_table *table, const struct solution *s)
     cell_take(table, &output);
 }
 
+/* Adds a cell with the name and value of a parameter. */
 static void cell_param(struct text_table *table, const struct scene *scene, int param, double value,
                        int digits)
 {
@@ -50,6 +54,7 @@ static const char *criticality_of(const struct branch_point *point)
     return point->criticality < 0 ? "super" : "sub";
 }
 
+/* Adds a cell with the type of a special point: "Hopf, supercritical". */
 static void cell_what(struct text_table *table, const struct branch_point *point)
 {
     struct buffer output = {0};
@@ -60,7 +65,8 @@ static void cell_what(struct text_table *table, const struct branch_point *point
     cell_take(table, &output);
 }
 
-/* Returns the largest state of variable i on the branch, beside which rounding is 0. */
+/* Returns the largest magnitude of variable i on the branch, relative to which rounding is shown as
+ * 0. */
 static double largest_state(const struct branch *branch, int i)
 {
     double largest = 0;
@@ -69,6 +75,7 @@ static double largest_state(const struct branch *branch, int i)
     return largest;
 }
 
+/* Adds the row of a special point to a table. `periods` is true if the table has that column. */
 static void put_point(struct text_table *table, const struct scene *scene,
                       const struct system *system, const struct kept_branch *branch,
                       const struct kept_point *point, bool periods)
@@ -103,7 +110,7 @@ static void put_point(struct text_table *table, const struct scene *scene,
     }
 }
 
-/* Says what speaks against a label that runs do not confirm. */
+/* Appends what contradicts a special point, if runs on both sides do. */
 static void put_contradiction(const struct kept_branch *branch, const struct kept_point *point,
                               struct buffer *output)
 {
@@ -149,6 +156,7 @@ void put_points(const struct session *session, const struct kept_branch *const *
             put_contradiction(branch[b], &branch[b]->special[k], output);
 }
 
+/* Adds the record of a special point. */
 static void reply_point(const struct scene *scene, const struct system *system,
                         const struct kept_branch *branch, const struct kept_point *point,
                         struct reply *reply)
@@ -192,12 +200,14 @@ void reply_points(const struct session *session, const struct kept_branch *branc
 
 /* ---- list ---- */
 
+/* Tells that no results of this kind exist, and what finds them. Returns true. */
 static bool list_none(struct reply *reply, const char *what, const char *type)
 {
     reply_line(reply, "no %s found yet for these equations ('%s' finds them)", what, type);
     return true;
 }
 
+/* Returns the system of the scene without its parameters bound, for names and units. */
 static struct system system_of(const struct session *session)
 {
     const struct model *model = session->setup.scene.model;
@@ -224,6 +234,7 @@ bool dynamics_list_equilibria(struct session *session, struct arena *arena, stru
     return true;
 }
 
+/* Adds the row of an orbit to the table. */
 static void put_orbit_row(struct text_table *table, const struct system *system,
                           const struct kept_orbit *orbit)
 {
@@ -269,6 +280,7 @@ bool dynamics_list_orbits(struct session *session, struct arena *arena, struct r
     return true;
 }
 
+/* Appends the labels of all special points of a branch. */
 static void put_labels(struct buffer *output, const struct kept_branch *b)
 {
     for (int k = 0; k < b->specials; k++) {
@@ -369,6 +381,7 @@ bool find_orbit(const struct session *session, const struct dynamics *d, const s
     return true;
 }
 
+/* Suggests a label that is spelled alike if there is none. */
 bool find_label(const struct session *session, const struct dynamics *d, struct text label,
                 struct kept_reference *found, struct error *error)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Results stored for the present equations: equilibria, orbits, and branches with their labelled
- * special points. They are dropped when the equations change, but not when values of parameters or
- * initial values do. No memory is allocated before there is a result.
- */
+/* Results that a session stores for its equations: equilibria, orbits, and branches with their
+ * labelled special points. They are dropped when the equations change, but not when values of
+ * parameters or initial values do. dynamics_keep_…() store a result; session_dynamics() returns
+ * what is stored. */
 #pragma once
 
 #include <hooke/module.h>
@@ -13,50 +12,54 @@
 /* The equilibria found last. */
 struct kept_equilibria {
     uint64_t id;   /* identifier in the session's file, or 0 if it is not stored */
-    double *value; /* [params] SI, parameters of the scene at that time */
+    double *value; /* [params] SI, parameters of the scene with which they were found */
     int count;
     struct solution *solution;
     struct equilibrium_form *form;
     bool forced, complete;
 };
 
+/* A stored orbit. */
 struct kept_orbit {
     uint64_t id;
-    int number; /* counted from 1 */
-    double *value;
+    int number;    /* name of the orbit for the user, counted from 1 */
+    double *value; /* [params] SI, as above */
     struct solution solution;
     int samples;    /* number of samples over one period */
     double *sample; /* [samples][n + 1] time since the start [s], state */
 };
 
+/* A labelled special point of a stored branch. */
 struct kept_point {
-    int index; /* place in the branch */
+    int index; /* index in branch.point */
     enum special special;
-    int number; /* its label is the letters of `special` with it */
+    int number; /* the label is the letters of `special` and this number: HB1 */
 };
 
+/* A stored branch. */
 struct kept_branch {
     uint64_t id;
     int number;
-    double *value;        /* but for what varies */
-    int params, param[2]; /* indices of what varies among the scene's */
-    double low[2], high[2];
+    double *value;               /* [params] SI; that of a parameter that varies has no meaning */
+    int params, param[2];        /* number and indices of the scene's parameters that vary */
+    double low[2], high[2];      /* SI; the ranges that were asked for */
     char origin[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
-    struct branch branch;        /* its points are owned */
-    struct kept_point *special;
+    struct branch branch;        /* the branch, whose points it owns */
+    struct kept_point *special;  /* [specials] labelled points */
     int specials;
 };
 
+/* All results for one set of equations. */
 struct dynamics {
-    char *equations; /* as text: they are compared */
-    int params, n;
+    char *equations; /* the equations as text, by which changes are noticed */
+    int params, n;   /* number of parameters and of variables of the scene */
     uint64_t next_id;
     struct kept_equilibria equilibria;
     struct kept_orbit orbit[LIMIT_ORBITS];
     int orbits, next_orbit;
     struct kept_branch *branch[LIMIT_BRANCHES];
     int branches, next_branch;
-    int next_point[SPECIAL_COUNT]; /* numbers that labels go on with */
+    int next_point[SPECIAL_COUNT]; /* number of the next label of each kind */
 };
 
 extern const struct module dynamics_module;
@@ -67,30 +70,37 @@ struct dynamics_part {
     struct stored_portrait portrait; /* shown by 'plot portrait' and its pane */
 };
 
-/* Functions of dynamics_module.store (store.c). */
+/* ---- functions of dynamics_module.store (store.c); part is the struct dynamics_part ---- */
+
+/* Writes counters, equations and the identifiers of all results. */
 void dynamics_put_head(const void *part, struct buffer *buffer);
+/* Writes the first result from number *next on that is not in the file yet as a record, and sets
+ * *next behind it. Returns false if there is none. */
 bool dynamics_put_next(const void *part, struct stored *stored, int *next);
+/* Removes results that no longer exist from the list of what the file holds. */
 void dynamics_forget(const void *part, struct stored *stored);
+/* Reads the results of a session's file; damaged ones are left out with a note. */
 void dynamics_read(struct reader *reader);
 
 /* Returns the results stored for the present equations, or NULL if there are none. */
 const struct dynamics *session_dynamics(const struct session *session);
 void dynamics_free(struct dynamics *dynamics);
 
-/* Copies; what was found of other equations goes. Returns false if out of memory. */
+/* Stores a copy of the equilibria in place of earlier ones; results of other equations are freed.
+ * Returns false with *error if out of memory. */
 bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
                               struct error *error);
-/* sample [samples][n + 1]. The orbit that is kept, also where it was known already; the oldest goes
- * where there are LIMIT_ORBITS. Returns NULL if out of memory. */
+/* Stores a copy of an orbit with its samples [samples][n + 1]. An orbit that is stored already
+ * retains its number; the oldest is dropped if there are LIMIT_ORBITS. Returns the stored orbit, or
+ * NULL with *error if out of memory. */
 const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
                                              int samples, const double *sample,
                                              struct error *error);
-/*
- * Takes over the branch in *like, also when it fails; of the rest only what varies, from where and
- * which way is read. value [params]: of the scene that it was followed in. Its special points get
- * labels: the one that is there already at the same place. The oldest branch goes where there are
- * LIMIT_BRANCHES. Returns NULL if out of memory.
- */
+/* Stores the branch like->branch, which it owns from then on, even on failure; params, param, low,
+ * high and origin of *like describe it. `value` [params] are the parameters of the scene in which
+ * it was followed. Special points get labels; one that is known from another branch gets the same
+ * label. The oldest branch is dropped if there are LIMIT_BRANCHES. Returns the stored branch, or
+ * NULL with *error if out of memory. */
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
                                          const double *value, struct error *error);
 
@@ -100,24 +110,24 @@ const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int num
  * that has it. Returns NULL if there is none. */
 const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
                                         const struct kept_branch **branch);
+/* Returns the point of the branch that a label belongs to. */
 static inline const struct branch_point *kept_point_at(const struct kept_branch *branch,
                                                        const struct kept_point *point)
 {
     return &branch->branch.point[point->index];
 }
-#define KEPT_LABEL 16
+#define KEPT_LABEL 16 /* [byte] size of a label, such as "HB1" */
+/* Writes the label of a special point. */
 void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL]);
 
-/* The scene with these values of all its parameters [params]. */
+/* Copies the session's scene with these values of all of its parameters [params]. */
 void dynamics_scene(const struct session *session, const double *value, struct scene *scene);
-/* Likewise at a point of a branch. */
+/* Copies the session's scene with the parameters of one point of a branch. */
 void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int index,
                        struct scene *scene);
 
-/*
- * Fills box [n] with the region of state space in which equilibria are searched: what the current
- * run of the scene has shown and its natural sizes about 0, widened; of an angle one turn. Returns
- * false with `error` filled if out of memory.
- */
+/* Fills box [n] with the region of state space in which equilibria are searched: what the current
+ * run of the scene has visited and its natural sizes around 0, both extended by a margin; for an
+ * angle one turn. Returns false with *error if out of memory. */
 bool dynamics_search_box(const struct session *session, const struct system *system,
                          struct arena *arena, double box[][2], struct error *error);

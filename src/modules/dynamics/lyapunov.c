@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* lyapunov */
+/* The command lyapunov for the scene: exponents, checks of them, and their record. For runs and
+ * recordings see lyapunov_series.c. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -8,8 +9,9 @@
 
 #include <math.h>
 
-#define ZERO_WITHIN_ERRORS 2 /* standard errors */
+#define ZERO_WITHIN_ERRORS 2 /* standard errors within which an exponent counts as 0 */
 
+/* Appends a value with its error, or "not determined". */
 static void put_measured(struct buffer *output, struct exponent value, enum quantity quantity)
 {
     const double error = isfinite(value.error) ? value.error : 0;
@@ -19,8 +21,8 @@ static void put_measured(struct buffer *output, struct exponent value, enum quan
         buffer_put(output, TEXT("not determined"));
 }
 
-/* Returns the index of the exponent that is 0 of a flow without a drive, or -1 if none is that
- * near. */
+/* Returns the index of the exponent that is 0 within its error, as one has to be for an autonomous
+ * flow that does not come to rest, or -1 if there is none. */
 static int zero_of(const struct lyapunov *f)
 {
     int zero = -1;
@@ -31,6 +33,7 @@ static int zero_of(const struct lyapunov *f)
     return zero;
 }
 
+/* Appends a line for each exponent, and whether one is 0 as required. */
 static void put_exponents(struct buffer *output, const struct lyapunov *f)
 {
     const int zero = zero_of(f);
@@ -48,6 +51,8 @@ static void put_exponents(struct buffer *output, const struct lyapunov *f)
                                       "the time is too short\n"));
 }
 
+/* Appends what the exponents can be checked by: mean divergence, the stroboscopic map, pairs of
+ * opposite sign; and the dimension that follows from them. */
 static void put_checks(struct buffer *output, const struct lyapunov *f)
 {
     if (f->count == f->n)
@@ -80,6 +85,7 @@ static void put_checks(struct buffer *output, const struct lyapunov *f)
         buffer_put(output, TEXT("regular motion: the means converge very fast\n"));
 }
 
+/* Appends the whole answer. `chosen` means that the time was not given by the user. */
 static void put_lyapunov(struct buffer *output, const struct session *session,
                          const struct lyapunov *f, bool chosen)
 {
@@ -101,6 +107,7 @@ static void put_lyapunov(struct buffer *output, const struct session *session,
     put_seconds(output, session, f->seconds);
 }
 
+/* Adds the record `lyapunov`. */
 static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
 {
     reply_begin(reply, "lyapunov");
@@ -123,6 +130,7 @@ static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
     reply_end(reply);
 }
 
+/* Finds exponents of the scene, or of a run or recording if the arguments name one. */
 HANDLER(lyapunov)
 {
     const struct argument_value *count = argument_value(args, "N"),

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* lyapunov of a recording or of a run's values: what they alone tell. */
+/* The command lyapunov for a recording or a run: the largest exponent and the correlation
+ * dimension, found from the series alone, without the equations. */
 #include <hooke/base/unit.h>
 #include "modules/dynamics/series/series_exponent.h"
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>
 
+/* Appends the answer: exponent and dimension with their ranges, or why they are not determined.
+ * `quantity` is that of the series. */
 static void put_exponent(struct buffer *output, const char *name, const struct series_exponent *f,
                          enum quantity quantity)
 {
@@ -35,6 +38,8 @@ static void put_exponent(struct buffer *output, const char *name, const struct s
                       SHOWN_QUANTITY(f->apart, QUANTITY_TIME, 3));
 }
 
+/* Adds the record `lyapunov`, with the keys that exponents of a scene have and those of the
+ * series. */
 static void reply_largest(const struct subject *subject, const struct series_exponent *f,
                           struct reply *reply)
 {
@@ -60,6 +65,7 @@ static void reply_largest(const struct subject *subject, const struct series_exp
     reply_end(reply);
 }
 
+/* Arguments that only apply to scenes are refused. */
 bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {

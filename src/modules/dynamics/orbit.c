@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* orbit */
+/* The command orbit: reads a guess, finds a periodic orbit from it and replies it. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
@@ -12,6 +12,8 @@
 
 /* ---- reading [period=GUESS] [NAME=VALUE ...] ---- */
 
+/* Reads one argument, period=T or NAME=VALUE, into the request. A guess of a state means that the
+ * orbit near it is wanted, not the one that the motion settles on. Returns false with *error. */
 static bool read_guess(struct session *session, const struct arguments *args, struct text argument,
                        const struct system *system, struct orbit_request *request,
                        struct error *error)
@@ -37,7 +39,7 @@ static bool read_guess(struct session *session, const struct arguments *args, st
     return true;
 }
 
-/* Begins at the end of the current run if it is one of this scene, else at the scene's start. */
+/* The span is 20 times the shortest time in which a variable changes by its natural size. */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request)
 {
@@ -61,9 +63,9 @@ const char *orbit_begin(const struct session *session, const struct system *syst
     return from_run ? "the run's end" : "the scene's start";
 }
 
-/* ---- what is said ---- */
+/* ---- text and records ---- */
 
-/* A start farther from the orbit, relative to the orbit's extent, is not on it. */
+/* A start that is farther from the orbit than this part of its extent is not on it. */
 #define ORBIT_DISTANCE_FRACTION 0.01
 
 /* Writes where the search began, and whether the motion from there is on the orbit. */
@@ -79,6 +81,7 @@ static void put_from(struct buffer *output, const struct found_orbit *orbit, con
                       orbit->away);
 }
 
+/* Appends the energy that goes through the orbit per period, if there is any. */
 static void put_energy(struct buffer *output, const struct found_orbit *orbit, bool driven)
 {
     if (isfinite(orbit->energy_in) && orbit->energy_in != 0)
@@ -87,6 +90,7 @@ static void put_energy(struct buffer *output, const struct found_orbit *orbit, b
                       driven ? "by the drive" : "and taken out");
 }
 
+/* Appends the multipliers, and how accurate they are by the trivial one. */
 static void put_multipliers(struct buffer *output, const struct solution *s)
 {
     if (s->values > 0) {
@@ -98,6 +102,7 @@ static void put_multipliers(struct buffer *output, const struct solution *s)
                       s->values > 0 ? ";" : "\n ", s->trivial);
 }
 
+/* Appends the answer: period, stability, multipliers, ranges of the variables, accuracy. */
 static void put_orbit(struct buffer *output, const struct system *system, int number,
                       const struct found_orbit *orbit)
 {
@@ -130,6 +135,7 @@ static void put_orbit(struct buffer *output, const struct system *system, int nu
     buffer_format(output, ", %lld evaluations", (long long)orbit->evals);
 }
 
+/* Adds the record `orbit`. */
 static void reply_orbit(const struct system *system, int number, const struct found_orbit *orbit,
                         struct reply *reply)
 {
@@ -151,7 +157,7 @@ static void reply_orbit(const struct system *system, int number, const struct fo
     reply_end(reply);
 }
 
-/* Times and states of one period. */
+/* Stores the samples of one period, times and states, as the table `orbit`. */
 static void keep_table(const struct system *system, const struct found_orbit *orbit,
                        struct reply *reply)
 {
@@ -167,6 +173,7 @@ static void keep_table(const struct system *system, const struct found_orbit *or
     table_finish(&table, reply, "orbit");
 }
 
+/* Finds an orbit, stores it and replies it. */
 HANDLER(orbit)
 {
     const struct argument_value *guesses = argument_value(args, "NAME=VALUE");

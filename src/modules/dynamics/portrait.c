@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers behind a portrait. */
+/* Replies the numbers behind a phase portrait: separatrices and their crossings. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/dynamics/stored_portrait.h"
@@ -7,6 +7,7 @@
 #include "modules/dynamics/handlers.h"
 #include "modules/dynamics/plots.h"
 
+/* Appends where a separatrix crosses the line variable = value through an equilibrium. */
 static void put_crossing(struct buffer *text, const struct portrait_crossing *crossing,
                          const struct variable variable[2])
 {
@@ -17,6 +18,7 @@ static void put_crossing(struct buffer *text, const struct portrait_crossing *cr
                   SHOWN_QUANTITY(crossing->value, axis->quantity, 4));
 }
 
+/* Adds the crossings of a separatrix as an array of the open record. */
 static void reply_crossings(const struct separatrix *s, const struct variable variable[2],
                             struct reply *reply)
 {

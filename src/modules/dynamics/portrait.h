@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The phase portrait of two variables: where they go, where either of them rests, equilibria,
- * separatrices, lines of equal energy.
- */
+/* The phase portrait of two variables: directions, nullclines, equilibria, separatrices, lines of
+ * equal energy. portrait_make() computes all of it for a request. */
 #pragma once
 
 #include "modules/dynamics/dynamics.h"
 
+/* Scene, plane and region of a portrait. */
 struct portrait_request {
     const struct scene *scene;
     int variable[2];                   /* variables across and up */
@@ -14,25 +13,26 @@ struct portrait_request {
     double all[DYNAMICS_VARIABLES][2]; /* SI, search region of equilibria */
     double state[DYNAMICS_VARIABLES];  /* SI, values of the other variables in the plane */
     double t;                          /* [s] time, if the scene is driven */
-    bool energy;                       /* asks for lines of equal energy, too */
+    bool energy;                       /* lines of equal energy are wanted, too */
     const struct cancel *cancel;
 };
 
-/* Lines with gaps: NAN in both. */
+/* Lines in the plane; NAN in x and y is a gap between two of them. Freed by whoever holds it. */
 struct polyline {
     double *x, *y; /* [n] SI */
     size_t n, capacity;
 };
 
-#define CROSSINGS_MAX 12
+#define CROSSINGS_MAX 12 /* largest number of crossings that are stored of a separatrix */
 
 /* Separatrix of a saddle along the eigenvector of its only growing or its only decaying
  * direction. */
 struct separatrix {
     int equilibrium; /* index in `found` */
-    bool stable;     /* leads to the saddle, not away from it */
-    int side;        /* 1 or -1, along the eigenvector */
-    const char *end; /* "frame", "equilibrium", "goes on" */
+    bool stable;     /* it leads to the saddle, not away from it */
+    int side;        /* 1 or -1: the direction along the eigenvector in which it leaves */
+    const char *end; /* place where it ends: "frame", "equilibrium", or "goes on" if it was not
+                        followed on */
     int target;      /* index of the equilibrium, or -1 if there is none */
     /* Crossings with the lines variable = value through equilibria, in order along it. */
     int crossings;
@@ -43,8 +43,10 @@ struct separatrix {
     } crossing[CROSSINGS_MAX];
 };
 
-bool polyline_put(struct polyline *line, double x, double y); /* Returns false if out of memory. */
+/* Appends a point. Returns false if out of memory. */
+bool polyline_put(struct polyline *line, double x, double y);
 
+/* Kinds of lines of a portrait. */
 enum portrait_line {
     PORTRAIT_NULLCLINE, /* nullcline of the variable across; the next one is that of the other */
     PORTRAIT_NULLCLINE_UP,
@@ -54,12 +56,13 @@ enum portrait_line {
     PORTRAIT_LINES
 };
 
+/* A portrait, freed by portrait_free(). */
 struct portrait {
     struct polyline line[PORTRAIT_LINES];
     struct equilibria found;
     struct separatrix *separatrix;
     int separatrices;
-    bool cancelled; /* holds the parts that were finished */
+    bool cancelled; /* true if it was stopped and holds only the parts that were finished */
     int64_t evals;
     double seconds;
 };
@@ -71,7 +74,7 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
                    struct error *error);
 void portrait_free(struct portrait *portrait);
 
-/* A trajectory from `start` [n] on over `span` [s] (of any sign) until it leaves the box: into the
- * line. Returns false if out of memory. */
+/* Appends the trajectory from `start` [n] over `span` [s], backwards if that is negative, until it
+ * leaves the box. Returns false if out of memory. */
 bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
                          struct polyline *line);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that the commands of dynamics share: they read arguments and write results. */
+/* Functions that the commands of the module dynamics share: they read arguments and write
+ * results. */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/run/timing.h>
@@ -18,6 +19,7 @@ bool take_equals(struct parser *parser, struct text argument, struct text name)
     return true;
 }
 
+/* The name may end in ', as that of a derivative does. */
 int read_variable(struct parser *parser, struct text argument, const struct system *system,
                   const char *command, const char *example, struct error *error)
 {
@@ -91,7 +93,7 @@ void reply_values(struct reply *reply, const char *key, const struct solution *s
     reply_close(reply);
 }
 
-/* Not known, and neutral, are neither. */
+/* Writes null if the stability is unknown, or neutral in a family of orbits. */
 void reply_stable(struct reply *reply, const struct solution *s, bool family)
 {
     const bool stable = solution_stable(s);
@@ -110,6 +112,8 @@ void reply_own_solver(const struct session *session, const char *solver, struct 
 
 /* ---- tables ---- */
 
+/* Adds a column without values, whose name is name and suffix. Returns NULL, with b->failed, if out
+ * of memory. */
 static struct table_column *add_column(struct table_builder *b, const char *name,
                                        const char *suffix)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* start */
+/* The command start, which sets states from which trajectories are drawn in the phase portrait. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/plot.h>
@@ -49,6 +49,7 @@ static bool state_at_cursor(const struct session *session, const struct system *
     return true;
 }
 
+/* Reads one item NAME=VALUE of the argument into `state`. Returns false with *error. */
 static bool read_part(struct session *session, const struct arguments *args, struct text item,
                       const struct system *system, double *state, struct error *error)
 {
@@ -88,6 +89,8 @@ static void list_starts(const struct session *session, const struct system *syst
     }
 }
 
+/* Lists, adds or clears starts. A new one is the state of the run, the cursor, or the scene's
+ * start, with the given values. */
 HANDLER(start)
 {
     const struct argument_value *what = argument_value(args, "NAME=VALUE");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Storage of results: each list of equilibria, each orbit and each branch is a record that is
- * written once. */
+/* Writes the stored results to a session's file and reads them. The equilibria, each orbit and each
+ * branch are a record that is written once; the head lists which of them exist. */
 #include "modules/dynamics/kept.h"
 #include <hooke/session/read.h>
 
@@ -9,6 +9,7 @@
 
 /* ---- writing ---- */
 
+/* Returns the number of results. */
 static int count_of(const struct dynamics *d)
 {
     return (d->equilibria.id != 0) + d->orbits + d->branches;
@@ -45,12 +46,14 @@ void dynamics_put_head(const void *part, struct buffer *buffer)
     field_end(buffer, begun);
 }
 
+/* Appends a field with `count` items of `item` bytes. */
 static void put_array(struct buffer *buffer, const char *name, const void *array, int count,
                       size_t item)
 {
     field_put(buffer, name, array, (size_t)count * item);
 }
 
+/* Appends the fields of a branch. */
 static void put_branch(const struct kept_branch *b, struct buffer *buffer)
 {
     field_put(buffer, "number", &b->number, sizeof b->number);
@@ -73,6 +76,7 @@ static void put_branch(const struct kept_branch *b, struct buffer *buffer)
     put_array(buffer, "specials", b->special, b->specials, sizeof *b->special);
 }
 
+/* Appends the record of result i, numbered as in id_of(). */
 static void put_one(const struct dynamics *d, int i, struct buffer *buffer)
 {
     const uint64_t id = id_of(d, i);
@@ -151,6 +155,7 @@ static void *get_array(struct text text, const char *name, int *count, size_t it
     return copy;
 }
 
+/* Returns true if a solution that was read has possible values. */
 static bool sound(const struct dynamics *d, const struct solution *s)
 {
     return s->kind <= SOLUTION_RESPONSE && s->n == d->n && s->values >= 0 &&
@@ -158,12 +163,13 @@ static bool sound(const struct dynamics *d, const struct solution *s)
            s->unstable <= s->values;
 }
 
-/* Numbers of what was found, as they stand in its names. */
+/* Returns true if the number of an orbit, branch or label is possible. */
 static bool sound_number(int number)
 {
     return number >= 0 && number <= INT32_MAX / 2;
 }
 
+/* Reads the equilibria. On success *d owns `value`. Returns false if the record is damaged. */
 static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
     struct kept_equilibria *rests = &d->equilibria;
@@ -187,6 +193,7 @@ static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, do
     return true;
 }
 
+/* Reads an orbit. On success *d owns `value`. Returns false if the record is damaged. */
 static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
     struct kept_orbit orbit = {.id = id, .value = value};
@@ -204,6 +211,7 @@ static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double 
     return true;
 }
 
+/* Returns true if a branch that was read has possible values and indices. */
 static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
 {
     const struct field flags[] = {FIELD_OF(struct branch, closed),
@@ -222,6 +230,8 @@ static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
     return ok;
 }
 
+/* Reads a branch. On success *d owns `value`. Returns false if the record is damaged or if out of
+ * memory. */
 static bool get_branch(const struct reader *reader, struct dynamics *d, struct text text,
                        uint64_t id, double *value)
 {
@@ -264,7 +274,8 @@ static bool get_branch(const struct reader *reader, struct dynamics *d, struct t
     return true;
 }
 
-/* The values of the scene's parameters in the file; those that it has none of are the scene's. */
+/* Returns the values of the parameters in a record; parameters that the file does not know get the
+ * scene's values. Returns NULL if out of memory or damaged; the caller frees them. */
 static double *get_values(const struct reader *reader, const struct dynamics *d, struct text text)
 {
     double *value = malloc(((size_t)d->params + 1) * sizeof *value);
@@ -276,6 +287,7 @@ static double *get_values(const struct reader *reader, const struct dynamics *d,
     return NULL;
 }
 
+/* Reads one record into *d. Returns false if it is damaged. */
 static bool get_one(const struct reader *reader, struct dynamics *d, struct text text, uint64_t id)
 {
     struct text kind;
@@ -292,6 +304,8 @@ static bool get_one(const struct reader *reader, struct dynamics *d, struct text
     return ok;
 }
 
+/* Reads counters and equations, and finds the identifiers of the results. Returns NULL if damaged
+ * or out of memory. */
 static struct dynamics *get_head(struct text text, struct text *ids)
 {
     static const struct field numbers[] = {
@@ -317,7 +331,7 @@ static struct dynamics *get_head(struct text text, struct text *ids)
     return NULL;
 }
 
-/* Those that are whole; labels of others are not given again. */
+/* Damaged results are left out; their labels are not used for other points. */
 void dynamics_read(struct reader *reader)
 {
     struct text text, ids;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The portrait that was made last: panes draw it until the scene or what is shown has changed. */
+/* The cache of the phase portrait: panes draw the stored one until the scene or the plane has
+ * changed. */
 #include "modules/dynamics/kept.h"
 
 #include <string.h>
@@ -20,6 +21,7 @@ bool portrait_is_of(const struct stored_portrait *stored, const struct portrait_
            made->energy == request->energy;
 }
 
+/* Returns true if both requests have bitwise the same region, state and time. */
 static bool same_place(const struct portrait_request *a, const struct portrait_request *b)
 {
     return memcmp(a->box, b->box, sizeof a->box) == 0 &&

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The last map of basins: a letter for each attractor, in pictures on a colour of its own. */
+/* The figure of the last map of basins: a letter for each attractor, in pictures above a colour of
+ * its own. It is drawn from the table that the command basins has stored. */
 #include <hooke/base/numeric.h>
 #include <hooke/plot/drawing.h>
 #include "modules/dynamics/plots.h"
@@ -9,19 +10,21 @@
 
 #define FATE_LETTERS 26
 #define FATE_KINDS (FATE_LETTERS + 2) /* the letters, "escapes" and "undecided" */
-#define PICTURE_LETTERS_X 40          /* letters across a picture */
-#define PICTURE_LETTERS_Y 20
-#define TEXT_LETTERS_Y 60 /* more rows than any screen has */
+#define PICTURE_LETTERS_X 40          /* number of columns of letters in a picture */
+#define PICTURE_LETTERS_Y 20          /* number of rows */
+#define TEXT_LETTERS_Y 60             /* more rows than any screen has */
 
+/* Characters of the kinds of fates. */
 static const char marks[FATE_KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 
-/* A row for each start, the second axis fastest. */
+/* The stored table as a grid: a row for each start, the second variable varies fastest. */
 struct grid {
     const struct table *table;
-    size_t width, height;
-    struct axis side[2];
+    size_t width, height; /* number of starts across and up */
+    struct axis side[2];  /* axes across and up, which reach half a step beyond the starts */
 };
 
+/* Returns the last stored table of a kind, or NULL if there is none. */
 static const struct table *found_table(const struct session *session, struct text kind)
 {
     const struct stored_table *stored = table_store_find(&session->studies.found, kind);
@@ -33,6 +36,7 @@ bool basins_known(const struct session *session)
     return found_table(session, TEXT("basins")) != NULL;
 }
 
+/* Returns the index in `marks` of the fate of start (a, b), or FATE_KINDS if it is missing. */
 static int kind_at(const struct grid *g, size_t a, size_t b)
 {
     const char *fate = g->table->column[2].text[a * g->height + b];
@@ -43,17 +47,20 @@ static int kind_at(const struct grid *g, size_t a, size_t b)
     return strcmp(fate, "not decided") == 0 ? FATE_LETTERS + 1 : FATE_KINDS;
 }
 
+/* Returns the value of an axis at an index. */
 static double value_at(const struct grid *g, int axis, size_t place)
 {
     return g->table->column[axis].value[axis == 0 ? place * g->height : place];
 }
 
+/* Returns the factor between the unit of an axis and SI. */
 static double unit_of(const struct axis *side)
 {
     return side->factor > 0 ? side->factor : 1;
 }
 
-/* "equilibrium at 1, 0 (49.4 %)", in the units of the sides. Returns NULL if out of memory. */
+/* Returns a label such as "equilibrium at 1, 0 (49.4 %)", in the units of the axes, or NULL if out
+ * of memory. */
 static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 {
     const struct table *basins = found_table(d->session, TEXT("basin"));
@@ -91,11 +98,14 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 
 /* ---- letters ---- */
 
+/* The curve of one kind of fate. */
 struct letters {
-    struct curve *curve; /* NULL if no start ends there */
-    double *x, *y;
+    struct curve *curve; /* NULL if no start has that fate */
+    double *x, *y;       /* coordinates of the curve, for as many letters as it may get */
 };
 
+/* Adds the curve of a kind of fate, with room for `most` letters. Returns false if out of
+ * memory. */
 static bool begin_letters(struct drawing *d, const struct grid *g, int kind, size_t most,
                           struct letters *l)
 {
@@ -114,13 +124,16 @@ static bool begin_letters(struct drawing *d, const struct grid *g, int kind, siz
     return l->curve->label;
 }
 
+/* Adds a letter at a position. */
 static void put_letter(struct letters *l, double x, double y)
 {
     l->x[l->curve->n] = x;
     l->y[l->curve->n++] = y;
 }
 
-/* Evenly over the sides, that of the nearest start; the first of those that have none so. */
+/* Places columns x rows letters evenly over the map, each that of the nearest start. A fate that
+ * gets no letter this way gets one at its first start. Returns false with d->error if out of
+ * memory. */
 static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
 {
     struct letters fate_letters[FATE_KINDS + 1] = {{NULL, NULL, NULL}};
@@ -181,10 +194,10 @@ static const struct heat *colours_of(struct drawing *d, const struct grid *g)
     return heat;
 }
 
-/* ---- all ---- */
+/* ---- the figure ---- */
 
-/* "Attractor reached by each start, over x from -2 to 2 and v from -2 to 2: A equilibrium at ..."
- * Returns NULL if out of memory. */
+/* Returns the description for screen readers: "Attractor reached by each start, over x from -2 to 2
+ * and v from -2 to 2: A equilibrium at ...", or NULL if out of memory. */
 static const char *words_of(const struct drawing *d, const struct grid *g)
 {
     struct buffer text = {0};
@@ -203,6 +216,7 @@ static const char *words_of(const struct drawing *d, const struct grid *g)
     return words;
 }
 
+/* Returns an axis of the map, half a step longer than the starts at both ends. */
 static struct axis side_of(const struct grid *g, int axis)
 {
     const struct table_column *column = &g->table->column[axis];

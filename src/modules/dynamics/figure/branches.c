@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Branches over their parameter: what is stable as lines, what is not as dots, special points as
- * letters. */
+/* The figure of branches over their parameter: stable parts as lines, unstable parts as dots,
+ * special points as letters. */
 #include <hooke/plot/drawing.h>
 #include "modules/dynamics/plots.h"
 
@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Those that go with the last one's parameters. */
+/* Returns true if a branch varies the same parameters as the last one, so that it is shown with
+ * it. */
 static bool is_shown(const struct kept_branch *last, const struct kept_branch *b)
 {
     return b->params == last->params && b->param[0] == last->param[0] &&
@@ -22,15 +23,18 @@ bool branches_known(const struct session *session)
     return dynamics && dynamics->branches > 0;
 }
 
+/* The figure while it is made. */
 struct diagram {
     const struct dynamics *dynamics;
     const struct kept_branch *last;
-    int variable;
+    int variable; /* index of the variable that is shown upwards */
     struct curve *line, *dots;
     double *x[2], *y[2]; /* coordinates of lines and dots; NAN separates segments */
-    double size[2];
+    double size[2];      /* largest magnitude across and up, which the units are chosen by */
 };
 
+/* Returns what is drawn upwards: the second parameter, the state, or an extremum of an orbit (side
+ * 1 is the maximum). */
 static double height_of(const struct diagram *g, const struct solution *s, int side)
 {
     if (g->last->params == 2)
@@ -40,6 +44,7 @@ static double height_of(const struct diagram *g, const struct solution *s, int s
     return (side ? s->top : s->bottom)[g->variable];
 }
 
+/* Adds a point to the line of stable solutions or to the dots of unstable ones. */
 static void diagram_point_put(struct diagram *g, bool stable, double x, double y)
 {
     struct curve *curve = stable ? g->line : g->dots;
@@ -51,6 +56,7 @@ static void diagram_point_put(struct diagram *g, bool stable, double x, double y
     }
 }
 
+/* Adds one line of a branch: its equilibria, or the minima or maxima of its orbits. */
 static void put_side(struct diagram *g, const struct kept_branch *b, int side)
 {
     bool was_stable = false;
@@ -68,7 +74,8 @@ static void put_side(struct diagram *g, const struct kept_branch *b, int side)
     diagram_point_put(g, true, NAN, NAN);
 }
 
-/* One curve for each letter, which its points' labels name. */
+/* Adds a curve for each kind of special point, drawn as a letter and labelled with its points'
+ * labels. `count` is at least the number of points. Returns false if out of memory. */
 static bool put_specials(struct drawing *d, const struct diagram *g, int count)
 {
     double *place = arena_array(d->arena, 2 * (size_t)(count * SPECIAL_COUNT) + 1, sizeof *place);
@@ -104,6 +111,7 @@ static bool put_specials(struct drawing *d, const struct diagram *g, int count)
     return place;
 }
 
+/* Finds the variable that was asked for, or the first. Returns false with d->error. */
 static bool find_variable(struct drawing *d, int *variable)
 {
     const struct model *model = d->session->setup.scene.model;
@@ -141,7 +149,7 @@ bool branches_figure(struct drawing *d, struct figure *figure)
         g.x[k] = all + (size_t)(2 * k) * rows;
         g.y[k] = all + (size_t)(2 * k + 1) * rows;
     }
-    d->curves = 0; /* letters above all: what comes first is drawn last */
+    d->curves = 0; /* the first curve is drawn last, so that letters are above lines */
     if (!put_specials(d, &g, points))
         return error_memory(d->error);
     g.line = &d->curve[d->curves++];

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plane of the portrait, on which the cursors' point moves. */
+/* The plane of the phase portrait, on which the cursors' point moves, and when the plot is
+ * offered. */
 #include "modules/dynamics/kept.h"
 #include "modules/dynamics/plots.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Share of the box within which the point stands on an equilibrium. */
+/* Distance from an equilibrium, as a fraction of the region, within which the point is on it. */
 static const double on_equilibrium_max = 0.01;
 
+/* Sets the plane of the portrait that is drawn. Returns false if none is of the present model. */
 static bool plane_drawn(const struct session *session, struct plot_plane *plane)
 {
     const struct dynamics_part *part = session_part_if_made(session, &dynamics_module);
@@ -22,7 +24,8 @@ static bool plane_drawn(const struct session *session, struct plot_plane *plane)
     return true;
 }
 
-/* The equilibria in their order, once around, from the one that comes next across. */
+/* Moves the point to the next equilibrium to the right, or left if not `forward`, around the region
+ * and upwards among those above each other. Returns false with *error if there is none. */
 static bool next_equilibrium(const struct session *session, const struct plot_plane *plane,
                              bool forward, double point[2], struct error *error)
 {
@@ -52,7 +55,7 @@ static bool next_equilibrium(const struct session *session, const struct plot_pl
     return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
 }
 
-/* Returns the index of the equilibrium at the cursor, or -1. */
+/* Returns the index of the equilibrium that the cursor is on, or -1. */
 static int equilibrium_there(const struct session *session, const struct plot_plane *plane)
 {
     const struct equilibria *found = &stored_portrait(session)->portrait.found;
@@ -68,6 +71,7 @@ static int equilibrium_there(const struct session *session, const struct plot_pl
     return -1;
 }
 
+/* Appends the equilibrium that the cursor is on, if there is one. */
 static void say_equilibrium(const struct session *session, const struct plot_plane *plane,
                             struct buffer *text)
 {

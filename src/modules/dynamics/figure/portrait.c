@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The phase portrait as a figure: what is shown of it, and words about it. */
+/* The phase portrait as a figure: choice of plane and region, curves, words for screen readers. */
 #include <hooke/run.h>
 #include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
@@ -14,19 +14,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ARROW_COLUMNS 6 /* [cell] distance between arrows */
-#define TEXT_ARROWS 8   /* arrows up a figure of text */
-#define PANE_COLUMNS 10 /* [cell] the same in a pane, which is redrawn often */
-#define PANE_ARROWS 4
-#define PICTURE_ARROWS 22             /* arrows across a picture */
+#define ARROW_COLUMNS 6               /* [cell] distance between arrows in a text figure */
+#define TEXT_ARROWS 8                 /* number of rows of arrows in a text figure */
+#define PANE_COLUMNS 10               /* [cell] distance in a pane, which is redrawn often */
+#define PANE_ARROWS 4                 /* number of rows in a pane */
+#define PICTURE_ARROWS 22             /* number of columns of arrows in a picture */
 #define ARROW_LENGTH 0.55             /* length as a part of the distance between arrows */
 #define ARROW_HEAD 0.35               /* length of the head as a part of the arrow */
-#define TRAJECTORY_NATURAL_TIMES 30.0 /* natural times of a trajectory each way */
-#define RUN_ROWS 20000                /* most rows of the run that are drawn */
-#define BOX_MARGIN_FRACTION 0.25      /* extension of a box on each side */
+#define TRAJECTORY_NATURAL_TIMES 30.0 /* length of a trajectory each way, in natural times */
+#define RUN_ROWS 20000                /* largest number of rows of the run that are drawn */
+#define BOX_MARGIN_FRACTION 0.25      /* extension of the region on each side */
 
-/* ---- what is shown ---- */
+/* ---- choice of plane and region ---- */
 
+/* Sets the variables across and up: those asked for, else position and velocity. */
 static bool choose_variables(struct drawing *d, const struct system *system,
                              struct portrait_request *wanted)
 {
@@ -47,7 +48,8 @@ static bool inside(const double inner[2], const double outer[2])
     return inner[0] >= outer[0] && inner[1] <= outer[1];
 }
 
-/* A pane keeps its box until the run leaves it. */
+/* Keeps the region of a pane's last portrait while the run stays in it, so that the picture is
+ * steady. */
 static void keep_box(const struct drawing *d, struct portrait_request *wanted, double all[][2])
 {
     const struct stored_portrait *stored = stored_portrait(d->session);
@@ -65,6 +67,7 @@ static void keep_box(const struct drawing *d, struct portrait_request *wanted, d
         memcpy(wanted->state, stored->request.state, sizeof wanted->state);
 }
 
+/* Sets the region: that of the search for equilibria, or the ranges asked for or zoomed to. */
 static bool choose_box(struct drawing *d, const struct system *system,
                        struct portrait_request *wanted)
 {
@@ -87,6 +90,7 @@ static bool choose_box(struct drawing *d, const struct system *system,
     return true;
 }
 
+/* Sets up the whole request and binds its scene. Returns false with d->error. */
 static bool choose(struct drawing *d, struct system *system, struct portrait_request *wanted)
 {
     struct scene *scene = arena_array(d->arena, 1, sizeof *scene);
@@ -136,6 +140,7 @@ static struct curve *portrait_curve_add(struct drawing *d, const char *label, ch
     return curve;
 }
 
+/* Adds a curve with a copy of the line's points, if it has any. False if out of memory. */
 static bool add_line(struct drawing *d, const struct polyline *line, const char *label, char mark)
 {
     if (line->n == 0)
@@ -162,7 +167,7 @@ static bool add_own_line(struct drawing *d, struct polyline *line, bool fine, co
     return fine;
 }
 
-/* The present run, an angle as it is shown. */
+/* Adds the current run; an angle is reduced to the turn that is shown. */
 static bool add_run(struct drawing *d, const struct portrait_request *wanted)
 {
     const struct run *run = session_run(d->session);
@@ -186,6 +191,7 @@ static bool add_run(struct drawing *d, const struct portrait_request *wanted)
     return add_own_line(d, &line, fine, drawing_run_label(d, run), 0);
 }
 
+/* Adds the trajectories, forwards and backwards, of the states of the command start. */
 static bool add_starts(struct drawing *d, const struct system *system,
                        const struct portrait_request *wanted)
 {
@@ -203,7 +209,7 @@ static bool add_starts(struct drawing *d, const struct system *system,
     return add_own_line(d, &line, fine, "starts", d->curves > 0 ? '*' : '\0');
 }
 
-/* Orbits that were found with the present values: stable ones are lines, others dots. */
+/* Adds stored orbits of the scene's present values: stable ones as lines, others as dots. */
 static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
 {
     const struct dynamics *kept = session_dynamics(d->session);
@@ -252,7 +258,7 @@ static bool add_cursor(struct drawing *d)
     return true;
 }
 
-/* One curve a type: letters, large where it is stable. */
+/* Adds a curve for each type of equilibrium, drawn as a letter: a capital if it is stable. */
 static bool add_equilibria(struct drawing *d, const struct portrait_request *wanted,
                            const struct equilibria *found)
 {
@@ -296,6 +302,7 @@ static void put_arrow(double *x, double *y, const double centre[2], const double
     x[5] = y[5] = NAN;
 }
 
+/* Adds arrows of equal length on a grid, which show the direction of the flow. */
 static bool add_directions(struct drawing *d, const struct system *system,
                            const struct portrait_request *wanted)
 {
@@ -351,6 +358,7 @@ static void put_axis_words(struct buffer *output, const struct variable *variabl
     buffer_quantity(output, range[1], variable->quantity, 3);
 }
 
+/* Describes the portrait: region, equilibria and separatrices. */
 static void put_words(struct buffer *output, const struct system *system,
                       const struct portrait_request *wanted, const struct portrait *portrait)
 {
@@ -386,7 +394,7 @@ static void put_words(struct buffer *output, const struct system *system,
     }
 }
 
-/* "at t = 2 s, equilibria of the mean; z = 3" */
+/* Returns the note below the plot: "at t = 2 s, equilibria of the mean", "z = 3"; or NULL. */
 static const char *put_note(struct drawing *d, const struct system *system,
                             const struct portrait_request *wanted, const struct portrait *portrait)
 {
@@ -423,6 +431,7 @@ static struct axis axis_of(const struct drawing *d, const struct system *system,
     return axis;
 }
 
+/* Adds nullclines, separatrices and lines of equal energy. */
 static bool add_lines(struct drawing *d, const struct portrait_request *wanted,
                       const struct portrait *portrait, const struct system *system)
 {

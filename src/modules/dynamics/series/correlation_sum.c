@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The share of pairs of vectors that are nearer than a distance, and as what power of it it goes.
- */
+/* The correlation dimension: the power of the distance with which the number of pairs of vectors
+ * that are nearer than it grows (Grassberger, Procaccia 1983). */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#define REFERENCE_VECTORS 1000 /* each with */
-#define COMPARED_VECTORS 20000
-#define EXTRA_DELAYS 2    /* delays more than unfold the motion */
-#define BINS_PER_OCTAVE 4 /* bins per factor of two */
+#define REFERENCE_VECTORS 1000 /* number of vectors that are each compared with */
+#define COMPARED_VECTORS 20000 /* this number of others */
+#define EXTRA_DELAYS 2         /* number of delays beyond those that unfold the motion */
+#define BINS_PER_OCTAVE 4      /* bins per factor of two */
 /* Least significant bits of a double below a bin: bin edges are 1, 1.25, 1.5, 1.75 times 2^k. */
 #define CELL_BITS 50
-#define OCTAVES_MAX 40
+#define OCTAVES_MAX 40 /* factors of two from the smallest to the largest distance */
 #define DISTANCE_BINS (BINS_PER_OCTAVE * OCTAVES_MAX)
 #define SMALLEST_DISTANCE_PAIRS 300        /* pairs below the smallest distance */
 #define LARGEST_DISTANCE_PAIR_FRACTION 0.1 /* part of all pairs below the largest distance */
@@ -26,12 +26,14 @@
 #define SYSTEMATIC_ERROR_RELATIVE 0.05
 #define SLOPE_UNCERTAINTY_MAX 0.15 /* largest relative uncertainty of a slope */
 
+/* Correlation sums for each number of delays. */
 struct pair_counts {
     double log_count[EXTRA_DELAYS + 1][DISTANCE_BINS]; /* ln of pairs below the upper edge */
-    double log_edge[DISTANCE_BINS];
-    double pairs;
+    double log_edge[DISTANCE_BINS];                    /* ln of the upper edge of each bin */
+    double pairs;                                      /* number of all pairs */
 };
 
+/* Returns the bin of a distance, counted from 0: the leading bits of the double. */
 static uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -39,6 +41,7 @@ static uint64_t bits_of(double x)
     return bits >> CELL_BITS;
 }
 
+/* Returns the lower edge of a bin. */
 static double edge_of(uint64_t cell)
 {
     double x;
@@ -47,7 +50,8 @@ static double edge_of(uint64_t cell)
     return x;
 }
 
-/* Largest differences of values (the norm that needs no roots) of each vector with the others. */
+/* Counts the distances of vector i from every stride-th other one, in bins from `first` on. The
+ * distance is the largest difference of two values, for each number of delays. */
 static void count_pairs(const struct delay_space *s, size_t i, size_t stride, uint64_t first,
                         int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS])
 {
@@ -67,6 +71,7 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
     }
 }
 
+/* Computes the correlation sums of a motion of that size. Returns false if cancelled. */
 static bool find_sums(const struct delay_space *s, double size, struct pair_counts *sums)
 {
     int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS] = {{0}};
@@ -90,6 +95,8 @@ static bool find_sums(const struct delay_space *s, double size, struct pair_coun
     return true;
 }
 
+/* Returns the slope of ln(pairs) over ln(distance) by a line through bins first to last, with k
+ * extra delays. */
 static double slope_between(const struct pair_counts *sums, int k, int first, int last)
 {
     double x = 0, y = 0, xy = 0, xx = 0;
@@ -105,7 +112,8 @@ static double slope_between(const struct pair_counts *sums, int k, int first, in
     return xy / xx;
 }
 
-/* Returns by how much the slope differs between halves of a stretch and with more delays. */
+/* Returns the uncertainty of the slope of the range from bin `first` on: how much it differs
+ * between its halves and with more delays. */
 static double open_part(const struct pair_counts *sums, int first, double slope)
 {
     const int last = first + SLOPE_BINS, middle = first + SLOPE_BINS / 2;
@@ -116,8 +124,9 @@ static double open_part(const struct pair_counts *sums, int first, double slope)
     return deviation;
 }
 
-/* The median over all stretches that hold enough pairs, not too many; ends [2]: of these. *error:
- * what is left open, and half of what the middle 80 % differ. */
+/* Returns the median of the slopes of all ranges that hold enough pairs but not too many, or NAN if
+ * there is none. Sets ends to the first and last bin of these ranges, and *error to half of the
+ * spread of the middle 80 % with the median of open_part(). */
 static double median_slope(const struct pair_counts *sums, double *error, int *ends)
 {
     double slope[DISTANCE_BINS], deviation[DISTANCE_BINS];
@@ -137,6 +146,7 @@ static double median_slope(const struct pair_counts *sums, double *error, int *e
     return values_quantile(slope, count, 0.5);
 }
 
+/* Returns true with a reason if the series is too short. */
 bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
                            struct series_exponent *found)
 {

@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Mean logarithms of distances between neighbours, and the stretch in which they grow evenly. */
+/* Mean logarithms of distances between neighbours over time, and the range in which they grow
+ * exponentially. */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
 #include <math.h>
 
-#define NEIGHBOUR_PAIRS 4000
-#define CURVE_STEPS_MAX 600
-#define ROUNDED_LOG_DISTANCE -40 /* [ln] they have come together to rounding */
-/* [ln] The stretch ends this far below the mean distance between any two points. */
+#define NEIGHBOUR_PAIRS 4000     /* approximate number of pairs that are followed */
+#define CURVE_STEPS_MAX 600      /* largest number of steps of the curve */
+#define ROUNDED_LOG_DISTANCE -40 /* ln of a distance that is 0 but for rounding */
+/* The range of growth ends this far, in ln, below the mean distance between any two vectors. */
 #define SATURATION_LOG_MARGIN 1.5
 
+/* Returns the logarithm of the distance between two vectors. */
 static double log_apart(const struct delay_space *s, size_t i, size_t j)
 {
     const double square = space_distance2(s, i, j);
     return square > 0 ? log(square) / 2 : ROUNDED_LOG_DISTANCE;
 }
 
+/* Returns the mean logarithm of the distance between random vectors: where growth must end. */
 static double between_any(const struct delay_space *s)
 {
     uint64_t seed = 1;
@@ -57,12 +60,13 @@ static double log_across(const struct delay_space *s, size_t i, size_t centre, s
     }
 }
 
-/* Adds the distances of one pair to the means of its part. */
+/* Follows the pair of vectors i and j for the time of the curve, and adds their ln(distance) to
+ * `mean` [steps]. */
 static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t samples,
                          const struct divergence *d, double *mean)
 {
     const size_t most = s->points + samples - 1;
-    const bool flows = s->delay > 1 && i > 0;
+    const bool flows = s->delay > 1 && i > 0; /* a map has no direction of flow */
     size_t neighbour = j;
     for (size_t k = 0; k < d->steps; k++) {
         const size_t shift = k * d->stride;
@@ -72,6 +76,7 @@ static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t
     }
 }
 
+/* Turns sums into means, over each part and over the whole series. */
 static void put_means(const struct delay_space *s, const size_t *count, struct divergence *d)
 {
     for (size_t k = 0; k < d->steps; k++) {
@@ -117,6 +122,7 @@ bool divergence_find(const struct delay_space *s, size_t samples, struct arena *
     return true;
 }
 
+/* Returns the slope of a line through y[first] to y[last], per step. */
 static double slope_of(const double *y, size_t first, size_t last)
 {
     const double middle = (double)(first + last) / 2;
@@ -128,6 +134,7 @@ static double slope_of(const double *y, size_t first, size_t last)
     return xx > 0 ? xy / xx : NAN;
 }
 
+/* The error of the slope is the scatter of the slopes of successive parts. */
 struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
     struct even_growth g = {.first = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Choice of the delay and the number of delayed values in a vector, and how well such vectors
- * predict. */
+/* Chooses the delay and the number of delayed values of an embedding, searches neighbours, and
+ * measures how well these predict. */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
@@ -8,18 +8,19 @@
 #include <math.h>
 #include <string.h>
 
-#define INFORMATION_BINS 16
-#define MOST_DELAY 1000             /* samples */
-#define LOOKED_AT 50000             /* values of which the information is taken */
-#define EXAMINED_VECTORS 1000       /* that are asked for false neighbours, and for what comes */
+#define INFORMATION_BINS 16         /* number of bins of values for the mutual information */
+#define MOST_DELAY 1000             /* [samples] largest delay */
+#define LOOKED_AT 50000             /* largest number of values that are examined */
+#define EXAMINED_VECTORS 1000       /* number of vectors whose neighbours are examined */
 #define FALSE_NEIGHBOUR_FACTOR 10   /* A neighbour is false if its distance grows by this factor, */
 #define NEIGHBOUR_DISTANCE_SIGMAS 2 /* unless it was this number of standard deviations before. */
 #define DISTANCE_MIN_SIGMAS 1e-6    /* smallest distance in standard deviations */
-#define FALSE_SHARE 0.01
+#define FALSE_SHARE 0.01 /* share of false neighbours below which the motion is unfolded */
 
 /* ---- neighbours ---- */
 
-/* Adds vector j to the nearest ones, unless as many are nearer or it is too near in time. */
+/* Adds vector j to the neighbours of vector i, unless `wanted` ones are nearer, it is at distance
+ * 0, or within the Theiler window. */
 static void look_at(const struct delay_space *s, size_t i, size_t j, int wanted,
                     struct neighbours *f)
 {
@@ -95,7 +96,7 @@ static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsign
     return true;
 }
 
-/* [nat] between values so many samples apart */
+/* Returns the mutual information [nat] of values that are `lag` samples apart, from their bins. */
 static double information(const unsigned char *bin, size_t n, size_t lag)
 {
     int count[INFORMATION_BINS][INFORMATION_BINS] = {{0}}, first[INFORMATION_BINS] = {0},
@@ -114,6 +115,7 @@ static double information(const unsigned char *bin, size_t n, size_t lag)
     return sum / pairs;
 }
 
+/* Returns the autocovariance of y at a lag [samples]. */
 static double correlation(const double *y, size_t n, double mean, size_t lag)
 {
     double sum = 0;
@@ -146,14 +148,17 @@ int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct 
     return (int)most;
 }
 
-/* ---- how many ---- */
+/* ---- the number of delays ---- */
 
+/* Returns the number of vectors behind which `ahead` more samples exist. */
 static size_t vectors_of(size_t n, const struct delay_space *s, size_t ahead)
 {
     const size_t window = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     return n > window ? n - window : 0;
 }
 
+/* Returns the share of nearest neighbours that one more delayed value separates (Kennel, Brown,
+ * Abarbanel 1992), or NAN if cancelled. sigma is the standard deviation of y. */
 static double false_neighbours(const struct delay_space *s, double sigma)
 {
     const size_t stride = s->points / EXAMINED_VECTORS + 1;
@@ -190,12 +195,13 @@ int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *fal
     return 0;
 }
 
-/* ---- what comes ---- */
+/* ---- prediction ---- */
 
-enum { UNKNOWNS = SPACE_DIMENSIONS + 1 };
+enum { UNKNOWNS = SPACE_DIMENSIONS + 1 }; /* coefficients of a linear function and its constant */
 
-/* Returns the mean square error of the best linear function of the vectors' values and a
- * constant. */
+/* Returns the mean square error with which the best linear function of a vector predicts the value
+ * `ahead` samples behind it, or NAN if the function is not unique. The first pass fits it, the
+ * second one evaluates it. */
 static double linear_error(const struct delay_space *s, size_t ahead, size_t vectors)
 {
     const int n = s->dimensions + 1;
@@ -230,6 +236,7 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
     return sum / (double)count;
 }
 
+/* Compares the root mean square errors of about EXAMINED_VECTORS predictions. */
 double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
 {
     const size_t vectors = vectors_of(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,

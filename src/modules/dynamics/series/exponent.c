@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The largest Lyapunov exponent of a series, or why it is not determined. */
+/* The largest Lyapunov exponent of a series, or the reason why it is not determined.
+ * series_exponent() checks the series, embeds it, and measures how fast neighbours separate. */
 #include <hooke/base/cancel.h>
 #include "modules/dynamics/series/space.h"
 
@@ -10,13 +11,13 @@
 #include <stdio.h>
 
 #define MEAN_CROSSINGS_MIN 20 /* crossings of the mean, upwards */
-#define SERIES_PARTS 4        /* parts of the series, whose sizes */
-#define PART_SIZE_RATIO_MAX 2 /* differ by no more than this factor */
-#define PART_MEAN_DRIFT_MAX 2 /* and whose means differ by no more than this number of sizes */
+#define SERIES_PARTS 4 /* parts of the series, which are compared to see whether it is steady */
+#define PART_SIZE_RATIO_MAX 2 /* largest ratio of the standard deviations of two parts */
+#define PART_MEAN_DRIFT_MAX 2 /* largest difference of their means, in standard deviations */
 /* Largest prediction error relative to that of a linear function. */
 #define PREDICTION_ERROR_RATIO 0.7
 #define EXTRA_DELAYS 2   /* additional delays, whose effect counts as an error */
-#define HORIZON_TURNS 40 /* turns at most */
+#define HORIZON_TURNS 40 /* largest number of turns for which neighbours are followed */
 /* Largest relative difference between the exponents of both halves. */
 #define HALVES_DIFFERENCE_MAX 0.5
 /* Distances that grow by less than this factor do not grow at all. */
@@ -26,6 +27,7 @@
  * pendulum, Duffing; 5000 and 20 000 samples, 16 starts each: -11 to +13 %). */
 #define SYSTEMATIC_ERROR_RELATIVE 0.08
 
+/* Stores the reason why the exponent is not determined. Returns true, since that is a result. */
 static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
 static bool leave(struct series_exponent *found, const char *format, ...)
 {
@@ -33,15 +35,17 @@ static bool leave(struct series_exponent *found, const char *format, ...)
     va_start(args, format);
     vsnprintf(found->reason, sizeof found->reason, format, args);
     va_end(args);
-    return true; /* that is known */
+    return true;
 }
 
-/* ---- what has to be so before ---- */
+/* ---- requirements ---- */
 
+/* Mean and standard deviation of a part of the series. */
 struct part {
     double mean, sigma;
 };
 
+/* Returns mean and standard deviation of samples begin to end - 1. */
 static struct part series_part_of(const double *y, size_t begin, size_t end)
 {
     struct part p = {0};
@@ -54,6 +58,7 @@ static struct part series_part_of(const double *y, size_t begin, size_t end)
     return p;
 }
 
+/* Returns true if size and mean of the motion are steady; otherwise stores the reason. */
 static bool lasts(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
@@ -78,7 +83,8 @@ static bool lasts(const struct samples *x, struct series_exponent *found)
     return true;
 }
 
-/* Crossings of the mean upwards; *turn [samples] from one to the next. */
+/* Returns the number of upward crossings of the mean, and sets *turn to the mean time between them
+ * [samples]. */
 static size_t turns_of(const struct samples *x, double mean, double *turn)
 {
     size_t count = 0;
@@ -88,6 +94,8 @@ static size_t turns_of(const struct samples *x, double mean, double *turn)
     return count;
 }
 
+/* Returns true if the series can be analysed; otherwise stores the reason. Sets *turn as
+ * turns_of(). */
 static bool is_fit(const struct samples *x, const struct part *whole, double *turn,
                    struct series_exponent *found)
 {
@@ -108,7 +116,7 @@ static bool is_fit(const struct samples *x, const struct part *whole, double *tu
     return true;
 }
 
-/* ---- the vectors ---- */
+/* ---- embedding ---- */
 
 /* Chooses the delay and the dimension, with shorter delays if the first unfolds nothing. Returns
  * false if out of memory, if cancelled, or with the reason set if no number of delays unfolds the
@@ -138,15 +146,18 @@ static bool unfold(struct delay_space *space, const struct samples *x, double si
                  SPACE_DIMENSIONS - 2, 100 * share);
 }
 
-/* ---- how fast they go apart ---- */
+/* ---- separation of neighbours ---- */
 
-/* [samples] that neighbours are followed for */
+/* Returns for how many samples neighbours are followed; `turn` is the mean time between crossings
+ * [samples]. */
 static size_t horizon_of(const struct samples *x, int delays, int delay, double turn)
 {
     const size_t window = (size_t)(delays * delay);
     return (size_t)fmin((double)(x->n - window) / 4, HORIZON_TURNS * turn);
 }
 
+/* Computes divergence and growth with that number of delayed values. Returns false if out of memory
+ * or cancelled. */
 static bool grow_with(const struct delay_space *space, const struct samples *x, int dimensions,
                       double turn, struct arena *arena, struct divergence *divergence,
                       struct even_growth *growth)
@@ -162,6 +173,8 @@ static bool grow_with(const struct delay_space *space, const struct samples *x, 
     return true;
 }
 
+/* Returns true with a reason stored if distances do not grow exponentially. `step` [s] is that of
+ * the divergence. */
 static bool judge(const struct divergence *d, const struct even_growth *g, double step,
                   struct series_exponent *found)
 {
@@ -182,6 +195,8 @@ static bool judge(const struct divergence *d, const struct even_growth *g, doubl
     return false;
 }
 
+/* Stores the exponent with its error, or why there is none. Returns false if out of memory or
+ * cancelled. */
 static bool find_exponent(const struct delay_space *space, const struct samples *x, double turn,
                           struct arena *arena, struct series_exponent *found)
 {
