@@ -298,6 +298,8 @@ static void reply_compared(struct session *session, const struct arguments *args
     reply_saved(session, rows, count, reply);
 }
 
+/* Executes `compare`. What would take too long is refused or left out without --force; finished
+ * runs are kept if the study fails or is stopped. */
 HANDLER(compare)
 {
     const struct argument_value *dt = argument_value(args, "dt"),

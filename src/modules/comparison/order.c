@@ -127,6 +127,7 @@ bool order_study(struct session *session, const struct row *const *method, int m
     return ok;
 }
 
+/* Executes `order`, for the named methods or the session's own. */
 HANDLER(order)
 {
     const struct argument_value *dt = argument_value(args, "dt");
@@ -209,6 +210,8 @@ static const struct result_column of_selftest[] = {
 static const struct result_columns selftest_columns =
     RESULT_COLUMNS(of_selftest, struct selftest_row);
 
+/* Executes `selftest`: a line for each method that fails a check, or with --full for all. Fails
+ * with ERROR_NUMERICAL if a method does. */
 HANDLER(selftest)
 {
     struct text_table table = {.arena = args->arena, .columns = SELFTEST_CHECKS + 2, .gap = 2};

@@ -231,6 +231,8 @@ static bool reply_tables(const struct session *session, const struct arguments *
     return true;
 }
 
+/* Executes `precision` and `precision table`. What is finished when the study is stopped is shown
+ * and kept. */
 HANDLER(precision)
 {
     const struct argument_value *dt = argument_value(args, "dt"),

@@ -364,6 +364,7 @@ static void put_study(const struct session *session, const struct arguments *arg
         text->failed = true;
 }
 
+/* Executes `stability`, for the named methods or the session's own. */
 HANDLER(stability)
 {
     const struct argument_value *methods = argument_value(args, "METHOD");

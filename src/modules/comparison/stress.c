@@ -286,6 +286,8 @@ static int list_stressed(const struct argument_value *wanted, const struct metho
     return methods;
 }
 
+/* Executes `stress`, on the built-in cases or, with the word `scene`, on those made of the
+ * session's scene. */
 HANDLER(stress)
 {
     const struct argument_value *wanted = argument_value(args, "METHOD|CASE");

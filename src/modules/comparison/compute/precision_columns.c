@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of the points of a precision study, for programs, files and people. */
+/* Columns of the table of a precision study, one row per point, for programs, files and people. */
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/compare.h"
 
@@ -20,6 +20,7 @@ const struct precision_row *precision_rows(const struct precision *precision, st
     return row;
 }
 
+/* Returns the point of a row. */
 static const struct precision_point *point_of(const void *row)
 {
     return &((const struct precision_row *)row)->point;
@@ -27,11 +28,13 @@ static const struct precision_point *point_of(const void *row)
 
 /* ---- values ---- */
 
+/* Returns the step of a row [s], or NAN for an adaptive solve. */
 static double dt_of(const void *row)
 {
     return point_of(row)->tol > 0 ? NAN : point_of(row)->dt;
 }
 
+/* Returns the tolerance of a row, or NAN for fixed steps. */
 static double tol_of(const void *row)
 {
     return point_of(row)->tol > 0 ? point_of(row)->tol : NAN;
@@ -56,11 +59,13 @@ const char *precision_failure(const struct precision *precision,
     return precision->reference.dissenting_method[0] ? "apart" : "lost";
 }
 
+/* Returns why the point has no meaningful error, or "". */
 static const char *failure_of(const void *row)
 {
     return precision_failure(((const struct precision_row *)row)->precision, point_of(row));
 }
 
+/* Returns the word of the column "status": the failure, spelled without a blank, or "ok". */
 static const char *status_of(const void *row)
 {
     return point_of(row)->stop == STOP_FULL && !point_of(row)->refused ? "too-long"
@@ -68,6 +73,8 @@ static const char *status_of(const void *row)
                                                                        : stop_name(STOP_END);
 }
 
+/* Returns the number of evaluations predicted for the point's error, or NAN for adaptive or failed
+ * points and for scenes without a prediction. */
 static double predicted_of(const void *row)
 {
     const struct precision_point *point = point_of(row);
@@ -89,6 +96,7 @@ static bool point_is_timed(const void *row)
 
 /* ---- for people ---- */
 
+/* Returns the heading of the column of steps or tolerances. */
 static const char *setting_head(const void *first)
 {
     return ((const struct precision_row *)first)->curve.adaptive ? "tol" : "dt";
@@ -99,6 +107,7 @@ static const char *order_head(const void *first)
     return ((const struct precision_row *)first)->curve.adaptive ? "slope" : "order";
 }
 
+/* Writes the tolerance, or the step with its unit. */
 static void setting_cell(struct text_table *table, const void *row)
 {
     const struct precision_point *point = point_of(row);
@@ -123,6 +132,7 @@ static void step_time_cell(struct text_table *table, double ns)
     cell_format(table, isnan(ns) ? "-" : ns < 1000 ? "%.3g" : "%.0f", ns);
 }
 
+/* Writes the failure and the marks that put_marks() in precision.c explains below the tables. */
 static void marks_cell(struct text_table *table, const void *row)
 {
     const struct precision_point *point = point_of(row);

@@ -1,55 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* precision: each method swept from coarse steps to the floor of rounding, its errors measured,
- * everything timed. */
+/* The study behind `precision`: each method is swept from coarse steps to the floor of rounding and
+ * its errors are measured; then everything is timed (precision_time.c). */
 #include "modules/comparison/compute/suspect.h"
 #include <hooke/base/cancel.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#define SECONDS_DEFAULT 12.0 /* Time allowed unless the request states one [s]. */
-#define SECONDS_STIFF 20.0   /* The same for stiff scenes. */
-#define SWEEP_SHARE 0.45     /* share of the time for the errors; the rest is for the times */
-#define SECONDS_QUICK 0.4    /* [s] time for the times alone, with `timing quick` */
+#define SECONDS_DEFAULT 12.0 /* time allowed unless the request states one [s] */
+#define SECONDS_STIFF 20.0   /* the same for stiff scenes */
+#define SWEEP_SHARE 0.45     /* share of the time for measuring errors; the rest is for timing */
+#define SECONDS_QUICK 0.4    /* [s] time for timing with `timing quick` */
 #define LOG2_FIRST 0         /* the coarsest step is duration/2^this */
-#define LOG2_LAST 27
-#define TOL_FIRST 1e-2
-#define TOL_LAST 1e-14
-/* a solve's evaluations, Jacobians and solves, once a curve has POINTS_ENOUGH points */
+#define LOG2_LAST 27         /* the finest step is duration/2^this */
+#define TOL_FIRST 1e-2       /* loosest and */
+#define TOL_LAST 1e-14       /* tightest tolerance of a sweep */
+/* Largest cost of a solve (evaluations, Jacobians and solves of linear systems) once its curve has
+ * POINTS_ENOUGH points. */
 #define COST_USUAL 2.1e6
 #define COST_MAX 6e6 /* the same before that */
-/* The same before it has POINTS_FIRST points: the cost of explicit methods in stiff scenes is of
- * interest, too. */
+/* The same before the curve has POINTS_FIRST points, as the cost of explicit methods in stiff
+ * scenes is of interest, too. */
 #define COST_FIRST 2.4e7
-#define COST_TRIAL 2e5 /* cost of an adaptive solve before its whole cost is known */
+#define COST_TRIAL 2e5 /* cost after which the whole cost of an adaptive solve is estimated */
 #define POINTS_ENOUGH 4
 #define POINTS_FIRST 1
-/* errors that stop falling are rounding only below this, or near the reference's accuracy */
+/* Errors that stop falling are taken for rounding only below this, or near the reference's
+ * accuracy. */
 #define FLOOR_ERROR 1e-9
-#define ERROR_SETTLED 0.05 /* Failures end a sweep after an error this small. */
-#define FAILURES_MAX 3     /* Number of failures in a row that end a sweep. */
-#define FLOOR_POINTS 2     /* that many without gain end a sweep */
+#define ERROR_SETTLED 0.05 /* failures end a sweep after an error this small */
+#define FAILURES_MAX 3     /* number of failures in a row that end a sweep */
+#define FLOOR_POINTS 2     /* number of points without gain that end a sweep */
 
 bool precision_meaningful(const struct precision_point *point)
 {
     return !point->refused && point->stop == STOP_END && point->errors.max < 1;
 }
 
+/* State of the sweep of all methods. */
 struct sweeping {
     const struct precision_request *request;
     struct precision *precision;
-    struct precision_curve *curve;
-    double *grid;
-    struct witnesses witnesses;
-    int hardest;     /* grid time before the interval where the motion goes furthest */
-    size_t capacity; /* points allocated */
-    int64_t begin;   /* clock */
-    int meaningful;
-    double best; /* error so far */
-    int stale, failures;
+    struct precision_curve *curve; /* curve of the present method */
+    double *grid;                  /* [STUDY_TIMES][n] states of the last solve */
+    struct witnesses witnesses;    /* finest runs, which may contradict the reference */
+    int hardest;                   /* grid interval in which the motion goes furthest */
+    size_t capacity;               /* points allocated in precision->point */
+    int64_t begin;                 /* clock when the curve was begun [ns] */
+    int meaningful;                /* points of the curve with a meaningful error */
+    double best;                   /* error so far */
+    int stale, failures;           /* points in a row without gain, and failures in a row */
 };
 
-/* Returns NULL if out of memory */
+/* Appends a point to the present curve. Returns NULL if out of memory. */
 static struct precision_point *add_point(struct sweeping *sweep)
 {
     struct precision *precision = sweep->precision;
@@ -65,6 +68,7 @@ static struct precision_point *add_point(struct sweeping *sweep)
     return &precision->point[precision->points++];
 }
 
+/* Returns the order between two points, or NAN if one of them failed. */
 static double local_order(const struct precision_point *coarse, const struct precision_point *fine)
 {
     const double ratio = fine->tol > 0 ? coarse->tol / fine->tol : coarse->dt / fine->dt;
@@ -73,6 +77,7 @@ static double local_order(const struct precision_point *coarse, const struct pre
                                                                                          : NAN;
 }
 
+/* Returns the index of the grid interval in which the reference moves furthest, in amplitudes. */
 static int hardest_interval(const struct precision *precision)
 {
     const struct reference *reference = &precision->reference;
@@ -89,11 +94,10 @@ static int hardest_interval(const struct precision *precision)
     return found;
 }
 
-/*
- * Returns true if these steps lose the motion, started on the solution, in the one of 256 intervals
- * where it moves furthest: they then lose all of it, which is found at 1/256 of the cost. Returns
- * false if nothing is lost there, or if the steps are longer than the interval.
- */
+/* Returns true if steps of this size lose the motion, as tried in the one of 256 intervals in which
+ * it moves furthest, from the reference's state: they then lose all of it, which is found at 1/256
+ * of the cost. The point is filled in then. Returns false if the motion is not lost there, if the
+ * steps are longer than a quarter of the interval, or with *memory false if out of memory. */
 static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *point, bool *memory)
 {
     const struct precision *precision = sweep->precision;
@@ -123,7 +127,7 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     return point->probed;
 }
 
-/* Returns what the next solve of the sweep may cost. */
+/* Returns the largest cost that the next solve of the sweep may have. */
 static double cost_max(const struct sweeping *sweep)
 {
     if (sweep->meaningful >= POINTS_ENOUGH)
@@ -132,8 +136,9 @@ static double cost_max(const struct sweeping *sweep)
     return sweep->meaningful >= POINTS_FIRST || implicit ? COST_MAX : COST_FIRST;
 }
 
-/* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
- * much. */
+/* Solves the whole duration. An adaptive solve is given up after COST_TRIAL if the part that it has
+ * reached by then shows that all of it costs too much, unless the setting is `wanted` by the user.
+ * Returns why the solve ended. */
 static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver, bool wanted)
 {
     const struct cancel *cancel = sweep->request->cancel;
@@ -150,8 +155,8 @@ static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver
     return solver_run(solver, sweep->grid, cancel);
 }
 
-/* Solves and measures a point. Returns false if out of memory. A setting that is `wanted` by the
- * user is solved whatever a probe would show. */
+/* Solves and measures a point, which is first tried by lost_in_probe() unless the setting is
+ * `wanted` by the user. Returns false if out of memory. */
 static bool measure(struct sweeping *sweep, struct precision_point *point, bool wanted)
 {
     const struct precision *precision = sweep->precision;
@@ -194,11 +199,13 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     return true;
 }
 
-/* Returns true if the point just measured ends the sweep. */
+/* Returns true if the point just measured ends the sweep: by failures, by errors that no longer
+ * fall, by the cost of the next point, or by the share of time `fraction` [s] of the curve. */
 static bool finished(struct sweeping *sweep, const struct precision_point *point, double fraction)
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
+    /* the factor by which the next setting costs more */
     const double each = curve->adaptive ? pow(10, 1.0 / curve->choice.method->order) : 2;
     const double next =
         each * solve_work(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
@@ -223,7 +230,8 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     return curve->cut;
 }
 
-/* The i-th setting from coarse to fine; returns false if there are no more. */
+/* Fills in the i-th setting of the sweep, from coarse to fine. Returns false if there are no
+ * more. */
 static bool setting_at(const struct sweeping *sweep, int i, struct precision_point *point)
 {
     const struct precision_request *request = sweep->request;
@@ -251,6 +259,8 @@ static bool setting_at(const struct sweeping *sweep, int i, struct precision_poi
     return first + i <= last;
 }
 
+/* Measures the points of the present curve in about `fraction` [s]. Returns false with an error if
+ * out of memory or cancelled; the curve is not counted as finished then. */
 static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *error)
 {
     struct precision *precision = sweep->precision;
@@ -285,6 +295,8 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
     return true;
 }
 
+/* Checks the request, binds the scene and initializes the curves. Returns false with an error if
+ * the request is invalid, a method does not apply, or out of memory. */
 static bool prepare_precision_curves(const struct precision_request *request,
                                      struct precision *precision, struct error *error)
 {
@@ -317,7 +329,9 @@ static bool prepare_precision_curves(const struct precision_request *request,
     return true;
 }
 
-/* All curves against the reference; what their finest runs say is left behind. */
+/* Sweeps all curves against the reference, in about `seconds` since the clock `begin` [ns], and
+ * leaves their finest runs in sweep->witnesses. Returns false with an error as sweep_curve()
+ * does. */
 static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, struct error *error)
 {
     struct precision *precision = sweep->precision;
@@ -337,8 +351,9 @@ static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, st
     return ok;
 }
 
-/* A reference that they contradict is computed again, so that it sees what they see, and all is
- * measured anew. */
+/* Sweeps all curves. If the finest runs contradict the reference, it is computed again with steps
+ * like theirs, and all curves are swept anew. Returns false with an error if out of memory or
+ * cancelled. */
 static bool sweep_all(const struct precision_request *request, struct precision *precision,
                       int64_t begin, double seconds, struct error *error)
 {
@@ -377,7 +392,7 @@ bool study_precision(const struct precision_request *request, struct precision *
         precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS_DEFAULT;
     const double seconds = request->seconds > 0 ? request->seconds : usual;
     bool ok = sweep_all(request, precision, begin, seconds, error);
-    if (!ok) /* the one that was under way */
+    if (!ok) /* drop the points of the curve that was not finished */
         precision->points = precision->curve[precision->curves].first;
     for (int c = 0; c < precision->curves; c++)
         precision_fit(precision, c);

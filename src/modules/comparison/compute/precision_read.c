@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Evaluates the points of a precision study: slopes, the fastest for an error, predicted against
- * measured cost. */
+/* Evaluates the points of a precision study: slopes of curves, costs of an error, the fastest
+ * methods, predicted costs, and the default methods. */
 #include "modules/comparison/compute/errors.h"
 
 #include <hooke/base/numeric.h>
@@ -12,20 +12,24 @@
 
 /* ---- slopes ---- */
 
-#define STARTED_STEPS 32 /* Steps times order after which a multistep method shows its order. */
-#define BAND_TOP 0.05    /* errors above are not yet asymptotic */
-#define BAND_BOTTOM 30.0 /* times the accuracy of the reference: below it rounding takes part */
-#define ROUNDING_ERROR_MAX 1e-8
-#define FIT_POINTS_MAX 4 /* Points of a dt sweep in the fit, the finest inside the bands. */
+/* number of steps per order after which a multistep method shows its order */
+#define STARTED_STEPS 32
+#define BAND_TOP 0.05 /* errors above this are not yet asymptotic */
+/* errors below this many times the accuracy of the reference include rounding */
+#define BAND_BOTTOM 30.0
+#define ROUNDING_ERROR_MAX 1e-8 /* largest error at which rounding may reduce the slope */
+#define FIT_POINTS_MAX 4        /* number of points in the fit of a dt sweep, the finest */
 #define FIT_POINTS_MIN 3
 #define PRECISION_POINTS 64 /* largest number of points of a curve that are fitted */
 
+/* Returns the logarithm of the point's step or tolerance. */
 static double abscissa(const struct precision_point *point)
 {
     return log(point->tol > 0 ? point->tol : point->dt);
 }
 
-/* Median of the local orders of points [begin, end) after the first. */
+/* Returns the median of the local orders of points [begin, end) after the first, or NAN if there
+ * are none. */
 static double typical_order(const struct precision_point *point, int begin, int end)
 {
     double order[PRECISION_POINTS];
@@ -36,23 +40,25 @@ static double typical_order(const struct precision_point *point, int begin, int 
     return values_quantile(order, (size_t)count, 0.5);
 }
 
-/* A multistep method has not had its own way yet where its starter did much of the work. */
+/* Returns true for few steps of a multistep method, many of which its starter made, so that the
+ * error is not yet its own. */
 static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
 {
     const struct method *method = curve->choice.method;
     return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED_STEPS * method->order;
 }
 
-/*
- * The points between the guard bands: from the last error above the top (or failure) to the last
- * above the bottom; below ROUNDING_ERROR_MAX ended where the error falls less than half as fast as
- * it typically does, and the point before that left out too: it has some of the rounding already.
- */
+/* Returns the number of points that are asymptotic, and sets *first to the index of the first in
+ * precision->point. They follow the last error above BAND_TOP (or failure) and end before an error
+ * falls below the accuracy of the reference times BAND_BOTTOM. Below ROUNDING_ERROR_MAX they end
+ * where the error falls less than half as fast as it typically does; the point before that is left
+ * out, too, as it has some of the rounding already. */
 static int asymptotic(const struct precision *precision, const struct precision_curve *curve,
                       int *first)
 {
     const struct precision_point *point = precision->point + curve->first;
     const double bottom = fmax(BAND_BOTTOM * precision->reference.accuracy, 1e-13);
+    /* `best` is the point with the smallest error; beyond it errors may rise again by rounding */
     int begin = 0, end = 0, best = 0;
     for (int i = 1; i < curve->count; i++)
         if (precision_meaningful(&point[i]) &&
@@ -109,6 +115,8 @@ void precision_fit(struct precision *precision, int c)
 
 /* ---- the fastest for an error ---- */
 
+/* Returns the value between a and b at the fraction `part` in logarithms, or b if one of them is
+ * not positive. */
 static double interpolate_log(double a, double b, double part)
 {
     return a > 0 && b > 0 ? exp(log(a) + part * (log(b) - log(a))) : b;
@@ -125,6 +133,7 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
             coarse = NULL;
             continue;
         }
+        /* the first point that reaches the error; interpolate towards the point before it */
         if (fine->errors.max <= error) {
             const double part =
                 coarse && fine->errors.max > 0
@@ -147,6 +156,7 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
     return false;
 }
 
+/* Orders costs: timed ones by time before others, which are ordered by evaluations. */
 static bool cheaper(const struct precision_cost *a, const struct precision_cost *b)
 {
     return !a->timed && !b->timed ? a->evals < b->evals
@@ -154,7 +164,9 @@ static bool cheaper(const struct precision_cost *a, const struct precision_cost 
                                   : a->timed;
 }
 
-/* Those that cannot be ranked move behind the others; returns how many are left. */
+/* Moves costs that cannot be ranked behind the others: those without reliable times, and those with
+ * general code that are slower than a specialised one. Returns the number of ranked ones, whose
+ * order is kept. */
 static int set_apart(struct precision_cost *costs, int count)
 {
     int ranked = 0;
@@ -170,7 +182,7 @@ static int set_apart(struct precision_cost *costs, int count)
     return ranked;
 }
 
-/* Returns the ratio up to which two times tie. */
+/* Returns the ratio up to which two times tie, which is larger if the machine was busy. */
 static double tie_of(const struct precision *precision)
 {
     for (int i = 0; i < precision->points; i++)
@@ -211,12 +223,12 @@ bool precision_predicts(const struct system *system)
            o->damping == 0 && o->drive == 0;
 }
 
-/*
- * M^n = r^n (cos n theta + sin n theta B) against the rotation by n x, from (q, p) of length 1. To
- * first order the position is wrong by cos(.) (a q + f p) + sin(.) (a p - f q + d): a the growth, f
- * the phase gained, d what the shape of B (not that of a rotation) adds. The largest of start and
- * end.
- */
+/* Returns the largest error of the position after `radians` of an undamped oscillation in steps of
+ * x radians, from (q, p) of length 1, or NAN if the matrix does not oscillate. M^n = r^n (cos n
+ * theta + sin n theta B) is compared with the rotation by n x. To first order the position is wrong
+ * by cos(.) (a q + f p) + sin(.) (a p - f q + d), where a is the growth, f the phase gained, and d
+ * what the shape of B adds, which is not that of a rotation. The larger of the values at start and
+ * end is returned. */
 static double predicted_error(const double matrix[4], double x, double radians, double q, double p)
 {
     const double mean = (matrix[0] + matrix[3]) / 2, half = (matrix[0] - matrix[3]) / 2;
@@ -237,6 +249,7 @@ double precision_predict(const struct precision *precision, int c, double error)
         return NAN;
     const double omega = sqrt(system->oscillator.stiffness), radians = omega * precision->duration;
     const double centre = -system->oscillator.gravity / system->oscillator.stiffness;
+    /* start of the motion, scaled to the unit circle of the phase plane */
     double q = system->start[0] - centre, p = system->start[1] / omega, size = hypot(q, p);
     double previous_error = NAN, before_x = NAN, slope = NAN, found = NAN;
     if (!(size > 0))
@@ -266,6 +279,7 @@ double precision_predict(const struct precision *precision, int c, double error)
 
 /* ---- the methods that are compared unless others are named ---- */
 
+/* Candidates for scenes that are not stiff, in the order in which they are taken. */
 static const char *const usual[] = {"euler",
                                     "symplectic-euler",
                                     "verlet",
@@ -285,11 +299,13 @@ static const char *const usual[] = {"euler",
                                     "heun",
                                     "midpoint",
                                     "backward-euler"};
+/* The same for stiff scenes. */
 static const char *const stiff[] = {
     "backward-euler", "trapezoid", "tr-bdf2", "bdf2",   "gauss4",    "radau5", "ros3p",
     "rodas4",         "rodas5p",   "dopri5",  "dop853", "cvode-bdf", "sdirk2", "implicit-midpoint"};
 
-/* |J| times duration from which a scene is stiff, J in units of the natural sizes. */
+/* Norm of the Jacobian times duration from which a scene counts as stiff, in units of the natural
+ * sizes. */
 #define STIFFNESS_MIN 2e4
 
 bool precision_is_stiff(const struct system *system, double duration)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* precision: what the solves of its points take. */
+/* The timing of a precision study: all meaningful points side by side; long solves of fixed steps
+ * are timed in part and scaled. */
 #include "modules/comparison/compute/suspect.h"
 #include <hooke/base/cancel.h>
 
@@ -7,6 +8,7 @@
 
 /* Number of steps that are timed in a longer solve of fixed steps. */
 #define TIMED_STEPS_MAX 30000
+/* largest relative difference of a scaled time from that of a whole solve */
 #define PART_OFF 0.15
 
 struct run_settings precision_settings(const struct precision *precision,
@@ -20,13 +22,16 @@ struct run_settings precision_settings(const struct precision *precision,
                                  .compensated = precision->compensated};
 }
 
+/* Times whole runs of the point that record every step. Returns the shortest of three [s], of one
+ * if it lasts longer than 0.1 s, or NAN if none reaches the end. */
 static double time_recording(const struct precision_request *request,
                              const struct precision *precision, const struct precision_point *point)
 {
     struct run_settings settings = precision_settings(precision, point);
     double shortest = NAN;
-    settings.unbalanced = true; /* recording alone is timed */
-    if (point->tol > 0)         /* a run wants a first guess */
+    /* the energy balance is left out, so that recording alone is timed */
+    settings.unbalanced = true;
+    if (point->tol > 0) /* an adaptive run needs a first step */
         settings.dt = precision->duration / (STUDY_TIMES - 1);
     for (int i = 0; i < 3 && !(shortest > 0.1); i++) {
         struct error ignored;
@@ -45,8 +50,8 @@ static double time_recording(const struct precision_request *request,
     return shortest;
 }
 
-/* Limits the timing of fixed steps to TIMED_STEPS_MAX: the cost of one does not depend on their
- * number. */
+/* Limits the timed part of long solves with fixed steps to TIMED_STEPS_MAX steps, since the cost of
+ * one step does not depend on their number. index[i] is the point of solver i. */
 static void shorten(const struct precision *precision, struct solver *solver, const int *index,
                     int count)
 {
@@ -55,6 +60,7 @@ static void shorten(const struct precision *precision, struct solver *solver, co
             solver[i].part = TIMED_STEPS_MAX;
 }
 
+/* Multiplies minimum and median by the factor. */
 static void multiply(struct timing_result *time, double factor)
 {
     time->minimum *= factor;
@@ -63,13 +69,14 @@ static void multiply(struct timing_result *time, double factor)
 
 /* The points of a study that are timed. */
 struct timed_points {
-    struct solver *solver;
-    struct timing_result *result;
-    int *index; /* index of the point */
+    struct solver *solver;        /* [count] */
+    struct timing_result *result; /* [count] */
+    int *index;                   /* [count] index of the point in precision.point */
     int count;
 };
 
-/* Turns the times of parts into those of whole solves, in proportion to what was evaluated. */
+/* Scales the times of shortened solves to whole ones, in proportion to evaluations, Jacobians and
+ * solves of linear systems. */
 static void scale_up(struct precision *precision, const struct timed_points *timed)
 {
     for (int i = 0; i < timed->count; i++) {
@@ -83,9 +90,9 @@ static void scale_up(struct precision *precision, const struct timed_points *tim
     }
 }
 
-/* Times the first shortened point of each curve whole, too. Where that differs by more than
- * PART_OFF, the steps of the method do not all cost the same here, and each of its points is timed
- * whole. */
+/* Times the first shortened point of each curve completely, too. If that differs by more than
+ * PART_OFF from the scaled time, the steps of the method do not all cost the same here, and each
+ * point of the curve is timed completely. */
 static void check_parts(struct precision *precision, const struct timed_points *timed,
                         const struct cancel *cancel)
 {
@@ -111,7 +118,8 @@ static void check_parts(struct precision *precision, const struct timed_points *
     }
 }
 
-/* Takes the one solve of a costly point for its time, which then is not ranked. */
+/* Sets the time of a costly point to that of the one solve that measured its error; such a time is
+ * not ranked. Returns true if the point is costly. */
 static bool take_costly(struct precision_point *point)
 {
     if (point->costly)

@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The solution that errors are measured against: the closed form, or two integrations by methods of
- * different kinds that agree. What they agree to is all that can be claimed.
- */
+/* Computes reference solutions: the closed form where one is known, otherwise integrations by
+ * methods of different kinds, of which the two that agree best are chosen. Their distance is the
+ * accuracy. */
 #include "modules/comparison/compute/reference.h"
 #include <hooke/base/cancel.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-/*
- * Candidates in the order in which they are tried. Methods that do not exist or do not apply are
- * skipped. The tolerance `tol` of an adaptive method is ten times as large in the next try; with 0
- * the steps are fixed, and halved until the result does not change.
- */
+/* Candidates in the order in which they are tried; methods that do not exist or do not apply are
+ * skipped. `tol` is the tolerance of an adaptive method, ten times as large in each further try; 0
+ * means fixed steps, which are halved until the result stops changing. */
 static const struct candidate {
     const char *name;
     enum solver_kind kind;
@@ -27,29 +24,33 @@ static const struct candidate {
     {"implicit-midpoint", KIND_IMPLICIT, 0},
 };
 
-#define REFERENCE_AGREEMENT 1e-12 /* The search ends when two solutions agree to this. */
-#define REFERENCE_ROUNDING 1e-13  /* A smaller change on halving is taken for rounding. */
-/* A distance that is this many times the largest before it shows a jump. */
+#define REFERENCE_AGREEMENT 1e-12 /* the search ends when two solutions agree to this */
+#define REFERENCE_ROUNDING 1e-13  /* a smaller change on halving the step is taken for rounding */
+/* A distance this many times as large as all before it shows a jump. */
 #define JUMP_FACTOR 1e4
 /* Growth from rounding to REFERENCE_MEANING within this many grid times may be a jump or not. */
 #define JUMP_FREE_TIMES 3
-#define REFERENCE_MEANING 1e-3 /* Two references that differ by more are both meaningless. */
-#define COST_MAX 40e6          /* evaluations, Jacobians and solves of one solution, over n */
-#define COST_ALL 80e6          /* the same of all of them, over n: some seconds */
-#define TOLERANCE_TRIES 3
-#define TRIES_BURST 8
-#define VOLUME_SHRINK_MIN 1e4
-/* Parts of all intervals but the first; no step is longer than a thousandth of the span. */
+#define REFERENCE_MEANING 1e-3 /* distance of two solutions above which both are meaningless */
+/* largest cost of one solution (evaluations, Jacobians, solves), divided by n */
+#define COST_MAX 40e6
+#define COST_ALL 80e6         /* the same for all solutions together, some seconds */
+#define TOLERANCE_TRIES 3     /* number of tolerances that are tried */
+#define TRIES_BURST 8         /* the same for forces with bursts */
+#define VOLUME_SHRINK_MIN 1e4 /* shrinking of volumes, as e to this, from which damping is fast */
+/* Parts of a grid interval at which steps of all solutions but the first end: no step is longer
+ * than a thousandth of the span. */
 #define SPAN_PARTS 4
-/* The same for laws that depend on time and may have pulses; steps of an 8000th at most. */
+/* The same for laws that depend on time and may have pulses: at most an 8000th of the span. */
 #define PARTS_IN_TIME 32
 
+/* Returns the memory of the solution of that kind, or with KIND_COUNT that to work with. */
 static double *solution(const struct reference_search *search, enum solver_kind kind)
 {
     return search->grid + (size_t)kind * search->size;
 }
 
-/* max |y_i| over the grid; next to nothing counts as a thousandth of a natural size's rounding. */
+/* Sets the amplitudes to the largest |y_i| on the grid, or to the natural size of a variable that
+ * does not move except by rounding. */
 static void set_amplitudes(struct reference *reference, const struct system *system,
                            const double *grid)
 {
@@ -63,6 +64,8 @@ static void set_amplitudes(struct reference *reference, const struct system *sys
     }
 }
 
+/* Returns the largest distance of two solutions over the grid, in amplitudes; NAN if a state has
+ * NAN. */
 static double largest_distance(const struct reference_search *search, const double *a,
                                const double *b)
 {
@@ -76,8 +79,9 @@ static double largest_distance(const struct reference_search *search, const doub
     return max;
 }
 
-/* Inside of a burst that is short the clock has few digits left: what is found there is as good as
- * it can be. */
+/* Solves adaptively into `grid`, with tolerances that grow tenfold from try to try until the end is
+ * reached. Bursts get more tries, as the clock has few digits inside a short one. Returns true if
+ * the end was reached. */
 static bool solve_adaptive(struct reference_search *search, struct solver *s, bool explicit,
                            double *grid)
 {
@@ -94,10 +98,12 @@ static bool solve_adaptive(struct reference_search *search, struct solver *s, bo
     return false;
 }
 
-/* Halves the step until the result stands still, moves more than before (rounding), or becomes too
- * dear. */
+/* Solves with fixed steps into `grid`, halved until the result stops changing, changes more than
+ * before (by rounding), or exceeds the cost. Returns true if the last change was below
+ * REFERENCE_MEANING. */
 static bool solve_fixed(struct reference_search *search, struct solver *s, double *grid)
 {
+    /* `moved` is the change by the last halving */
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
@@ -119,6 +125,9 @@ static bool solve_fixed(struct reference_search *search, struct solver *s, doubl
     return have && moved < REFERENCE_MEANING;
 }
 
+/* Solves with a candidate, unless a method of its kind has solved already or it does not apply.
+ * Returns true, and notes the method, if it reached the end; sets search->failed if out of
+ * memory. */
 static bool try_candidate(struct reference_search *search, const struct candidate *candidate)
 {
     const struct method *method = method_by_name(text_of(candidate->name));
@@ -142,10 +151,9 @@ static bool try_candidate(struct reference_search *search, const struct candidat
     return ok;
 }
 
-/*
- * Finds where two solutions separate for the first time. Growing rounding takes its time from one
- * power of ten to the next; a jump has another reason.
- */
+/* Sets `meaning` to the time up to which two solutions agree, and `sudden` if they separate by a
+ * jump: growing rounding takes time from one power of ten to the next; a jump has another
+ * reason. */
 static void set_meaning(const struct reference_search *search, const double *a, const double *b)
 {
     struct reference *reference = search->reference;
@@ -166,7 +174,8 @@ static void set_meaning(const struct reference_search *search, const double *a, 
     }
 }
 
-/* The new solution against those there are: the best agreement so far stays. */
+/* Compares a new solution with those of other kinds. If it agrees with one better than any two
+ * before, that pair becomes the reference. */
 static void confront(struct reference_search *search, enum solver_kind kind)
 {
     struct reference *reference = search->reference;
@@ -187,6 +196,8 @@ static void confront(struct reference_search *search, enum solver_kind kind)
     }
 }
 
+/* Fills in the reference from the closed form of the scene. Its accuracy is what rounding of the
+ * parameters changes. */
 static void take_closed_form(const struct system *system, struct reference *reference)
 {
     const int n = system->n;
@@ -203,10 +214,9 @@ static void take_closed_form(const struct system *system, struct reference *refe
         reference->accuracy = fmax(reference->accuracy, max[i] / reference->amplitude[i]);
 }
 
-/*
- * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at
- * the start, times the span. There explicit methods take their steps for stability alone.
- */
+/* Returns true if volumes of the state space shrink at the start so fast that the span is many
+ * decay times long. Explicit methods then choose their steps for stability alone, so that they are
+ * tried last. */
 static bool shrinks_fast(const struct system *system, double span)
 {
     double trace = 0, *jacobian = system_new_jacobian(system, system->t0, system->start);
@@ -216,8 +226,9 @@ static bool shrinks_fast(const struct system *system, double span)
     return -trace * span > VOLUME_SHRINK_MIN;
 }
 
-/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape
- * both. */
+/* Tries the candidates of explicit kind, of the others, or both, until two solutions agree. All
+ * solutions but the first take steps of a bounded size, so that a pulse that long steps miss is
+ * seen by one of them. */
 static void search_kinds(struct reference_search *search, bool explicit_ones, bool others)
 {
     struct reference *reference = search->reference;
@@ -247,6 +258,7 @@ bool study_reference_again(const struct system *system, double span, double step
                            const struct cancel *cancel, struct reference *reference,
                            struct error *error)
 {
+    /* number of steps in a grid interval that makes none longer than `step` */
     const double min = ceil(fmin(fabs(span) / (STUDY_TIMES - 1) / step, 1 << 16));
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
     *reference =

@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One solution on the grid of a reference, and the bursts of the forces on its way. */
+/* One solution for a reference: steps end at each grid time, and at the bursts (short changes) of
+ * the forces that the first solution finds on its way. */
 #include "modules/comparison/compute/reference.h"
 #include <hooke/base/cancel.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#define SOLUTIONS_DISTANCE_MAX 1e-9 /* Solutions by different steps may differ by this. */
-#define PARTS_OF_BURST 16           /* bounds are wider than the truth */
+/* distance of two solutions with different steps, relative to their size, that counts as
+ * unchanged */
+#define SOLUTIONS_DISTANCE_MAX 1e-9
+/* number of parts of a burst at which steps end, as its bounds may be wider than it is */
+#define PARTS_OF_BURST 16
 /* Number of times an interval is solved again with the bursts that were found in it. */
 #define BURST_ROUNDS 12
 
-/* Returns the latest end of the next adaptive step, between t and `t_end`. `shift` is that of the
- * clock; *index is the next burst. */
+/* Returns the time at which the next adaptive step has to end at the latest, between t and t_end:
+ * the end of a part of a burst, or t_end. *index is the next burst and advances. `shift` is the
+ * true time minus that of the clock [s]. */
 static double next_stop(const struct reference_search *search, int *index, double t, double t_end,
                         double shift)
 {
@@ -31,6 +36,8 @@ static double next_stop(const struct reference_search *search, int *index, doubl
     return t_end;
 }
 
+/* Stores the state at time t among the nodes between which bursts are searched for; without room it
+ * is left out. */
 static void add_node(struct reference_search *search, double t, const double *y)
 {
     if (search->nodes == BURST_NODES_MAX - 1) /* the last one is that of the end */
@@ -39,11 +46,13 @@ static void add_node(struct reference_search *search, double t, const double *y)
     memcpy(search->node[search->nodes++].y, y, (size_t)search->system->n * sizeof *y);
 }
 
-/* An interval of the grid, and its clock. */
+/* An interval of the grid in time of the clock [s]; `shift` is the true time minus that of the
+ * clock. */
 struct interval_of_grid {
     double t_begin, t_end, shift;
 };
 
+/* Crosses an interval in `steps` equal steps. Returns STOP_END, or why it stopped. */
 static enum stop cross_fixed(const struct reference_search *search, struct solver *s,
                              const struct interval_of_grid *interval, int64_t steps)
 {
@@ -62,7 +71,9 @@ static enum stop cross_fixed(const struct reference_search *search, struct solve
     return STOP_END;
 }
 
-/* No step across the ends of `parts` equal parts of it, nor across a burst. */
+/* Crosses an interval in adaptive steps, which end at the ends of search->parts equal parts and at
+ * those of bursts. Stores the states where bursts begin and end as nodes. Returns STOP_END, or why
+ * it stopped. */
 static enum stop cross_adaptive(struct reference_search *search, struct solver *s,
                                 struct controller *controller,
                                 const struct interval_of_grid *interval)
@@ -91,19 +102,21 @@ static enum stop cross_adaptive(struct reference_search *search, struct solver *
     return STOP_END;
 }
 
+/* Orders bursts for qsort() by their begin. */
 static int by_time(const void *a, const void *b)
 {
     const double x = ((const struct burst *)a)->t_begin, y = ((const struct burst *)b)->t_begin;
     return (x > y) - (x < y);
 }
 
+/* Orders bursts for qsort() by their begin, latest first. */
 static int by_time_back(const void *a, const void *b)
 {
     return by_time(b, a);
 }
 
-/* Finds the bursts of the interval that was just crossed, of which those from old_count on are
- * replaced. Returns false if it has none. */
+/* Finds the bursts of the interval that was just crossed, which replace those from old_count on.
+ * Returns false if it has none. */
 static bool look_for_bursts(struct reference_search *search, int old_count)
 {
     const bool forward = search->reference->span > 0;
@@ -122,6 +135,7 @@ static bool look_for_bursts(struct reference_search *search, int old_count)
     return search->bursts > count || search->bursts > old_count;
 }
 
+/* Returns the largest relative difference between two states. */
 static double moved_by(const struct system *system, const double *a, const double *b)
 {
     double max = 0;
@@ -130,11 +144,10 @@ static double moved_by(const struct system *system, const double *a, const doubl
     return max;
 }
 
-/*
- * The interval again, with steps that end at what was found along the way through it, until that
- * changes nothing: what happens there may lead elsewhere. Where the first round changes nothing it
- * had been seen, and is forgotten.
- */
+/* Crosses an interval, looks for bursts, and crosses it again from its begin with steps that end at
+ * them, until that changes the state no more: a burst may lead to a state with other bursts. If the
+ * first repetition changes nothing, the bursts had been resolved without help and are dropped.
+ * Returns STOP_END, or why it stopped. */
 static enum stop cross_bursts(struct reference_search *search, struct solver *s,
                               struct controller *controller,
                               const struct interval_of_grid *interval)
@@ -163,11 +176,10 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
     return stop;
 }
 
-/*
- * Solves so that steps end at every grid time. If the laws do not depend on time the clock starts
- * anew at each of them, so that rounding of the time does not add up. `steps` is the number in an
- * interval, or 0 for adaptive steps.
- */
+/* Solves so that steps end at every grid time. If the laws do not depend on time, the clock starts
+ * at 0 in each interval, so that rounding of the time does not add up. `steps` is the number in an
+ * interval, or 0 for adaptive steps. The first adaptive solution also looks for bursts. Returns
+ * STOP_END, or why it stopped. */
 static enum stop walk_grid(struct reference_search *search, struct solver *s, int64_t steps,
                            double *grid)
 {
@@ -199,7 +211,6 @@ static enum stop walk_grid(struct reference_search *search, struct solver *s, in
     return STOP_END;
 }
 
-/* Limits the cost to what is left for all solutions. */
 enum stop reference_walk(struct reference_search *search, struct solver *s, int64_t steps,
                          double *grid)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* References that were computed before: a scene that is studied again has its own already. */
+/* The store of references of the scenes that were studied last, and the functions that describe,
+ * copy and free a reference. */
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/errors.h"
 
@@ -54,14 +55,15 @@ void reference_describe(const struct reference *reference, struct buffer *text)
     }
 }
 
-/* Returns true if a solution is the same for both. A typed model is never changed: each line makes
- * another one. */
+/* Returns true if both scenes have the same solution. Models are compared by address, since a typed
+ * model is never changed: each typed line makes another one. */
 static bool same_scene(const struct scene *a, const struct scene *b)
 {
     return a->model == b->model && memcmp(a->value, b->value, sizeof a->value) == 0 &&
            memcmp(a->atol, b->atol, sizeof a->atol) == 0;
 }
 
+/* Returns the entry of the scene and span, or NULL if there is none or `references` is NULL. */
 static struct stored_reference *stored_reference_find(struct references *references,
                                                       const struct scene *scene, double span)
 {
@@ -80,6 +82,7 @@ const struct reference *references_find(struct references *references, const str
     return stored && stored->reference.y ? &stored->reference : NULL;
 }
 
+/* Copies a reference with its states. Returns false if out of memory; target->y is NULL then. */
 static bool reference_copy(const struct reference *source, struct reference *target)
 {
     const size_t size = (size_t)STUDY_TIMES * (size_t)source->n;
@@ -90,7 +93,8 @@ static bool reference_copy(const struct reference *source, struct reference *tar
     return target->y;
 }
 
-/* Replaces the reference whose latest use is the longest ago. Stores nothing if out of memory. */
+/* Stores a copy of the reference, or the reason `why` there is none, in place of the entry that was
+ * not used for the longest time. Stores nothing if out of memory. */
 static void stored_reference_keep(struct references *references, const struct scene *scene,
                                   double span, const struct reference *reference,
                                   const struct error *why)

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* selftest: what a method's row claims, measured on the machine at hand in a few hundredths of a
- * second. */
+/* Checks of `selftest`: the order, area preservation, reversibility and stability limit that a
+ * method's row claims, measured by running it for a few hundredths of a second. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include "modules/comparison/compute/verify.h"
 
 #include <stdlib.h>
 
-#define ORDER_COST 250000 /* evaluations of one solve */
+#define ORDER_COST 250000 /* largest number of evaluations of one solve */
 #define ORDER_NEAR 0.15   /* largest distance from the claimed order */
 /* Orders above this leave few steps between the largest and rounding, so that later terms still
  * contribute. */
 #define HIGH_ORDER 8
-#define AREA_MAX 1e-10
-#define RETURN_MAX 1e-9
-#define RETURN_STEPS 200
+#define AREA_MAX 1e-10   /* largest deviation of the area factor from 1 */
+#define RETURN_MAX 1e-9  /* largest distance from the start after running forth and back */
+#define RETURN_STEPS 200 /* number of steps forth */
 
 static const struct row checks[] = {
     [SELFTEST_ORDER] = {"order", "",
@@ -30,11 +30,13 @@ static const struct row checks[] = {
 
 const struct catalog selftest_catalog = CATALOG("check", checks);
 
+/* A parameter of a preset that a check sets, in SI units. */
 struct check_setting {
     const char *param;
     double value;
 };
 
+/* Binds a preset with some parameters set. Returns false if a parameter cannot have its value. */
 static bool check_system_bind(const char *preset, const struct check_setting *set, int count,
                               struct system *system)
 {
@@ -51,6 +53,8 @@ static bool check_system_bind(const char *preset, const struct check_setting *se
 /* ---- order: most of an orbit of eccentricity 0.1, where every order condition counts and the
  * answer is known ---- */
 
+/* Measures the order on a Kepler orbit and fills in that check; methods without an order or that do
+ * not apply are skipped. Returns false if out of memory or cancelled. */
 static bool check_order(const struct method *method, const struct cancel *cancel,
                         struct selftest_row *row)
 {
@@ -87,6 +91,8 @@ static bool check_order(const struct method *method, const struct cancel *cancel
 
 /* ---- geometry, on a pendulum (or, for what steps only closed forms, on a spring) ---- */
 
+/* Binds the pendulum, or the spring for methods that only apply to it, with the drag variant of the
+ * method. Returns false if the method applies to neither. */
 static bool swing(const struct method *method, struct system *system, enum drag *drag)
 {
     const struct check_setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
@@ -100,6 +106,8 @@ static bool swing(const struct method *method, struct system *system, enum drag 
            method_applies(method, system, drag, &ignored);
 }
 
+/* Makes `steps` steps of h [s] from y, which is replaced. `work` is the method's work memory.
+ * Returns false if a step fails. */
 static bool selftest_steps(const struct method *method, const struct system *system, enum drag drag,
                            double h, int steps, double *work, double *y)
 {
@@ -110,7 +118,8 @@ static bool selftest_steps(const struct method *method, const struct system *sys
     return true;
 }
 
-/* Determinant of one step's Jacobian, by central differences of sixth order. */
+/* Returns the determinant of the Jacobian of one step, computed by central differences of sixth
+ * order, or NAN if a step fails. */
 static double area_factor(const struct method *method, const struct system *system, enum drag drag,
                           double h, double *work)
 {
@@ -132,6 +141,8 @@ static double area_factor(const struct method *method, const struct system *syst
     return jac[0] * jac[3] - jac[1] * jac[2];
 }
 
+/* Checks that a symplectic method preserves area and that a symmetric one returns to its start.
+ * Returns false if out of memory. */
 static bool check_geometry(const struct method *method, struct selftest_row *row)
 {
     struct system system;
@@ -163,6 +174,8 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
 
 /* ---- stability: undamped where there is a limit, else with some damping ---- */
 
+/* Checks by running that steps below the stability limit do not grow and steps above it do; methods
+ * without a limit are run at one long step. */
 static void check_stability(const struct method *method, struct selftest_row *row)
 {
     struct method_choice choice = {method, DRAG_DEFAULT};

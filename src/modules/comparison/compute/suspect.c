@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reference that the finest runs of several methods agree not to be right. */
+/* Compares the finest runs of several methods with the reference, to detect that it is wrong. */
 #include "modules/comparison/compute/suspect.h"
 
 #include <stdlib.h>
@@ -30,7 +30,8 @@ void witnesses_free(struct witnesses *witnesses)
     *witnesses = (struct witnesses){0};
 }
 
-/* Largest distance over the grid, where both came by. */
+/* Returns the largest distance over the grid, in amplitudes, at times that both solutions have
+ * reached. */
 static double grid_distance_max(const struct reference *reference, const double *a, const double *b)
 {
     const int n = reference->n;
@@ -51,7 +52,8 @@ void witness_explain(struct witnesses *witnesses, int i, const struct reference 
     memcpy(w->grid, grid, witnesses->size * sizeof *grid);
 }
 
-/* Its steps are not so long that they pass over what the reference has found. */
+/* Returns true if a witness has a known error and steps short enough to see the shortest burst that
+ * the reference has found. */
 static bool can_tell(const struct witness *w, const struct reference *reference)
 {
     return w->method && !isnan(w->moved) &&

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures how long solves take: chained, batched, warmed up, interleaved at random. The clock is
- * the processor time of this thread, so that waiting for a processor does not count. */
+/* Measures how long solves take. Each solve starts from a state that depends on the last result,
+ * several make one sample, and samples of all solvers are taken in random order. The clock is the
+ * processor time of this thread, so that waiting for a processor does not count. */
 #include "modules/comparison/compute/errors.h"
 
 #include <hooke/base/cancel.h>
@@ -32,8 +33,8 @@ double timing_step_ns(const struct timing_result *time, int64_t steps)
     return steps > 0 ? time->minimum / (double)steps * 1e9 : NAN;
 }
 
-/* A sample lasts at least sample_seconds, all samples of one solve together at most budget_seconds;
- * TIMING_SAMPLES_MIN are always taken. */
+/* Rules for each value of the setting `timing`. A sample lasts at least sample_seconds; all samples
+ * of one solver together last at most budget_seconds, but TIMING_SAMPLES_MIN are always taken. */
 static const struct protocol {
     int samples;
     double sample_seconds, budget_seconds;
@@ -43,17 +44,17 @@ static const struct protocol {
     [TIMING_FULL] = {TIMING_SAMPLES, 1e-3, 2.0},
 };
 
-/* Samples that are added while the two shortest do not agree. */
+/* Number of samples that may be added while the two shortest do not agree. */
 enum { TIMING_SAMPLES_MORE = 10 };
 
-/* One solver on the bench. */
+/* A solver that is timed. */
 struct timed_solver {
     struct solver *solver;
-    int index;      /* index of the result */
-    int64_t batch;  /* solves a sample */
-    double seconds; /* [s] expected duration of a sample */
-    int quota;
-    double sample[TIMING_SAMPLES + TIMING_SAMPLES_MORE];
+    int index;                                           /* index of the result */
+    int64_t batch;                                       /* number of solves in a sample */
+    double seconds;                                      /* [s] expected duration of a sample */
+    int quota;                                           /* number of samples to take */
+    double sample[TIMING_SAMPLES + TIMING_SAMPLES_MORE]; /* [samples] seconds per solve */
     int samples;
 };
 
@@ -78,10 +79,10 @@ static double time_batch(struct solver *s, int64_t batch, const struct cancel *c
     return (double)(clock_cpu_ns() - begin) * 1e-9;
 }
 
-/* Warms up, and finds how many solves make a sample. A first solve may be slow for reasons of its
- * own, so the count is doubled until a sample is as long as it should be. One solve of more
- * than first_sample_seconds needs no warming and is the first sample. Returns false if the solve
- * fails. */
+/* Runs the solver to warm up, and finds how many solves make a sample. The number grows until a
+ * sample is long enough, as a first solve may be slow for reasons of its own. A single solve longer
+ * than first_sample_seconds needs no warming and becomes the first sample. Returns false if the
+ * solve fails. */
 static bool choose_batch(struct timed_solver *bench, double sample_seconds,
                          const struct cancel *cancel)
 {
@@ -100,6 +101,7 @@ static bool choose_batch(struct timed_solver *bench, double sample_seconds,
     return true;
 }
 
+/* Takes a sample; one that fails, as when cancelled, is dropped. */
 static void add_sample(struct timed_solver *b, const struct cancel *cancel)
 {
     const double seconds = time_batch(b->solver, b->batch, cancel);
@@ -107,8 +109,8 @@ static void add_sample(struct timed_solver *b, const struct cancel *cancel)
         b->sample[b->samples++] = seconds / (double)b->batch;
 }
 
-/* Gives each fewer samples, in proportion, where all of them would take more than the budget [s];
- * 0 is no limit. */
+/* Sets the number of samples of each solver, fewer in proportion if all of them would take more
+ * than `budget` [s], which 0 does not limit. */
 static void share_out(struct timed_solver *bench, int count, const struct protocol *protocol,
                       double budget)
 {
@@ -123,6 +125,7 @@ static void share_out(struct timed_solver *bench, int count, const struct protoc
     }
 }
 
+/* Permutes the indices at random. *state is that of the random numbers. */
 static void shuffle(int *order, int count, uint64_t *state)
 {
     for (int i = count - 1; i > 0; i--) {
@@ -132,13 +135,16 @@ static void shuffle(int *order, int count, uint64_t *state)
     }
 }
 
-/* Sorts the samples and returns how far the second shortest is above the shortest. */
+/* Sorts the samples and returns the relative difference of the second shortest from the shortest,
+ * or HUGE_VAL for fewer than two. */
 static double disagreement(struct timed_solver *b)
 {
     gsl_sort(b->sample, 1, (size_t)b->samples);
     return b->samples < 2 ? HUGE_VAL : b->sample[1] / b->sample[0] - 1;
 }
 
+/* Fills in the result from the samples; it stays NAN if there are none or if they are shorter than
+ * a solve can be. */
 static void summarize(struct timed_solver *bench, const struct protocol *protocol,
                       struct timing_result *result)
 {
@@ -177,7 +183,8 @@ static int others_running(void)
     return running > 1 ? running - 1 : 0;
 }
 
-/* Returns the mean number of other threads that ran. */
+/* Takes the samples of all solvers, in rounds of random order, and further ones of those whose
+ * shortest samples disagree. Returns the mean number of other threads that ran meanwhile. */
 static double run_rounds(struct timed_solver *bench, int *order, int count,
                          const struct protocol *protocol, const struct cancel *cancel)
 {

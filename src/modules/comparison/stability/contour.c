@@ -1,43 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marching squares: signs at the nodes of a grid, roots on its edges, edges linked cell by cell. */
+/* Traces zero lines by marching squares: signs at the nodes of a grid, roots on its edges, edges
+ * linked cell by cell. */
 #include "modules/comparison/stability/contour.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { HALVINGS = 46 /* an edge is halved so often that a root is known to its rounding */ };
+enum { HALVINGS = 46 /* number of halvings of an edge, after which a root is known to rounding */ };
 
+/* State of the tracing. Edges are numbered by edge_number(). */
 struct march {
     const struct contour_field *field;
-    int nx, ny;
-    bool *inside;   /* [(nx + 1) * (ny + 1)] signs at the nodes */
-    int (*link)[2]; /* [edges] the edges that the line goes to from here, or -1 */
-    double (*root)[2];
+    int nx, ny;   /* number of cells in x and y */
+    bool *inside; /* [(nx + 1) * (ny + 1)] true for nodes at which the field is <= 0 */
+    /* [edges] the edges at which the line continues on either side, or -1 */
+    int (*link)[2];
+    double (*root)[2]; /* [edges] point at which the line crosses the edge */
 };
 
+/* Returns the coordinate of node i on an axis, 0 for x and 1 for y. */
 static double node_place(const struct march *m, int axis, int i)
 {
     const struct contour_field *f = m->field;
     return f->lower[axis] + (f->upper[axis] - f->lower[axis]) * i / f->cells[axis];
 }
 
+/* Returns true if the field is <= 0 at a point. */
 static bool is_inside(const struct march *m, double x, double y)
 {
     return m->field->value(m->field->context, x, y) <= 0;
 }
 
+/* Returns the stored result of is_inside() at a node. */
 static bool node_is_inside(const struct march *m, int i, int j)
 {
     return m->inside[(size_t)j * (size_t)(m->nx + 1) + (size_t)i];
 }
 
-/* Number of the edge from node i, j to the right, or upwards. */
+/* Returns the number of the edge from node i, j to the right or, if `vertical`, upwards. */
 static int edge_number(const struct march *m, int i, int j, bool vertical)
 {
     return vertical ? m->nx * (m->ny + 1) + j * (m->nx + 1) + i : j * m->nx + i;
 }
 
-/* Finds the root on an edge whose ends have different signs. */
+/* Finds the root on an edge whose ends have different signs, by bisection. */
 static void find_root(const struct march *m, int i, int j, bool vertical, double root[2])
 {
     double a[2] = {node_place(m, 0, i), node_place(m, 1, j)},
@@ -53,14 +59,15 @@ static void find_root(const struct march *m, int i, int j, bool vertical, double
     root[1] = (a[1] + b[1]) / 2;
 }
 
+/* Links two edges of a cell that a line crosses. */
 static void link_edges(struct march *m, int a, int b)
 {
     m->link[a][m->link[a][0] >= 0] = b;
     m->link[b][m->link[b][0] >= 0] = a;
 }
 
-/* Links the edges of a cell that the line crosses: two, or four at a saddle, where the sign in the
- * middle decides which corners it cuts off. */
+/* Links the edges of a cell that lines cross: two of them, or four at a saddle, where the sign in
+ * the middle decides which corners are cut off. */
 static void link_cell(struct march *m, int i, int j)
 {
     const bool corner[4] = {node_is_inside(m, i, j), node_is_inside(m, i + 1, j),
@@ -82,6 +89,7 @@ static void link_cell(struct march *m, int i, int j)
     link_edges(m, crossed[2], crossed[turned ? 3 : 1]);
 }
 
+/* Appends a point. Returns false if out of memory. */
 static bool contour_add(struct contour *contour, double x, double y)
 {
     if (contour->n == contour->capacity) {
@@ -99,7 +107,8 @@ static bool contour_add(struct contour *contour, double x, double y)
     return true;
 }
 
-/* Appends the line that goes on from an edge, and takes its links away. */
+/* Appends the line that continues from an edge, which ends with a point of NAN, and removes its
+ * links. Returns false if out of memory. */
 static bool follow_line(struct march *m, int edge, struct contour *contour)
 {
     const int first = edge;
@@ -114,6 +123,7 @@ static bool follow_line(struct march *m, int edge, struct contour *contour)
     return ok && contour_add(contour, (double)NAN, (double)NAN);
 }
 
+/* Evaluates the field at all nodes. Returns false if cancelled. */
 static bool find_signs(struct march *m, const struct cancel *cancel)
 {
     for (int j = 0; j <= m->ny; j++)
@@ -126,6 +136,8 @@ static bool find_signs(struct march *m, const struct cancel *cancel)
     return true;
 }
 
+/* Finds the roots on all edges whose ends have different signs, and links them. Returns false if
+ * cancelled. */
 static bool find_roots(struct march *m, const struct cancel *cancel)
 {
     for (int j = 0; j <= m->ny; j++)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stability: growth a step and the largest stable step, from the method's own formulas, then
- * verified by running. */
+/* The study behind `stability`: growth per step and the longest stable step, from the method's
+ * formulas, then verified by running. */
 #include "modules/comparison/compute/verify.h"
 
 #include <hooke/base/cancel.h>
@@ -9,22 +9,19 @@
 
 #include <stdlib.h>
 
-#define GROWTH_ROUNDING 1e-12 /* growth above 1 that is rounding */
-/* the same at a double eigenvalue, whose growth is known to the root of rounding only */
-#define ON_AXIS 1e-7
-#define RATE_TOLERANCE 1e-2 /* relative error of the rate of what grows by itself */
-/* growth - 1 up to which the amplitude takes 700 steps or more to double, which looks stable for
- * long */
-#define GROWTH_WEAK 1e-3
-#define STEPS_MOST 16384  /* largest number in a check */
-#define HISTORY_STEPS 8   /* more than any method remembers */
-#define RATE_EXTREME 1e20 /* [1/s] omega is the unit beyond it, or its inverse */
-#define HUGE_STEP 100     /* omega dt above which NAN means unbounded growth */
-#define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
-#define LIMIT_OFFSET 1e-2 /* relative distance of the checks on both sides from the limit */
-#define ASIDE_NARROW 1e-4 /* the same at the start of a narrow resonance */
-#define STATES_CHECKED 16 /* number of states along the run whose eigenvalues are examined */
-#define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
+#define GROWTH_ROUNDING 1e-12 /* growth above 1 by less is rounding */
+#define ON_AXIS 1e-7          /* the same at a double eigenvalue, known to the root of rounding */
+#define RATE_TOLERANCE 1e-2   /* accepted relative error of the rate of growing modes */
+#define GROWTH_WEAK 1e-3      /* growth - 1 below which it takes 700 steps to double */
+#define STEPS_MOST 16384      /* largest number in a check */
+#define HISTORY_STEPS 8       /* more than any method remembers */
+#define RATE_EXTREME 1e20     /* [1/s] modes beyond this or its inverse run in units of omega */
+#define HUGE_STEP 100         /* omega dt above which NAN means unbounded growth */
+#define LOG_ROOM 600.0        /* a check grows or decays by at most exp(this) */
+#define LIMIT_OFFSET 1e-2     /* relative distance of the checks on both sides from the limit */
+#define ASIDE_NARROW 1e-4     /* the same at the start of a narrow resonance */
+#define STATES_CHECKED 16     /* number of states along the run whose modes are examined */
+#define WINDOW_MAX 0.02       /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
     [STABILITY_STABLE] = {"stable", "", "no growth beyond that of the scene itself", "", NULL},
@@ -38,7 +35,6 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 
 /* ---- growth of one mode ---- */
 
-/* A step so large that it overflows grows beyond all bounds. */
 double mode_growth(const struct method_choice *choice, const struct mode *mode, double dt)
 {
     const double x = mode->omega * dt, growth = method_growth_signed(choice->method, choice->drag,
@@ -75,6 +71,7 @@ void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
     re[1] = mode->omega * fmin(fast, slow);
 }
 
+/* Returns the rate [1/s] at which the exact solution of the mode grows. */
 static double growth_rate(const struct mode *mode)
 {
     double re[2], im;
@@ -82,13 +79,13 @@ static double growth_rate(const struct mode *mode)
     return re[0];
 }
 
-/* A mode of a scene that grows by itself. */
+/* Returns true if the exact solution of the mode grows. */
 static bool grows(const struct mode *mode)
 {
     return growth_rate(mode) > 0;
 }
 
-/* The mode with another unit of frequency, as a scene. */
+/* Binds the oscillator of a mode with frequency `omega`. Returns false if it cannot be bound. */
 static bool mode_system(const struct mode *mode, double omega, struct system *system)
 {
     const struct {
@@ -108,11 +105,9 @@ static bool mode_system(const struct mode *mode, double omega, struct system *sy
     return scene_bind(&scene, system, &ignored);
 }
 
-/*
- * Largest amplitude in the last quarter of the steps over that in the second: the turning of the
- * phase, what a skew pair of eigenvectors does to the norm, and what dies out at the start drop
- * out. As many steps as numbers have room.
- */
+/* Growth is measured as the largest amplitude in the last quarter of the steps over that in the
+ * second, which eliminates the turning of the phase, the norm's change by skew eigenvectors, and
+ * decaying parts. As many steps are made as the range of numbers allows. */
 void mode_check(const struct method_choice *choice, const struct mode *mode, double dt,
                 struct stability_check *check)
 {
@@ -173,6 +168,7 @@ double mode_aside(const struct method_choice *choice, const struct mode *mode, d
 
 /* ---- the scene's modes ---- */
 
+/* Appends a mode with positive omega, if there is room. */
 static void add_mode(struct mode *mode, int *count, int max, double omega, double zeta, double t,
                      enum stiffness_sign sign)
 {
@@ -186,7 +182,8 @@ static double damping_ratio(double zeta)
     return zeta < 1e-12 ? 0 : fmin(1, zeta);
 }
 
-/* Rounding leaves zeros of the order of eps times the largest; they are no rates of their own. */
+/* Appends the modes of a Jacobian `jac` [n][n] and returns how many of its eigenvalues grow.
+ * Eigenvalues near 0, which rounding leaves, are no modes. */
 static int modes_of_matrix(const struct system *system, double t, const double *jac,
                            struct mode *mode, int *count, int max)
 {
@@ -233,7 +230,8 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
             add_mode(mode, count, max, fabs(damping), copysign(0.5, damping), t, STIFFNESS_ZERO);
         return stiffness < 0 || damping < 0;
     }
-    /* y'' = - damping y' + |stiffness| y: a part that grows, and one that decays. */
+    /* y'' = - damping y' + |stiffness| y has one growing and one decaying part; only the latter
+     * counts */
     const double s = damping / 2, root = hypot(s, omega), fast = s + root;
     if (stiffness <= 0 && fast > 0)
         add_mode(mode, count, max, fast, 1, t, STIFFNESS_POSITIVE);
@@ -242,10 +240,10 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
 
 /* ---- along the run ---- */
 
-/* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says
- * nothing of the rest. */
+/* If no method reaches the end, states beyond this many natural sizes are not used. */
 #define RELIABLE_SIZES 10
 
+/* Returns true if no variable of a state exceeds RELIABLE_SIZES. */
 static bool is_sound(const struct system *system, const double *y)
 {
     for (int i = 0; i < system->n; i++)
@@ -254,7 +252,7 @@ static bool is_sound(const struct system *system, const double *y)
     return true;
 }
 
-/* A state of every 16th grid time, from whatever method gets there at a moderate tolerance. */
+/* Adds the modes at STATES_CHECKED times along a run by the first method that reaches its end. */
 static void modes_along(const struct system *system, const struct stability_request *request,
                         struct stability *stability)
 {
@@ -303,6 +301,8 @@ static bool may_limit(const struct method_choice *choice, const struct mode *mod
     return false;
 }
 
+/* Sets dt_max and the mode that sets it: the smallest limit of all modes that do not grow by
+ * themselves. */
 static void find_limit(struct stability *s)
 {
     s->dt_max = NAN;
@@ -321,7 +321,8 @@ static void find_limit(struct stability *s)
     }
 }
 
-/* Lowers dt_max to the longest step that the method takes: beyond it a run is refused. */
+/* Lowers dt_max to the longest step that the method accepts, as runs with longer ones are
+ * refused. */
 static void bound_limit(const struct system *system, struct stability *s)
 {
     const double longest = plan_step_limit(system, s->choice.method, s->choice.drag);
@@ -331,6 +332,7 @@ static void bound_limit(const struct system *system, struct stability *s)
     s->refused = true;
 }
 
+/* Sets the largest growth per step at dt, the mode it belongs to, and its exact growth. */
 static void find_growth(struct stability *s)
 {
     s->growth_predicted = s->modes ? 0 : NAN;
@@ -345,7 +347,8 @@ static void find_growth(struct stability *s)
     s->energy_factor = s->growth_predicted * s->growth_predicted;
 }
 
-/* growth - 1 = c x^p where it is small; a resonance is stable again a little later. */
+/* Sets the doubling time, the law growth - 1 = c x^p of weak instability, and the window of a
+ * narrow resonance beyond dt_max, after which steps are stable again. */
 static void name_weakness(struct stability *s)
 {
     s->weak[0] = s->weak[1] = s->window[0] = s->window[1] = s->window[2] = NAN;
@@ -377,6 +380,7 @@ static void name_weakness(struct stability *s)
     }
 }
 
+/* Runs the worst mode at dt, and the tightest one on both sides of dt_max. */
 static void verify(struct stability *s)
 {
     mode_check(&s->choice, &s->worst, s->dt, &s->check[s->checks++]);
@@ -390,7 +394,8 @@ static void verify(struct stability *s)
         s->agrees &= s->check[i].agrees;
 }
 
-/* The scene itself, where its eigenvalues are only an estimate. */
+/* Runs the scene with dt, as modes are only estimates if it is not linear; false if out of
+ * memory. */
 static bool run_scene(const struct system *system, const struct stability_request *request,
                       struct stability *s)
 {
@@ -422,8 +427,8 @@ static bool run_scene(const struct system *system, const struct stability_reques
     return true;
 }
 
-/* Judges the growth. Growth of the scene itself is no fault of the method, nor is a rate that is
- * correct to RATE_TOLERANCE. */
+/* Returns the verdict on one mode. Growth of the scene itself is not the method's fault, nor is a
+ * rate that is correct to RATE_TOLERANCE. */
 static enum stability_verdict stability_judge(const struct stability *s, const struct mode *mode)
 {
     const double growth = mode_growth(&s->choice, mode, s->dt), rate = growth_rate(mode) * s->dt,
@@ -435,6 +440,7 @@ static enum stability_verdict stability_judge(const struct stability *s, const s
                                                                : STABILITY_UNSTABLE;
 }
 
+/* Returns the worst verdict on all modes. */
 static enum stability_verdict judge_all(const struct stability *s)
 {
     enum stability_verdict worst = STABILITY_STABLE;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Boundaries of stability: in the plane of z = lambda dt, as order stars, over damping. */
+/* Traces the boundaries of stability of methods: in the plane of z = lambda dt, as order stars, and
+ * over damping and omega dt. */
 #include "modules/comparison/stability/regions.h"
 #include "modules/comparison/stability/contour.h"
 
@@ -8,14 +9,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A growth so little above 1 is none: at a double eigenvalue it is known to the root of rounding
- * only. */
+/* Growth above 1 by less counts as none: at a double eigenvalue it is known to the square root of
+ * rounding only. */
 static const double growth_rounding = 1e-8;
 /* [1] Half the width of the plane for methods that are stable at every step. */
 static const double unbounded_width = 6;
-/* Regions are not examined beyond this: the right half plane of backward differentiation. */
+/* Regions are not examined beyond this |z|, as those of backward differentiation in the right half
+ * plane extend far. */
 static const double widest_plane = 40;
+/* Largest damping ratio of the plane over zeta and omega dt. */
 static const double zeta_max = 1.5;
+/* Number of grid cells along an axis of the z plane, and of the plane over zeta and omega dt. */
 enum { PLANE_CELLS = 110, DAMPED_CELLS = 120 };
 
 static const struct row planes[] = {
@@ -51,16 +55,20 @@ const struct result_columns *region_columns(enum region_plane plane)
 
 /* ---- the fields ---- */
 
+/* Returns growth per step - 1 at z for the method_choice `context`; boundaries are where it is
+ * 0. */
 static double growth_in_z(const void *context, double re, double im)
 {
     return stability_growth(context, re, im) - 1 - growth_rounding;
 }
 
+/* Returns growth per step relative to the exact solution, minus 1. */
 static double growth_in_star(const void *context, double re, double im)
 {
     return stability_growth(context, re, im) * exp(-re) - 1 - growth_rounding;
 }
 
+/* Returns growth per step - 1 of a damped oscillator, with x = omega dt. */
 static double growth_in_damped(const void *context, double zeta, double x)
 {
     const struct method_choice *choice = context;
@@ -83,7 +91,9 @@ static double unstable_reach(const struct method_choice *choice)
     return reach;
 }
 
-/* Widens the box, {left, right, top}, so that it holds the boundary of a method. */
+/* Widens the box, {left, right, top}, so that it holds the boundary of a method with a margin.
+ * Methods that are stable at every step get a box of fixed size, or one around their unstable
+ * part. */
 static void include_method(const struct method_choice *choice, double box[3])
 {
     const double real = method_stable_limit(choice->method, choice->drag, 1),
@@ -102,6 +112,8 @@ static void include_method(const struct method_choice *choice, double box[3])
     box[2] = fmax(box[2], 1.25 * fmax(fmax(high, middle), 0.7 * finite_or(real, 1)));
 }
 
+/* Returns the field whose zero lines are the boundaries in that plane, over a rectangle that holds
+ * those of all methods. Its context is left to the caller. */
 static struct contour_field plane_field(enum region_plane plane, const struct stability *stability,
                                         int count)
 {
@@ -135,6 +147,7 @@ static struct contour_field plane_field(enum region_plane plane, const struct st
 
 /* ---- rows ---- */
 
+/* Appends a row. Returns false if out of memory. */
 static bool region_add(struct region *region, const struct region_row *row)
 {
     if (region->rows == region->capacity) {
@@ -149,7 +162,8 @@ static bool region_add(struct region *region, const struct region_row *row)
     return true;
 }
 
-/* Adds the boundary of one method; what is below the real axis is the mirror image. */
+/* Appends the boundary of one method, traced in the upper half plane and, if `mirrored`, repeated
+ * below. Returns false if out of memory or cancelled. */
 static bool add_boundary(const struct contour_field *field, const struct stability *stability,
                          bool mirrored, const struct cancel *cancel, struct region *region)
 {
@@ -168,8 +182,9 @@ static bool add_boundary(const struct contour_field *field, const struct stabili
     return ok;
 }
 
-/* Adds the stretch of the imaginary axis on which a method is stable that knows no forces which
- * depend on velocity. */
+/* Appends the stable interval of the imaginary axis of a method that does not apply to forces which
+ * depend on velocity, and so has no region. `damped` selects the plane over zeta and omega dt.
+ * Returns false if out of memory. */
 static bool add_interval(const struct stability *stability, bool damped, struct region *region)
 {
     const double limit = method_stable_limit(stability->choice.method, stability->choice.drag, 0);
@@ -186,7 +201,8 @@ static bool add_interval(const struct stability *stability, bool damped, struct 
     return ok && region_add(region, &row);
 }
 
-/* Adds the eigenvalues of a mode times dt, or its damping and omega dt. */
+/* Appends the two eigenvalues of a mode times dt, or its damping ratio and omega dt. Returns false
+ * if out of memory. */
 static bool add_mode_points(enum region_plane plane, const struct mode *mode, double dt,
                             const char *part, const char *curve, struct region *region)
 {
@@ -207,6 +223,8 @@ static bool add_mode_points(enum region_plane plane, const struct mode *mode, do
     return ok;
 }
 
+/* Appends the scene's modes at its start with the present dt, and for each method the mode that
+ * limits it with dt_max. Returns false if out of memory. */
 static bool add_points(enum region_plane plane, const struct stability *stability, int count,
                        struct region *region)
 {

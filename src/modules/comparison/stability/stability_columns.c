@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of a study of stability and of its checks by running, for programs and people. */
+/* Columns of the table of `stability` and of the checks by running, for programs, files and
+ * people. */
 #include <hooke/base/catalog.h>
 #include "modules/comparison/compute/stability.h"
 
 #include <math.h>
 
-#define GROWTH_ROUNDING 1e-10 /* a growth so near to 1 is none, as measured too */
+#define GROWTH_ROUNDING 1e-10 /* growth nearer to 1 is shown as 1, also if it was measured */
 
+/* Returns a row of the table as what it is. */
 static const struct stability *stability_of(const void *row)
 {
     return row;
@@ -14,6 +16,7 @@ static const struct stability *stability_of(const void *row)
 
 /* ---- values ---- */
 
+/* Returns true if the worst mode is an oscillator, which has an omega and a zeta. */
 static bool oscillates(const struct stability *s)
 {
     return s->modes && s->worst.sign == STIFFNESS_POSITIVE && !s->scalar;
@@ -44,6 +47,7 @@ void buffer_growth(struct buffer *output, double growth)
                       deviation > GROWTH_ROUNDING ? growth : 1);
 }
 
+/* Writes a growth per step. */
 static void growth_cell(struct text_table *table, double growth)
 {
     struct buffer text = {0};
@@ -51,6 +55,7 @@ static void growth_cell(struct text_table *table, double growth)
     cell_take(table, &text);
 }
 
+/* Writes dt_max: a time, "every step" or "none". */
 static void limit_cell(struct text_table *table, double dt_max)
 {
     if (isinf(dt_max))
@@ -61,6 +66,7 @@ static void limit_cell(struct text_table *table, double dt_max)
         cell_quantity(table, dt_max, QUANTITY_TIME, 6);
 }
 
+/* Writes whether all checks agree with the prediction, or nothing if there are none. */
 static void agrees_cell(struct text_table *table, const void *row)
 {
     const struct stability *s = row;
@@ -81,6 +87,7 @@ static const struct result_column of_check[] = {
 
 static const struct result_columns check_columns = RESULT_COLUMNS(of_check, struct stability_check);
 
+/* Returns the checks of a row, for its column "checks". */
 static const void *list_checks(const void *row, size_t *count)
 {
     *count = (size_t)stability_of(row)->checks;

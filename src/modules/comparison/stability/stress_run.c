@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stress: every method on every stiff and extreme case, one verdict each. */
+/* The study behind `stress`: every method in every stiff and extreme case, each with a verdict. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include <hooke/base/number.h>
@@ -10,19 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COST_MAX 1000000 /* evaluations, Jacobians and solves of one case */
-#define STEPS_MOST 100000
-#define REFERENCE_MAX 4000000
-#define SCENE_MAX 400000 /* the same where many cases are made of one scene */
-#define REFERENCE_TOL 1e-10
-#define CASE_TOLERANCE 1e-6
-#define CASE_SPAN 10.0    /* [s] */
-#define CASE_STEPS 1024   /* fixed steps where the case does not say */
-#define ERROR_EXACT 1e-10 /* errors below are rounding that has added up */
-#define ERROR_ACCURATE 1e-2
-/* Amplitudes within which a wrong motion is called bounded. */
-#define AMPLITUDE_BOUNDED 10.0
-/* Part of the expected oscillation in the last quarter below which it is damped away. */
+#define COST_MAX 1000000       /* evaluations, Jacobians and solves of one case */
+#define STEPS_MOST 100000      /* largest number of fixed steps of one case */
+#define REFERENCE_MAX 4000000  /* largest cost of a reference */
+#define SCENE_MAX 400000       /* the same for the many cases of the caller's scene */
+#define REFERENCE_TOL 1e-10    /* tolerance of a reference */
+#define CASE_TOLERANCE 1e-6    /* tolerance where the case has none */
+#define CASE_SPAN 10.0         /* [s] duration where the case has none */
+#define CASE_STEPS 1024        /* number of fixed steps where the case has no dt */
+#define ERROR_EXACT 1e-10      /* smaller errors are accumulated rounding */
+#define ERROR_ACCURATE 1e-2    /* largest error that is called accurate */
+#define AMPLITUDE_BOUNDED 10.0 /* largest size of a wrong motion that is called bounded */
+/* fraction of the expected oscillation in the last quarter below which it is damped away */
 #define DAMPED_FRACTION 0.1
 
 static const struct row verdicts[] = {
@@ -107,6 +106,7 @@ static const struct stress_case cases[] = {
 };
 /* clang-format on */
 
+/* Returns true if the table has a case named after the preset. */
 static bool listed(const char *preset)
 {
     for (size_t i = 0; i < COUNT_OF(cases); i++)
@@ -135,6 +135,7 @@ bool stress_case_at(size_t index, struct stress_case *result)
     return false;
 }
 
+/* Lists the built-in cases. */
 static void stress_totals(struct stress *stress)
 {
     while (stress->count < STRESS_MAX &&
@@ -144,19 +145,21 @@ static void stress_totals(struct stress *stress)
 
 /* ---- one case ---- */
 
+/* One case while all methods run it. */
 struct stress_state {
     const struct stress_case *what;
     double *limit; /* [methods] limits for STRESS_STEP, NAN until known */
     struct system system;
     double span, tol, dt;
-    struct reference reference;
-    char refused[200];           /* reason if the scene itself is refused */
-    struct singularity singular; /* searched for when one method fails */
-    bool looked;
-    double *grid; /* [STUDY_TIMES][n] */
+    struct reference reference;  /* y is NULL if there is none */
+    char refused[200];           /* reason if the scene itself is invalid, or empty */
+    struct singularity singular; /* end of the solution, searched for when a method fails */
+    bool looked;                 /* it was searched for */
+    double *grid;                /* [STUDY_TIMES][n] */
     const struct cancel *cancel;
 };
 
+/* Binds the scene of a case. Returns false with an error if a parameter cannot have its value. */
 static bool set_scene(const struct stress_case *what, struct system *system, struct error *error)
 {
     const struct row *row =
@@ -175,8 +178,8 @@ static bool set_scene(const struct stress_case *what, struct system *system, str
     return scene_bind(&scene, system, error);
 }
 
-/* Takes the closed form if there is one, else the first two integrations of different kinds that
- * reach the end; their distance is the accuracy. Leaves no reference if there are no two. */
+/* Takes the closed form as reference if there is one, otherwise the first two adaptive methods that
+ * reach the end, whose distance is its accuracy. Leaves y NULL if there are no two. */
 static void find_reference(struct stress_state *bench)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "odex"};
@@ -224,6 +227,8 @@ static void find_reference(struct stress_state *bench)
         reference_free(reference);
 }
 
+/* Prepares a case and its reference. An invalid scene is noted in `refused`. Returns false if out
+ * of memory. */
 static bool bench_init(struct stress_state *bench, const struct stress_case *what,
                        const struct cancel *cancel)
 {
@@ -250,7 +255,7 @@ static void bench_free(struct stress_state *bench)
         reference_free(&bench->reference);
 }
 
-/* Largest position on the grid in units of the motion, from grid time `first` on; NAN states left
+/* Returns the largest |variable i| from grid time `first` on, in amplitudes; states of NAN are left
  * out. */
 static double grid_variable_max(const struct stress_state *bench, const double *grid, int first,
                                 int i)
@@ -262,7 +267,7 @@ static double grid_variable_max(const struct stress_state *bench, const double *
     return max;
 }
 
-/* Grades a run that reached its end. */
+/* Sets the verdict on a run that reached its end, from its error and amplitude. */
 static void judge_end(const struct stress_state *bench, struct stress_row *row)
 {
     const struct reference *reference = &bench->reference;
@@ -310,8 +315,8 @@ static void judge_end(const struct stress_state *bench, struct stress_row *row)
         row->verdict = STRESS_UNEXPLAINED;
 }
 
-/* Also of a method that went on past it, where there is nothing to measure against: what it gives
- * is no solution. */
+/* Sets the verdict STRESS_SINGULAR and returns true if the solution itself ends before the span
+ * does and the run failed, or passed that end without a reference to measure it. */
 static bool judge_singular(struct stress_state *bench, enum stop stop, struct stress_row *row)
 {
     const struct system *system = &bench->system;
@@ -330,6 +335,7 @@ static bool judge_singular(struct stress_state *bench, enum stop stop, struct st
     return true;
 }
 
+/* Sets the verdict on a run that did not reach its end, with the reason. */
 static void judge_stop(const struct stress_state *bench, const struct solver *solver,
                        const struct run_settings *settings, const struct plan *plan, enum stop stop,
                        struct stress_row *row)
@@ -349,7 +355,7 @@ static void judge_stop(const struct stress_state *bench, const struct solver *so
                       .steps = solver->steps,
                       .t = solver->step.t,
                       .stop = stop};
-    /* rates are those of the scene, not of what it blew up to */
+    /* run_explain() is to use the rates at the start */
     memcpy(run.y, bench->system.start, sizeof run.y);
     run_explain(&run, &why);
     row->verdict = stop == STOP_DIVERGED ? STRESS_DIVERGED : STRESS_REFUSED;
@@ -358,13 +364,14 @@ static void judge_stop(const struct stress_state *bench, const struct solver *so
     buffer_free(&why);
 }
 
+/* Sets the verdict STRESS_REFUSED with a reason. */
 static void stress_row_refuse(struct stress_row *row, const char *why)
 {
     row->verdict = STRESS_REFUSED;
     snprintf(row->reason, sizeof row->reason, "%.230s", why);
 }
 
-/* Returns false if out of memory. */
+/* Runs one method in a case and sets its verdict. Returns false if out of memory. */
 static bool run_case(struct stress_state *bench, int method, struct stress_row *row)
 {
     const bool adaptive = row->method->flags & METHOD_ADAPTIVE && !bench->what->fixed;
@@ -400,7 +407,7 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
     }
     if (!solver_init(&solver, &bench->system, row->method, &settings, bench->span))
         return false;
-    /* chooses its first step */
+    /* the method chooses its first step */
     if (adaptive)
         solver.dt = 0;
     solver.max = COST_MAX;

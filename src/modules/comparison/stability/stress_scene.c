@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The cases that stress makes of a scene, and what each changes in it. */
+/* Makes the cases of `stress scene`: the caller's scene unchanged, with other steps, with each
+ * parameter changed, and with extreme initial values. */
 #include <hooke/base/catalog.h>
 #include "modules/comparison/stability/stress.h"
 
 #include <math.h>
 
+/* Appends a case of the scene, whose name and description are copied. Returns NULL if out of memory
+ * or if there are STRESS_MAX already. */
 static struct stress_case *stress_case_add(struct stress *stress, const struct stress_scene *source,
                                            const char *name, const struct buffer *brief)
 {
@@ -21,6 +24,7 @@ static struct stress_case *stress_case_add(struct stress *stress, const struct s
     return what;
 }
 
+/* Appends cases with steps below and above the method's stability limit. */
 static void add_steps(struct stress *stress, const struct stress_scene *source)
 {
     static const double factors[] = {0.5, 0.99, 1.01, 2, 10, 1000};
@@ -40,6 +44,7 @@ static void add_steps(struct stress *stress, const struct stress_scene *source)
     }
 }
 
+/* Appends cases with one parameter very small, very large, 0 and of opposite sign. */
 static void add_param(struct stress *stress, const struct stress_scene *source, int index)
 {
     static const struct {
@@ -66,6 +71,7 @@ static void add_param(struct stress *stress, const struct stress_scene *source, 
     }
 }
 
+/* Appends cases with tiny and huge initial values. */
 static void add_starts(struct stress *stress, const struct stress_scene *source)
 {
     static const struct {
@@ -135,6 +141,6 @@ double stress_limit(const struct system *system, const double *y, int states, in
                 fastest = mode[i];
     }
     const double limit = fastest.omega > 0 ? mode_limit(&choice, &fastest) : HUGE_VAL;
-    /* A limit that is not positive and finite prefers no step. */
+    /* The time constant is the unit without a positive finite limit. */
     return limit > 0 && isfinite(limit) ? limit : 1 / fastest.omega;
 }
