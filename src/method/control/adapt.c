@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Step-size control: one accepted step of a method with an error estimate (adapt_body.h). First
- * step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4.
- */
+/* Step-size control: one accepted step of a method with an error estimate (adapt_body.h), also of
+ * systems with switches. First step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize(                                                                              \
     "no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
@@ -17,7 +15,7 @@
 /* Part of a step ahead at which the direction of a switch is evaluated. */
 #define PROBE_STEP_FRACTION 1e-4
 
-/* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
+/* Returns the RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)). */
 static double scaled_norm(const struct step *step, double tol, const double *x, const double *y,
                           const double *z)
 {
@@ -25,8 +23,8 @@ static double scaled_norm(const struct step *step, double tol, const double *x, 
     return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
 }
 
-/* A first step by the size of the first and second derivative (II.4, algorithm of Gladwell,
- * Shampine, Brankin 1987). */
+/* Chooses a first step [s], with the sign of span, by the size of the first and second derivative
+ * (II.4, algorithm of Gladwell, Shampine, Brankin 1987). order is that of the method. */
 static double first_step(struct step *step, double tol, int order, double span)
 {
     const struct system *system = step->system;
@@ -54,7 +52,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     return copysign(isfinite(best) && best > 0 ? best : cautious, span);
 }
 
-/* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
+/* Restores state, low parts and time after a rejected attempt, and counts it. */
 INLINE void take_back(int n, struct step *step, struct controller *controller, double t,
                       const double *y, const double *low)
 {
@@ -67,16 +65,17 @@ INLINE void take_back(int n, struct step *step, struct controller *controller, d
     controller->rejected = true;
 }
 
-/* Returns the square of the error of a step from `previous`, in units of the tolerance. No root has
- * to be waited for. */
+/* Returns the squared error of a step from `previous`, in units of the tolerance and summed over
+ * variables. The square is used because nothing has to wait for a root. */
 INLINE double error_square(int n, const struct step *step, const double *previous)
 {
     return step->square >= 0 ? step->square
                              : scaled_square(n, step_scale(step), step->error, previous, step->y);
 }
 
-/* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each
- * small n. */
+/* Takes one accepted step towards t_end. If the system is frozen on branches, switches holds their
+ * state, else it is NULL. Returns a failure, with state, time and controller as before, if no step
+ * is short enough. Inlined for each small n. */
 INLINE enum step_status adapt_size(int n, const struct method *method, struct step *step,
                                    struct controller *controller, double t_end,
                                    struct switches_state *switches)
@@ -85,7 +84,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     const double max = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
     const double accepted = 1 / (n * max * max), aims = by_aim(method);
-    /* another try after a failure begins where this one did */
+    /* restored on failure, so that another call begins where this one did */
     const double planned = controller->h;
     const bool rejected = controller->rejected;
     struct switches_state state;
@@ -100,7 +99,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     for (int attempt = 0, failures = 0;; attempt++) {
         bool last = fabs(controller->h) * LAST_STEP_STRETCH >= fabs(span);
         step->h = controller->h;
-        if (unlikely(last)) /* a branch: the first stage does not wait for it */
+        if (unlikely(last)) /* as a branch, since the first stage does not wait for branches */
             step->h = span;
         step->error = asked ? asked : own_error;
         step->again = attempt > 0;
@@ -126,7 +125,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         step->tol = 0;
 
         if (square <= 1) {
-            /* A step that was cut short says nothing against the longer one that was planned. */
+            /* a step that was cut short does not shorten the step that was planned */
             plan_next(method, controller, step->h, aimed, last || turned);
             step->t = last ? t_end : advance_clock(controller, t, step->h);
             step->t = not_beyond(step->t, span, t_end);
@@ -154,6 +153,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     }
 }
 
+/* Calls adapt_size() for any number of variables. */
 static enum step_status adapt(const struct method *method, struct step *step,
                               struct controller *controller, double t_end,
                               struct switches_state *switches)
@@ -161,9 +161,8 @@ static enum step_status adapt(const struct method *method, struct step *step,
     return adapt_size(step->system->n, method, step, controller, t_end, switches);
 }
 
-/* One step of a library's own control on frozen branches: one across the end of a branch is taken
- * again, up to there.
- */
+/* Takes one step of a library's own control on frozen branches. A step across the end of a branch
+ * is taken again, up to that end. On failure the state is unchanged. */
 static enum step_status adapt_library(const struct method *method, struct step *step,
                                       struct controller *controller, double t_end)
 {
@@ -187,7 +186,8 @@ static enum step_status adapt_library(const struct method *method, struct step *
     return STEP_OK;
 }
 
-/* Makes a step on frozen branches. */
+/* Takes a step of a system with switches, frozen on the branches that hold at its start, or of the
+ * whole system if none of them leads on. */
 static enum step_status adapt_between_switches(const struct method *method, struct step *step,
                                                struct controller *controller, double t_end)
 {
@@ -218,7 +218,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     return status;
 }
 
-/* Takes steps of a system that has no switch, with a first step that is known. */
+/* Takes a step of a system without switches whose first step has a size. */
 INLINE enum step_status adapt_plain(int n, const struct method *method, struct step *step,
                                     struct controller *controller, double t_end)
 {
@@ -230,6 +230,7 @@ INLINE enum step_status adapt_plain(int n, const struct method *method, struct s
     return status;
 }
 
+/* Makes an instance of adapt_plain() for n variables. */
 #define ADAPT_PLAIN(name, n)                                                                       \
     static enum step_status name(const struct method *method, struct step *step,                   \
                                  struct controller *controller, double t_end)                      \
@@ -240,6 +241,8 @@ ADAPT_PLAIN(adapt_two, 2)
 ADAPT_PLAIN(adapt_three, 3)
 ADAPT_PLAIN(adapt_four, 4)
 
+/* Takes a step of any system: under the library's control, on frozen branches, or by adapt();
+ * chooses the first step if there is none. */
 static enum step_status adapt_any(const struct method *method, struct step *step,
                                   struct controller *controller, double t_end)
 {
@@ -261,6 +264,8 @@ static enum step_status adapt_any(const struct method *method, struct step *step
     return status;
 }
 
+/* Chooses the fastest code for the system: a kernel, an instance for its number of variables, or
+ * adapt_any(). */
 enum step_status method_adapt(const struct method *method, struct step *step,
                               struct controller *controller, double t_end)
 {
@@ -268,7 +273,7 @@ enum step_status method_adapt(const struct method *method, struct step *step,
     assert(method->flags & METHOD_ADAPTIVE);
     if (t_end - step->t == 0)
         return STEP_OK;
-    /* 0 chooses a step */
+    /* h = 0 means that the first step has to be chosen */
     if (method->adapt || step->system->switches > 0 || controller->h == 0)
         return adapt_any(method, step, controller, t_end);
     if (step->controlled && !step->low && !step->system->kinks) {

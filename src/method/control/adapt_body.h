@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Parts of an accepted adaptive step. They are compiled for any method in adapt.c, and again for
- * explicit Runge-Kutta methods where the compiler knows the method and the scene. Both use this
- * text, so both give the same bits.
+ * Parts of an accepted adaptive step: sizes of variables, the filter that plans the next step, the
+ * clock. adapt.c compiles them for any method, kernel/controlled.c for explicit Runge-Kutta methods
+ * where the compiler knows method and scene. Both compile this code, so both give the same bits.
  *
  * The next step is rho h, from the errors e of the last two accepted steps, in units of the aim:
  * rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k (digital
@@ -17,7 +17,8 @@
 
 #include <float.h>
 
-/* Only a branch that is foreseen so surely is left a branch, which nothing waits for. */
+/* A probability at which compilers keep a branch, for which nothing waits, instead of a selection.
+ */
 #if defined(__GNUC__)
 #define unlikely(condition) __builtin_expect_with_probability(condition, false, 0.999)
 #else
@@ -29,14 +30,13 @@
 #endif
 
 /*
- * Explicit methods want two things. At the edge of stability a filter must not swing: H211b rejects
- * every sixth step there, PC47 of tsit5 every twelfth. On the way to a pericentre it must follow
- * the trend: PI42 has a quarter of the steps rejected. What is here, halfway between PI42 and PC47,
- * does both (found by trying).
+ * The filter of explicit methods must not swing at the edge of stability, where H211b rejects every
+ * sixth step of tsit5 and PC47 every twelfth, and it must follow a trend, as on the way to a
+ * pericentre, where PI42 has a quarter of the steps rejected. This one, halfway between PI42 and
+ * PC47, does both (found by trying). Implicit methods use PC47.
  */
 static const struct filter {
     double b1, b2, a;
-    /* the latter: PC47 */
 } explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10};
 
 /* Part of the tolerance to aim at where the method's row gives none. */
@@ -49,21 +49,23 @@ static const struct filter {
 #define STEADY_RATIO_MIN 0.9
 #define STEP_SHRINK_MIN 0.2  /* Smallest factor of the step size after a rejection. */
 #define STEP_GROWTH_MAX 10.0 /* Largest factor of the step size while there is no history. */
-#define MIN_ERROR 1e-8       /* smaller ones say nothing about the next */
+#define MIN_ERROR 1e-8       /* Errors (in units of the aim) below this count as this. */
 /* Factor by which the last step may be longer, so that no sliver remains. */
 #define LAST_STEP_STRETCH 1.01
 /* Successive steps that may give no number; each makes the next a quarter as long. */
 #define FAILED_STEPS_MAX 20
-/* units of the last place of t: a smaller step is only rounding, though the clock counts it */
+/* Shortest step in units of the last place of t; a shorter one would be rounding. */
 #define MIN_ULPS 4
 
+/* Returns the relative tolerance, which is at least 10 eps. */
 INLINE double tolerance(const struct controller *controller)
 {
     const double min = 10 * DBL_EPSILON;
     return controller->tol > min ? controller->tol : min;
 }
 
-/* One more sample of the sizes, at the start y of a step. */
+/* Updates the sizes of variables along the run (struct controller) by the state y at the start of a
+ * step. */
 INLINE void follow(int n, const struct system *system, double t, const double *y,
                    struct controller *controller)
 {
@@ -85,11 +87,13 @@ INLINE void follow(int n, const struct system *system, double t, const double *y
             mean += controller->excess[i] * rate;
         mean *= mean;
         mean *= mean;
-        controller->scale[i] = min * mean < DBL_MAX ? min * mean : min; /* not where it is NaN */
+        controller->scale[i] =
+            min * mean < DBL_MAX ? min * mean : min; /* keeps the system's size if it is NaN */
     }
 }
 
-/* The estimate goes with h^k, what adds up with h^order: this makes the latter go with tol. */
+/* Returns the largest error estimate that is accepted. The estimate goes with h^k and the
+ * accumulated error with h^order, so that tol^(k/order) makes the latter proportional to tol. */
 INLINE double largest_estimate(const struct method *method, double tol)
 {
     const int k = method->embedded + 1;
@@ -98,27 +102,30 @@ INLINE double largest_estimate(const struct method *method, double tol)
     return (method->fraction > 0 ? method->fraction : TOLERANCE_FRACTION) * proportional;
 }
 
+/* Returns the shortest step [s] at time t. */
 static inline double min_step(double t)
 {
     return MIN_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
 
-/* The planned step towards the end of the span; a branch, so that it does not wait for the clock.
- */
+/* Gives the planned step the direction of span. A branch, so that the step does not wait for the
+ * clock. */
 INLINE void controller_orient(struct controller *controller, double span)
 {
     if (unlikely((controller->h < 0) != (span < 0)))
         controller->h = -controller->h;
 }
 
-/* Errors in units of what is aimed at, by those in units of what is accepted; both squared */
+/* Returns the factor from squared errors in units of the accepted error to those in units of the
+ * aim. */
 INLINE double by_aim(const struct method *method)
 {
     return method->flags & METHOD_IMPLICIT ? 1 / (AIM_IMPLICIT * AIM_IMPLICIT)
                                            : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
 }
 
-/* Returns log2 of rho as above, from squares of errors in units of the aim. ratio is h_n/h_n-1. */
+/* Returns log2 of rho (see the top of this file), from squares of the last two errors in units of
+ * the aim; ratio is h_n/h_n-1. */
 INLINE double change(const struct filter *filter, int k, double square, double previous,
                      double ratio)
 {
@@ -129,16 +136,14 @@ INLINE double change(const struct filter *filter, int k, double square, double p
     return factor_log2(square) * (half * filter->b1) + history;
 }
 
-/* rho of a first step and after a rejection. */
+/* Returns rho of a first step and after a rejection, by the last error alone. */
 __attribute__((noinline, unused)) static double change_elementary(int k, double square)
 {
     return factor_exp2(factor_log2(square) * (-0.5 / k));
 }
 
-/*
- * Plans the next step after an accepted one of h. square is that of its error in units of the aim.
- * After a step that was cut only a longer one counts.
- */
+/* Plans the next step after an accepted one of h; square is that of its error in units of the aim.
+ * After a step that was cut short, only a longer plan replaces the old one. */
 INLINE void plan_next(const struct method *method, struct controller *controller, double h,
                       double square, bool cut)
 {
@@ -163,7 +168,7 @@ INLINE void plan_next(const struct method *method, struct controller *controller
     controller->h = h * rho;
 }
 
-/* t after the step, as the sum of all steps. */
+/* Returns t after the step, as a compensated sum of all steps (Neumaier 1974). */
 INLINE double advance_clock(struct controller *controller, double t, double h)
 {
     const double increment = h + controller->t_low, sum = t + increment, part = sum - t;
@@ -171,7 +176,8 @@ INLINE double advance_clock(struct controller *controller, double t, double h)
     return sum;
 }
 
-/* A switch at the very end is located beyond it by rounding: the next step would go back across. */
+/* Returns t, or t_end if t is beyond it. A switch at the very end may be located beyond the end by
+ * rounding, and the next step would go back across it. */
 INLINE double not_beyond(double t, double h, double t_end)
 {
     return (h > 0 ? t > t_end : t < t_end) ? t_end : t;

@@ -8,10 +8,9 @@
 #include <stdint.h>
 #include <string.h>
 
-/*
- * log2(x), x > 0, normal; error at most 2e-9. With x = 2^e m, 0.7 < m < 1.42 and s = (m - 1)/(m +
- * 1): log2 m = 2/ln 2 (s + s^3/3 + s^5/5 + ...) (Abramowitz, Stegun 1964, eq. 4.1.27).
- */
+/* Returns log2(x) for a normal x > 0, with an error of at most 2e-9. With x = 2^e m, 0.7 < m < 1.42
+ * and s = (m - 1)/(m + 1): log2 m = 2/ln 2 (s + s^3/3 + s^5/5 + ...) (Abramowitz, Stegun 1964, eq.
+ * 4.1.27). */
 static inline double factor_log2(double x)
 {
     const uint64_t half = 0x3fe6a09e667f3bcd; /* sqrt(1/2) */
@@ -27,14 +26,13 @@ static inline double factor_log2(double x)
     return (double)whole + s * (2.885390081777927 + u * series);
 }
 
-/*
- * 2^x, where that is normal; error at most 1e-9 of it. The series of exp(f ln 2), |f| <= 1/2, for
- * the part that is not whole.
- */
+/* Returns 2^x, for |x| <= 1000, with a relative error of at most 1e-9: the nearest whole number
+ * goes into the exponent, and the series of exp(f ln 2), |f| <= 1/2, gives the factor for the
+ * rest. */
 static inline double factor_exp2(double x)
 {
     const double floored = x < -1000 ? -1000 : x, clamped = floored > 1000 ? 1000 : floored;
-    /* its low bits: the nearest whole number */
+    /* adding shift rounds to a whole number, which is then in the lowest bits */
     const double shift = 0x1.8p52, rounded = clamped + shift;
     const double f = clamped - (rounded - shift), g = f * f;
     uint64_t bits;
@@ -50,7 +48,7 @@ static inline double factor_exp2(double x)
     return power * (low + g * g * high);
 }
 
-/* atan(x) to 1e-5 (Abramowitz, Stegun 1964, eq. 4.4.49); exact at 0. */
+/* Returns atan(x) with an error of 1e-5 (Abramowitz, Stegun 1964, eq. 4.4.49); exact at 0. */
 static inline double factor_atan(double x)
 {
     const double size = x < 0 ? -x : x, z = size > 1 ? 1 / x : x, u = z * z;
@@ -59,10 +57,9 @@ static inline double factor_atan(double x)
     return size <= 1 ? angle : (x < 0 ? -1.5707963267948966 : 1.5707963267948966) - angle;
 }
 
-/*
- * The limiter 1 + atan(2^x - 1) of a change by 2^x (Soderlind, Wang 2006): error at most 2e-7 where
- * |x| <= 1/2, by a polynomial, because the next step waits for it; 1.2e-5 beyond. Exact at 0.
- */
+/* Returns the limiter 1 + atan(2^x - 1) of a change by 2^x (Soderlind, Wang 2006), exact at 0. For
+ * |x| <= 1/2 a polynomial with an error of 2e-7, because the next step waits for it; beyond that
+ * the error is 1.2e-5. */
 static inline double factor_limited(double x)
 {
     if (!(x >= -0.5 && x <= 0.5))

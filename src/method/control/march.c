@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many steps of one size, by a kernel or one by one. */
+/* Many steps of one size: as many as a kernel takes, the others one by one. */
 #include "method/step/step.h"
 
+/* Tries the step at which a kernel has ended early once more, which gives the reason. */
 int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
                      enum step_status *status)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Marches of explicit Runge-Kutta methods and splittings around their step bodies, for kernels: the
- * method and what evaluates the forces are known to the compiler. Who includes this has defined
- * MOST, the most variables.
+ * Marches (many steps of one size) of explicit Runge-Kutta methods and splittings, for kernels: the
+ * compiler knows the method and the function that evaluates the forces. A file that includes this
+ * defines MOST, the largest number of variables, before.
  */
 #pragma once
 
@@ -18,13 +18,14 @@ INLINE void copy_numbers(int count, const double *source, double *target)
         target[i] = source[i];
 }
 
+/* Sets sums to -0.0, which is neutral in additions. */
 INLINE void sum_begin(int count, double *sum)
 {
     for (int i = 0; i < count; i++)
         sum[i] = -0.0;
 }
 
-/* Marches return the steps taken: all of them. */
+/* Takes all steps of the march with an explicit Runge-Kutta method. Returns their number. */
 INLINE int64_t rk_march(const struct method *method, int n, slope_function *slope,
                         const void *forces, const struct march *march)
 {
@@ -57,11 +58,11 @@ INLINE int64_t rk_march(const struct method *method, int n, slope_function *slop
     return march->count;
 }
 
-/* z = y + sum_j share_j k_j, k [stages][stride] */
+/* Computes z = y + sum_j weight_j k_j; k is [stages][stride]. */
 typedef void combine_function(int n, int stride, const struct weights *weights, const double *k,
                               const double *y, double *z);
 
-/* As rk_stages(). */
+/* Does the same as rk_stages(), with weights that were picked before (weights.h). */
 INLINE void picked_stages(const struct tableau *tableau, const struct weights *weights, int n,
                           int stride, combine_function *combine, slope_function *slope,
                           const void *forces, double t, double h, const double *y, double *k,
@@ -78,7 +79,8 @@ INLINE void picked_stages(const struct tableau *tableau, const struct weights *w
         combine(n, stride, &weights[0], k, y, z);
 }
 
-/* Clears the gap between the variables and the next stage's, which takes part in sums, too. */
+/* Clears the numbers between the n variables and the next stage's, because sums in whole blocks
+ * include them. */
 INLINE void blocks_begin(int stages, int n, int stride, double *k, double *y)
 {
     for (int i = n; i < stride; i++) {
@@ -88,8 +90,8 @@ INLINE void blocks_begin(int stages, int n, int stride, double *k, double *y)
     }
 }
 
-/* Does the same as rk_march(), for any method. stride, at least n, separates the slopes of one
- * stage from those of the next. */
+/* Does the same as rk_march(), for methods that the compiler does not know. stride, at least n,
+ * separates the slopes of one stage from those of the next. */
 INLINE int64_t picked_march(const struct method *method, int n, int stride,
                             combine_function *combine, slope_function *slope, const void *forces,
                             const struct march *march)
@@ -128,7 +130,8 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride,
     return march->count;
 }
 
-/* known holds the data of the force functions */
+/* Takes all steps of the march with a splitting; known holds the data of the force functions.
+ * Returns their number. */
 INLINE int64_t split_march(const struct method *method, int n, enum drag drag,
                            force_function *force, force_function *velocity, const void *known,
                            const struct march *march)

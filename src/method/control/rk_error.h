@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The error estimate of an explicit Runge-Kutta step, in one text like its stages. */
+/* The error estimate of an explicit Runge-Kutta step; kernels and the general step compile this
+ * code, so both give the same bits. */
 #pragma once
 
 #include "method/step/rk_body.h"
 
-/* Stage by stage where the number of variables is not known, so that they are in vectors; the same
- * bits. */
+/* Computes error_i = h sum_j (w_j - u_j) k_ji. If n is not a constant, it sums stage by stage, so
+ * that compilers make vectors; both orders give the same bits. */
 INLINE void rk_difference(int n, double h, const double *w, const double *u, int count,
                           const double *k, double *error)
 {
@@ -28,11 +29,9 @@ INLINE void rk_difference(int n, double h, const double *w, const double *u, int
     }
 }
 
-/*
- * The difference from the embedded weights; with a rough one too, that of DOP853 (II.10,
- * eq. 10.17). Returns the sum of its squares by scaled_square(): the next step waits for that, not
- * for the root.
- */
+/* Combines the difference from the embedded method with that from the rough one, as DOP853 does
+ * (II.10, eq. 10.17), if the method has a rough one. Returns the sum of squares by scaled_square(),
+ * because the next step waits for that and not for the root. */
 INLINE double rk_square(const struct tableau *tableau, int n, const double *scale, const double *y,
                         const double *z, const double *rough, double *error)
 {
@@ -46,6 +45,8 @@ INLINE double rk_square(const struct tableau *tableau, int n, const double *scal
     return square * fraction;
 }
 
+/* Fills error [n] with the estimated error of the step from y to z. Returns its squared size as
+ * rk_square() does. */
 INLINE double rk_estimate(const struct tableau *tableau, int n, const double *scale, double h,
                           const double *k, const double *y, const double *z, double *error)
 {

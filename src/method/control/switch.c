@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Switches in adaptive steps. A step is taken on frozen branches, where everything is smooth; if
- * the guard of a branch falls below 0 on the way, the step is taken again, up to there only, and
- * the next one begins on the other branch. Where both branches lead back to the switch the motion
- * slides along it (typed_slide.c) until one of them turns away; where switches follow each other in
- * ever shorter times they pile up, and it goes on along all of them.
+ * Switches in adaptive steps: the end of a step. A step is taken on frozen branches, on which
+ * everything is smooth. If the guard of a branch (an expression that is positive while the branch
+ * holds) falls below 0, the step is taken again up to that point, and the next one begins on the
+ * other branch. If both branches lead back to the switch, the motion slides along it until one of
+ * them leads away. If switches follow each other in ever shorter times they pile up, and the motion
+ * slides along all of them.
  */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
@@ -26,21 +27,24 @@
 #define PILE_SHRINK_MAX 0.1
 /* Switches also pile up if a block takes less than this part of t. */
 #define PILE_TIME_RELATIVE 1e-12
-/* units of the last place of t: in so short a step a guard at 0 need not come to be above it */
+/* [ulp of t] In a step as short as this, a guard that begins at 0 may stay below it by rounding. */
 #define BRIEF_ULPS 64
 /* Speed, as a part of the natural one, below which a turning point is near. */
 #define TURNING_SPEED 0.05
 /* A step without a turning point may deviate from its mean speed by this part of its length. */
 #define MEAN_SPEED_TOLERANCE 0.1
 
+/* A step from y_begin at t over h, in which ends of branches are searched. */
 struct switch_search {
     const struct method *method;
-    struct step *step;
+    struct step *step; /* its y is the state at the end */
     const double *y_begin;
-    double t, h;
+    double t, h; /* [s] */
 };
 
-/* A cubic through the ends of a step says little about one of high order: a shorter step does. */
+/* Computes the state at t + theta h by a shorter step, for methods of high order without dense
+ * output, since a cubic through the ends is too inaccurate for them. Returns false if the dense
+ * output or the cubic is to be used, or if the step fails. */
 static bool inside_by_step(const struct switch_search *look, double theta, double *y)
 {
     const struct method *method = look->method;
@@ -58,10 +62,11 @@ static bool inside_by_step(const struct switch_search *look, double theta, doubl
     part.again = true;
     const bool fine = method_step(method, &part) == STEP_OK;
     look->step->cost = part.cost;
-    look->step->warm = false; /* the memory is that of the part */
+    look->step->warm = false; /* work holds values of the shorter step */
     return fine;
 }
 
+/* Computes all guards at t + theta h. */
 static void guards_at(const struct switch_search *look, double theta, double *guard)
 {
     double y[LIMIT_VARIABLES];
@@ -72,6 +77,7 @@ static void guards_at(const struct switch_search *look, double theta, double *gu
     system_guards(look->step->system, look->t + theta * look->h, y, guard);
 }
 
+/* Returns guard i at t + theta h. */
 static double guard_at(const struct switch_search *look, int i, double theta)
 {
     double guard[LIMIT_SWITCHES];
@@ -79,11 +85,14 @@ static double guard_at(const struct switch_search *look, int i, double theta)
     return guard[i];
 }
 
+/* Context of one_guard_at(). */
 struct one_guard {
     const struct switch_search *look;
     int i;
 };
 
+/* Returns one guard at t + theta h, for root_between(); 0 counts as positive, since a branch still
+ * holds there. */
 static double one_guard_at(void *context, double theta)
 {
     const struct one_guard *one = context;
@@ -99,7 +108,7 @@ static double guard_root(const struct switch_search *look, int i, double a, doub
     return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
 }
 
-/* A point before `theta` where guard i is above 0; `theta` itself: there is none. */
+/* Returns a point before theta where guard i is positive, or theta if none was found. */
 static double inside(const struct switch_search *look, int i, double theta)
 {
     double x = theta / 2;
@@ -108,7 +117,9 @@ static double inside(const struct switch_search *look, int i, double theta)
     return x > 1e-12 ? x : theta;
 }
 
-/* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
+/* Searches the minimum of a guard that is positive at m - apart, m and m + apart (values fa, fm,
+ * fb), lowest at m, by parabolas. Returns a point where the guard is negative, or NAN if there is
+ * none. */
 static double guard_minimum(const struct switch_search *look, int i, double m, double apart,
                             double fa, double fm, double fb)
 {
@@ -133,11 +144,10 @@ static double guard_minimum(const struct switch_search *look, int i, double m, d
     return NAN;
 }
 
-/*
- * The first point of the step where guard i falls below 0, 2 if it does not. A branch begins within
- * rounding of its switch, perhaps before it: while its guard rises from there, in a step as short
- * as rounding, it has not ended.
- */
+/* Returns the first point (0 to 1) of the step where guard i falls below 0, or 2 if it does not;
+ * guard holds its values at GUARD_CHECKS + 1 points. A branch begins within rounding of its switch,
+ * perhaps before it: while its guard rises from there, in a step as short as rounding, the branch
+ * has not ended. */
 static double first_end(const struct switch_search *look, int i, double (*guard)[LIMIT_SWITCHES])
 {
     bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
@@ -165,7 +175,7 @@ static double first_end(const struct switch_search *look, int i, double (*guard)
     return 2;
 }
 
-/* Takes the step again over x; guard i at its end goes to *guard. */
+/* Takes the step again over x [s]. Sets *guard to guard i at its end. */
 static enum step_status again(const struct switch_search *look, struct step *step,
                               const double *low, double x, int i, double *guard)
 {
@@ -185,7 +195,8 @@ static enum step_status again(const struct switch_search *look, struct step *ste
     return status;
 }
 
-/* Returns true if, with dry friction alone, the velocity is far from 0 in the whole step. */
+/* Returns true if no branch can end in the step, because dry friction is the only switch and the
+ * velocity is far from 0 throughout. */
 static bool moves_on(const struct system *system, double h, const double *y_begin, const double *y)
 {
     const double v0 = y_begin[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
@@ -195,6 +206,8 @@ static bool moves_on(const struct system *system, double h, const double *y_begi
            fabs(y[0] - y_begin[0] - mean) <= MEAN_SPEED_TOLERANCE * fabs(mean);
 }
 
+/* Finds the first branch that ends, then takes the step again over secant estimates of its end
+ * until the guard is 0 within the tolerance. */
 enum step_status switch_step(const struct method *method, struct step *step, double t,
                              const double *y_begin, const double *low, int *ended)
 {
@@ -222,7 +235,8 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
                  rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
                         (2e-3 * h);
     double x = theta * h, slope = rise, last_x = NAN, last = NAN;
-    if (!(fabs(x) > ulps)) /* ends at once by a step of rounding, so that t moves */
+    if (!(fabs(x) >
+          ulps)) /* the branch ends at once: the step is as short as rounding, so that t moves */
         x = copysign(2 * ulps, h);
     for (int k = 0; k < SWITCH_STEPS_MAX; k++) {
         double value;
@@ -242,7 +256,7 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
     return STEP_OK;
 }
 
-/* ---- from one to the next ---- */
+/* ---- between two steps ---- */
 
 bool switch_is_there(struct step *step)
 {
@@ -257,6 +271,8 @@ bool switch_is_there(struct step *step)
     return there;
 }
 
+/* Chooses the branch on the other side of the switch that ended the step, and counts switches to
+ * recognise piling up. */
 void switch_next(struct step *step, struct switches_state *state, int ended)
 {
     memcpy(state->taken, state->branch, sizeof state->taken);
@@ -271,8 +287,8 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
     system_end_at_switch(step->system, ended, step->y);
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
     system_derivative(step->system, step->t, step->y, f);
-    for (int i = 0; i < step->system->n;
-         i++) /* a whole branch goes up or down by where the motion goes */
+    /* the direction of the motion decides if the branch of a rounding function goes up or down */
+    for (int i = 0; i < step->system->n; i++)
         y[i] = step->y[i] + PROBE_STEP_FRACTION * step->h * f[i];
     state->branch[ended] =
         system_next_branch(step->system, ended, step->t + PROBE_STEP_FRACTION * step->h, y);

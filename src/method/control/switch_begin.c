@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the branches of its switches on which a step begins, and those along which the motion
- * slides. */
+/* The beginning of a step in a system with switches: finds the branches on which it begins and the
+ * switches along which the motion slides. Guards and branches are explained in switch.c. */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
 #include <float.h>
 
-/* A guard below this part of its change over the probe is at its switch. */
+/* A guard below this part of its change over the probe (a short look ahead) is at its switch. */
 #define GUARD_ZERO_RELATIVE 1e-4
 #define AT_ONCE 1e-9 /* relative to the probe: switches closer than this are met at once */
 /* Smallest step, in sizes of variables, over which arguments are differentiated. */
@@ -18,7 +18,7 @@
 #define PROBE_MIN_ULPS 1e5  /* Shortest probe in units of the last place of t. */
 #define SHARE_ROUNDING 1e-9 /* Rounding of a sliding share that is computed by differences. */
 
-/* Computes the guards at y after h, by the midpoint rule; f is the derivative at y. */
+/* Computes the guards at y after h [s], by the midpoint rule; f is the derivative at y. */
 static void look_from(const struct step *step, const struct system *frozen, const double *f,
                       double h, double *guard)
 {
@@ -31,17 +31,17 @@ static void look_from(const struct step *step, const struct system *frozen, cons
     system_guards(frozen, step->t + h, y, guard);
 }
 
-/* [s] in which the motion goes a millionth of the sizes of variables; 0 if it does not move. */
+/* Returns the time [s] in which the motion moves by a millionth of the sizes of variables, or 0 if
+ * it does not move. */
 static double moment(const struct step *step, int n, const double *f)
 {
     const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
     return rate > 0 ? ARGUMENT_STEP_MIN / rate : 0;
 }
 
-/*
- * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0
- * (`still`) by their second derivatives.
- */
+/* Computes the guards of frozen branches at the start of the step (now) and a moment later (soon).
+ * Euler's rule is used, or the second derivative for guards whose rate is 0, which are marked in
+ * still. */
 static void look_ahead(struct step *step, const struct system *frozen, double probe_step,
                        double *now, double *soon, bool *still)
 {
@@ -71,7 +71,8 @@ static void look_ahead(struct step *step, const struct system *frozen, double pr
     }
 }
 
-/* Frozen on its branches, or sliding along switches. */
+/* Makes *frozen the system on its branches, or the sliding one if it slides along a switch. Returns
+ * false if sliding has no solution. */
 static bool freeze(const struct step *step, const struct switches_state *state,
                    struct sliding *sliding, struct system *frozen)
 {
@@ -83,6 +84,7 @@ static bool freeze(const struct step *step, const struct switches_state *state,
     return true;
 }
 
+/* Marks the motion as sliding along switch i, and counts it. */
 static void slide(struct step *step, struct switches_state *state, const struct system *frozen,
                   int i)
 {
@@ -98,7 +100,8 @@ static void slide(struct step *step, struct switches_state *state, const struct 
     }
 }
 
-/* As slide(); returns false if it is on its way across, as one in time alone always is. */
+/* Does the same as slide(). Returns false, with the state unchanged, if the motion crosses the
+ * switch, as it does if the switch depends on time alone. */
 static bool slide_along(struct step *step, struct switches_state *state,
                         const struct system *frozen, int i)
 {
@@ -114,14 +117,15 @@ static bool slide_along(struct step *step, struct switches_state *state,
     return !passes;
 }
 
-/* A guard at 0 that falls: at the end of the step before, or at rest, or by chance. */
+/* Returns true if a guard is at 0 (`now`) and falls: at the end of the step before (`ends`), at
+ * rest, or by chance. */
 static bool falls(double now, double soon, bool ends)
 {
     return soon < 0 && fabs(now) <= (ends ? GUARD_ZERO_RELATIVE : AT_ONCE) * fabs(soon - now);
 }
 
-/* One along which it does not slide: one side pushes harder than the other draws back; -1 if there
- * is none. */
+/* Returns a switch along which the motion cannot slide, because one side pushes harder than the
+ * other pushes back; -1 if there is none. */
 static int not_held(const struct switches_state *state, const double *guard, int count)
 {
     for (int i = 0; i < count; i++)
@@ -130,7 +134,8 @@ static int not_held(const struct switches_state *state, const double *guard, int
     return -1;
 }
 
-/* It is no slide then, but goes to that side. Returns false if it has slid before. */
+/* Lets the motion leave switch i to the side that it is pushed to. Returns false if it was sliding
+ * along it before. */
 static bool let_go(const struct step *step, struct switches_state *state,
                    const struct system *sliding, int i)
 {
@@ -143,10 +148,8 @@ static bool let_go(const struct step *step, struct switches_state *state,
     return true;
 }
 
-/*
- * Changes branches that do not hold at the start of a step, because their guards are at 0 there and
- * fall, for the next ones, then for sliding between. Returns false if none of them holds.
- */
+/* Changes branches that do not hold at the start of a step, because their guards are 0 and fall, to
+ * the next branch, and then to sliding. Returns false if none of them holds. */
 static bool branches_settle(struct step *step, struct switches_state *state, double probe_step,
                             struct sliding *sliding, struct system *frozen)
 {
@@ -190,7 +193,8 @@ static bool branches_settle(struct step *step, struct switches_state *state, dou
     return false;
 }
 
-/* All that has changed of late, at once. */
+/* Makes the motion slide along all switches that have changed recently, except those that it
+ * crosses. */
 static void pile_up(struct step *step, struct switches_state *state, double probe_step)
 {
     const struct switches_state was = *state;
@@ -218,6 +222,7 @@ static void pile_up(struct step *step, struct switches_state *state, double prob
     state->shorter = 0;
 }
 
+/* Resets the state of switches at time t, except for its counts. */
 static void forget(struct switches_state *state, double t)
 {
     const struct switches_state was = *state;
@@ -240,6 +245,7 @@ void switch_go_back(struct step *step, const struct system *frozen)
         step->warm = false;
 }
 
+/* Determines branches anew if the state was changed since the last step. */
 bool switch_begin(struct step *step, struct switches_state *state, double probe_step,
                   struct sliding *sliding, struct system *frozen)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Steps of fixed size in a scene with switches: in pieces that meet there, and where a body turns
- * under dry friction, sticks and breaks away, each on frozen branches as adaptive steps are
- * (switch.c).
+ * Steps of fixed size in a scene with switches. A step is divided into segments that meet at the
+ * switches, also where a body under dry friction turns, sticks and breaks away. Each segment is
+ * taken on frozen branches as adaptive steps are (switch.c).
  */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
@@ -13,11 +13,12 @@
 #define STEP_SEGMENTS_MAX 64
 /* Part of the remaining step ahead at which a guard's direction is evaluated. */
 #define PROBE_STEP_FRACTION 1e-4
-/* A state that is as near to a switch, relative to the sizes, is at it. */
+/* A state within this distance of a switch, relative to sizes of variables, is at it. */
 #define SWITCH_ROUNDING_RELATIVE 1e-14
 
-/* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is
- * not 0 its sign says all, and what the last step left in memory still holds. */
+/* Prepares the state of switches at the start of a step. A motion that is at a switch within
+ * rounding begins there, so that sliding is recognised; under dry friction alone a velocity that is
+ * not 0 decides the branch, and memory of the last step stays valid. */
 static void switches_state_init(struct step *step, struct switches_state *state)
 {
     *state = (struct switches_state){.known = true,
@@ -43,7 +44,7 @@ static void switches_state_init(struct step *step, struct switches_state *state)
         system_guards(&frozen, step->t, step->y, argument);
         for (int i = 0; i < frozen.n; i++) {
             const double size = fmax(fabs(step->y[i]), step->system->scale[i]);
-            /* not all alike: they may be subtracted */
+            /* different perturbations, since a guard may be the difference of two variables */
             perturbed[i] = step->y[i] + SWITCH_ROUNDING_RELATIVE * (1 + 0.3 * (i % 4)) * size;
         }
         system_guards(&frozen, step->t * (1 + 0.7 * SWITCH_ROUNDING_RELATIVE), perturbed,
@@ -55,9 +56,9 @@ static void switches_state_init(struct step *step, struct switches_state *state)
     step->warm = step->warm && !state->begins;
 }
 
-/* Returns true if a rate of the system grows without bound towards the end of a step over h to t,
- * at which a switch in time lies: by at least as much over each decade that is nearer (a logarithm,
- * or a negative power of the distance). A step that ends there takes its slope from rounding. */
+/* Returns true if a rate of the system grows without bound towards the end t of a step over h, at a
+ * switch in time: by at least as much over each decade that is nearer (a logarithm, or a negative
+ * power of the distance). A step that ended there would take its slope from rounding. */
 static bool ends_at_pole(struct step *step, double t, double h)
 {
     enum { DISTANCES = 3 };
@@ -83,7 +84,8 @@ static bool ends_at_pole(struct step *step, double t, double h)
     return false;
 }
 
-/* One piece over at most `rest`; step->h is how far it went. */
+/* Takes one segment over at most `rest`; step->h is how far it went. Sets *ended to the switch at
+ * its end, or -1. `last` forbids another segment. A pole is stepped across without ending there. */
 static enum step_status piece(const struct method *method, struct step *step,
                               struct switches_state *state, double rest, bool last, int *ended)
 {
@@ -164,6 +166,7 @@ enum step_status switched_step(const struct method *method, struct step *step)
     return status;
 }
 
+/* Takes the steps one by one; no kernel knows switches of typed equations. */
 int64_t switched_march(const struct method *method, const struct march *march,
                        enum step_status *status)
 {

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is
- * taken again, up to the turning point only, which is found by steps of the method. Other scenes
- * are passed on to method_march().
+ * Turning points in steps of fixed size. A force such as |v| v has a kink at v = 0, and a step
+ * across it loses its order. It is taken again up to the turning point, which is found by steps of
+ * the method. Scenes without kinks are passed on to method_step() and method_march().
  */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
-/* Shares of a step: a kink so close to its end is as good as there, because it acts as the square.
- */
-#define NEAR_TOLERATED 0.1 /* times the root of the tolerance */
+/* A kink within this part (times the root of the tolerance) of a step's end needs no segment of its
+ * own, because its error goes with the square of the distance. */
+#define NEAR_TOLERATED 0.1
 
 bool method_meets_switches(const struct method *method, const struct system *system)
 {
-    /* All that was typed is one force on a branch: no potential of a part, no drag of its own. */
+    /* typed equations on a branch are one force, with neither a potential nor drag of its own */
     return system->pieces &&
            (system->switches == system->dry ||
             (!(method->flags & METHOD_POTENTIAL) && !(method->splitting && system->velocity)));
@@ -26,16 +26,19 @@ bool method_turns(const struct method *method, const struct system *system)
            !(method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL));
 }
 
+/* Returns true if the two numbers have opposite signs. */
 static bool crosses(double first, double second)
 {
     return (first < 0 && second > 0) || (first > 0 && second < 0);
 }
 
-/* A time since the start of the step, velocity and acceleration there. */
+/* Time since the start of the step, velocity and acceleration there. */
 struct near_turn {
     double x, v, a;
 };
 
+/* Evaluates velocity and acceleration of state y at time t, which is x after the start of the
+ * step. */
 static struct near_turn near_turn(struct step *step, double t, double x, const double *y)
 {
     double a[1];
@@ -44,8 +47,8 @@ static struct near_turn near_turn(struct step *step, double t, double x, const d
     return (struct near_turn){x, y[1], a[0]};
 }
 
-/* Returns the time at which v = 0 between two of them, by cubic Hermite interpolation of the time
- * as a function of the velocity. */
+/* Returns the time at which v = 0 between two points, by cubic Hermite interpolation of the time as
+ * a function of the velocity, or the middle if that is not between them. */
 static double turning_time(const struct near_turn *p, const struct near_turn *q)
 {
     const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
@@ -54,6 +57,8 @@ static double turning_time(const struct near_turn *p, const struct near_turn *q)
     return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
 }
 
+/* Takes the step again over better and better estimates of the turning point's time, until the
+ * velocity is 0 within the tolerance. */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
                            const double *y_begin, const double *low, bool *turned)
 {
@@ -88,6 +93,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
     return STEP_OK;
 }
 
+/* Takes segments until they fill the step; on failure the state at its start is restored. */
 enum step_status method_turning_step(const struct method *method, struct step *step)
 {
     if (method_meets_switches(method, step->system))
@@ -127,12 +133,13 @@ enum step_status method_turning_step(const struct method *method, struct step *s
     return STEP_OK;
 }
 
-/* ---- many steps: a kernel takes those between the turning points ---- */
+/* ---- many steps, of which a kernel takes those between the turning points ---- */
 
+/* Variables of these scenes; bounds of the number of steps tried at once; doubles of work. */
 enum { N = 2, AT_ONCE_LEAST = 8, AT_ONCE_MOST = 512, WORK_MOST = 64 };
 
-/* Returns how many of the steps to these rows, the first from the velocity v on, come before one
- * that crosses zero. */
+/* Returns how many of the steps to these rows come before the first that crosses zero velocity; v
+ * is the velocity before the first row. */
 static int64_t steps_before_turn(const double *row, int64_t count, double v)
 {
     int64_t i = 0;
@@ -149,8 +156,8 @@ static int64_t steps_before_turn(const double *row, int64_t count, double v)
     return i;
 }
 
-/* Makes up to `count` steps by the kernel, but none across a turning point, as if the others had
- * not been taken. */
+/* Takes up to march->count steps by the kernel and discards those from the first turning point on,
+ * as if they had not been taken. Returns the number of the others. */
 static int64_t march_straight(const struct method *method, march_function *kernel,
                               const struct march *march)
 {
@@ -173,7 +180,7 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     return good.count;
 }
 
-/* The same with dry friction in one direction. */
+/* Does the same as march_straight() on the branch of dry friction that holds at the start. */
 static int64_t march_on_branch(const struct method *method, march_function *kernel,
                                const struct march *march)
 {
@@ -189,8 +196,8 @@ static int64_t march_on_branch(const struct method *method, march_function *kern
     return taken;
 }
 
-/* A body that sticks, with nothing around it that changes: all rows are the same. Returns true if
- * it does. */
+/* Fills all remaining rows with the same state if a body sticks and nothing depends on time.
+ * Returns true if it did. */
 static bool march_at_rest(const struct march *march, const double *previous, int64_t done)
 {
     const struct step *step = march->step;
@@ -202,9 +209,10 @@ static bool march_at_rest(const struct march *march, const double *previous, int
     return true;
 }
 
-/* Returns how many steps to try at once: up to where a parabola through the velocities of the last
- * three rows before `row` has its zero, which of a swing comes early; 0 next to it. While the
- * velocity still grows that is too far ahead to be relied on. */
+/* Returns how many steps to try at once: up to the zero of a parabola through the velocities of the
+ * last three rows before `row`, which for an oscillation comes early; 0 next to a turning point.
+ * While the speed still grows, that zero is too far ahead to be relied on, and the number grows
+ * from `last` instead. */
 static int64_t steps_to_try(const double *row, int64_t last, bool branches)
 {
     const double v = row[-1], rise = v - row[-1 - N], bend = rise - (row[-1 - N] - row[-1 - 2 * N]),
@@ -213,7 +221,7 @@ static int64_t steps_to_try(const double *row, int64_t last, bool branches)
     const double left = -2 * v / (slope + copysign(sqrt(fmax(square, 0)), slope));
     const double grown = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : 2 * last);
     double max = grown < AT_ONCE_MOST ? grown : AT_ONCE_MOST;
-    /* Steps next to a turn are dearer where the force jumps there: by stages on both sides. */
+    /* a wrong try costs more if the force jumps at the turn, as stages are on both sides of it */
     if (branches)
         max = fabs(v / rise) < 2 * AT_ONCE_LEAST ? 0 : fmin(max, fabs(v / rise) / 2);
     else if (slows && square >= 0)

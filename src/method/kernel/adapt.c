@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each
- * row and each number of variables, with forces that are called. Adaptive runs spend their time
- * here, most of it in the stages, whose sums hide the call: steps with the forces of one scene
+ * Single steps of explicit Runge-Kutta methods with their error estimate, for adaptive runs:
+ * rk_step() compiled for each row and each small number of variables, with forces called through a
+ * pointer. Sums over the stages hide the time of the call; steps with the forces of one scene
  * inlined were not faster.
  */
 #if defined(__GNUC__) && !defined(__clang__)
@@ -18,6 +18,7 @@ enum { MOST = 4 };
 #include "method/rows/rows.h"
 #include "method/step/step_body.h"
 
+/* Names of the row and of the step kernel, made unique by the line at which a row ends. */
 #define RK_ROW JOIN(rk_, __LINE__)
 #define STEP_NAME(shape) JOIN(shape##_step_, __LINE__)
 #define TYPED_STEP(name, n)                                                                        \
@@ -39,6 +40,8 @@ enum { MOST = 4 };
 
 #define TYPED_ENTRY(name, n) STEP_NAME(name),
 
+/* Returns NULL for systems of up to four variables without typed terms that have no shape, which
+ * use the general step. */
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
     static step_function *const steps[][TYPED_COUNT] = {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: steps of any
- * explicit Runge-Kutta method and of any splitting, with sums over the state in vectors.
+ * Kernels for scenes of any number of variables, typed ones and built-in ones with typed lines:
+ * steps of any explicit Runge-Kutta method and of any splitting, with sums over the state in
+ * vectors.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
@@ -12,7 +13,7 @@ enum { MOST = LIMIT_VARIABLES };
 #include "method/kernel/typed.h"
 #include "method/step/step_body.h"
 
-/* The compiler need not think of nothing at all. */
+/* Returns n, and tells the compiler that it is at least 1. */
 static inline int system_variables(const struct system *system)
 {
     if (system->n < 1)
@@ -20,14 +21,16 @@ static inline int system_variables(const struct system *system)
     return system->n;
 }
 
-/* A whole typed scene in one program: prepared once a march, not at each evaluation. */
+/* Forces of a scene, prepared once per march and not at each evaluation. */
 struct whole {
     const struct system *system;
-    int positions; /* variables whose slopes are others; -1 if not in one program */
-    bool force;    /* one program has all that does not depend on velocity */
+    /* number of variables whose slopes are other variables; -1 if forces are not one program */
+    int positions;
+    bool force; /* one program has all forces that do not depend on velocity */
     struct typed_forces known;
 };
 
+/* Prepares the forces of the system. */
 static void whole_take(struct whole *whole, const struct system *system)
 {
     const int n = system->n, rows = system->order == 2 ? n / 2 : n;
@@ -37,6 +40,7 @@ static void whole_take(struct whole *whole, const struct system *system)
     whole->force = taken && sum_is_one(&whole->known.force);
 }
 
+/* Computes dydt [n], for a slope_function; context is a struct whole. */
 static void whole_slope(const void *context, double t, const double *y, double *dydt)
 {
     const struct whole *whole = context;
@@ -49,6 +53,7 @@ static void whole_slope(const void *context, double t, const double *y, double *
     one_evaluate(&whole->known.whole, n, n - positions, t, y, dydt + positions);
 }
 
+/* Computes the forces that do not depend on velocity, for a force_function. */
 static void whole_force(const void *context, double t, const double *y, double *a)
 {
     const struct whole *whole = context;
@@ -59,6 +64,7 @@ static void whole_force(const void *context, double t, const double *y, double *
         system_force(whole->system, t, y, a);
 }
 
+/* Computes the forces that depend on velocity, for a force_function. */
 static void whole_drag(const void *context, double t, const double *y, double *a)
 {
     const struct whole *whole = context;
@@ -67,7 +73,7 @@ static void whole_drag(const void *context, double t, const double *y, double *a
 
 /* ---- sums over the state ---- */
 
-/* Blocks of so many variables are summed up in registers; arrays of them are as long as whole
+/* Number of variables that are summed up together in registers; arrays are padded to whole
  * blocks. */
 enum { BLOCK = 8 };
 
@@ -77,8 +83,8 @@ static int stride_of(int n)
 }
 
 /*
- * A combine_function, in vectors of so many numbers. A function for each width: a type that is
- * wider than what its instructions know would live in memory.
+ * Defines a combine_function in vectors of `width` numbers. Each width has its own function, since
+ * a type that is wider than the registers of the machine would live in memory.
  */
 #define COMBINE(name, width, target)                                                               \
     typedef double name##_vector __attribute__((vector_size(8 * (width)), aligned(8), may_alias)); \
@@ -105,6 +111,7 @@ COMBINE(combine_pairs, 2, )
 COMBINE(combine_fours, 4, __attribute__((target("avx2"))))
 #endif
 
+/* Returns the combine_function with the widest vectors that the processor has. */
 static combine_function *combine_blocks(void)
 {
 #if defined(__x86_64__)
@@ -114,6 +121,7 @@ static combine_function *combine_blocks(void)
     return combine_pairs;
 }
 
+/* March of an explicit Runge-Kutta method. */
 static int64_t any_rk(const struct method *method, const struct march *march)
 {
     const struct system *system = march->step->system;
@@ -123,6 +131,7 @@ static int64_t any_rk(const struct method *method, const struct march *march)
                         whole_slope, &whole, march);
 }
 
+/* Single step of an explicit Runge-Kutta method. */
 static enum step_status any_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
@@ -130,6 +139,7 @@ static enum step_status any_step(const struct method *method, struct step *step)
                        step_slope, system, step);
 }
 
+/* March of a splitting. */
 static int64_t any_split(const struct method *method, const struct march *march)
 {
     const struct system *system = march->step->system;

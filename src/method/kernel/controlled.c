@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Accepted steps of the Runge-Kutta methods that people solve with, their control in the same
- * function: method_adapt() again for each row and shape, so that nothing on the way from the stages
- * to the next step goes through memory.
+ * Accepted adaptive steps of frequently used Runge-Kutta methods (METHOD_CONTROLLED), stages and
+ * step-size control in one function: method_adapt() compiled for each row and shape of scene, so
+ * that nothing between the stages and the next step goes through memory.
  */
 #if defined(__GNUC__) && !defined(__clang__)
-/* Numbers that were stored one by one wait long where they are read in pairs. */
+/* Reading a pair of numbers that were stored one by one is slow. */
 #pragma GCC optimize("no-tree-vectorize", "no-tree-loop-distribute-patterns")
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
@@ -13,23 +13,23 @@
 #include "method/control/adapt_body.h"
 #include "method/control/rk_error.h"
 
-/* A step that ends within this distance of the end, relative to the time, ends at it but for
- * rounding. */
+/* Distance, relative to the time, within which a step has reached the end but for rounding. */
 #define NEAR_END (8 * DBL_EPSILON)
 
 /* ---- the attempts ---- */
 
-/* Two coordinates: rk_body.h in pairs of numbers, of positions and of velocities; half the
- * instructions. */
+/* Scenes of two coordinates use vectors of two numbers, which halves the instructions. */
 typedef double pair __attribute__((vector_size(16)));
 enum { PAIRED = 4, PAIRS = PAIRED / 2 };
 
+/* Copies four numbers into pairs. */
 INLINE void pairs_take(const double *x, pair *pairs)
 {
     for (int q = 0; q < PAIRS; q++)
         pairs[q] = (pair){x[2 * q], x[2 * q + 1]};
 }
 
+/* Copies pairs into four numbers. */
 INLINE void pairs_give(const pair *pairs, double *x)
 {
     for (int q = 0; q < PAIRS; q++) {
@@ -38,6 +38,7 @@ INLINE void pairs_give(const pair *pairs, double *x)
     }
 }
 
+/* Does the same as rk_stages() in pairs, without low parts. */
 INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, const void *forces,
                           double t, double h, const pair *y, pair *k, pair *z, bool known)
 {
@@ -58,6 +59,7 @@ INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, 
     }
 }
 
+/* Does the same as rk_difference() in pairs. */
 INLINE void paired_difference(double h, const double *w, const double *u, int count, const pair *k,
                               double *error)
 {
@@ -71,7 +73,7 @@ INLINE void paired_difference(double h, const double *w, const double *u, int co
     pairs_give(pairs, error);
 }
 
-/* The step that is being attempted: a local copy, which the compiler can keep in registers. */
+/* The step that is being attempted; a local copy, which compilers can keep in registers. */
 struct attempt {
     double y[MOST], z[MOST], error[MOST];
     double k[STAGES_MAX * MOST]; /* slopes of the stages, unless they are in pairs */
@@ -80,6 +82,7 @@ struct attempt {
     int64_t evals, rejected; /* counted over all steps of a call */
 };
 
+/* Copies the state and, if `known`, the first slope from the step's memory. */
 INLINE void attempt_begin(int n, int stages, bool known, const struct step *step,
                           struct attempt *attempt)
 {
@@ -91,8 +94,8 @@ INLINE void attempt_begin(int n, int stages, bool known, const struct step *step
         copy_numbers(n, first, attempt->k);
 }
 
-/* Begins the next step where this one ends; its last slope is the first one there, if they are the
- * same. */
+/* Begins the next attempt where this one ends; for methods whose last slope is the next first one
+ * (FSAL) that slope is kept. */
 INLINE void attempt_next(int n, int stages, struct attempt *attempt)
 {
     copy_numbers(n, attempt->z, attempt->y);
@@ -103,6 +106,7 @@ INLINE void attempt_next(int n, int stages, struct attempt *attempt)
         copy_numbers(n, attempt->k + (stages - 1) * n, attempt->k);
 }
 
+/* Computes stages and new state of an attempt from t over h. */
 INLINE void attempt_stages(const struct tableau *tableau, int n, slope_function *slope,
                            const void *forces, double t, double h, bool known,
                            struct attempt *attempt)
@@ -137,7 +141,7 @@ INLINE double attempt_error(const struct tableau *tableau, int n, const double *
     return square;
 }
 
-/* Writes the last step to *step as if it had been the only one or, if it failed, the state before
+/* Writes the last attempt to *step as if it had been the only one; if it failed, the state before
  * it. */
 INLINE void attempt_keep(const struct tableau *tableau, int n, bool good,
                          const struct attempt *attempt, struct step *step)
@@ -161,7 +165,7 @@ INLINE void attempt_keep(const struct tableau *tableau, int n, bool good,
 
 /* ---- accepted steps ---- */
 
-/* Copies the control of n variables, except for its tolerance and its switches. */
+/* Copies the controller for n variables, except for its tolerance and its switches. */
 INLINE void control_copy(int n, const struct controller *source, struct controller *target)
 {
     copy_numbers(n, source->scale, target->scale);
@@ -176,8 +180,8 @@ INLINE void control_copy(int n, const struct controller *source, struct controll
     target->rejected = source->rejected;
 }
 
-/* Attempts steps towards t_end until one is accepted. `known` means that its first slope is in
- * *attempt. `accepted` is the factor that makes the square of the largest accepted error 1. Returns
+/* Attempts steps towards t_end until one is accepted. known means that the first slope is in
+ * *attempt; accepted is the factor that makes the square of the largest accepted error 1. Returns
  * STEP_OK, or the reason why no step was accepted. */
 INLINE enum step_status accept_step(const struct method *method, int n, slope_function *slope,
                                     const void *forces, const struct system *system,
@@ -192,13 +196,13 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
     for (int count = 0, failures = 0;; count++) {
         const bool last = fabs(controller->h) * LAST_STEP_STRETCH >= fabs(span);
         double h = controller->h;
-        if (unlikely(last)) /* a branch: the first stage does not wait for it */
+        if (unlikely(last)) /* as a branch, since the first stage does not wait for branches */
             h = span;
         attempt->h = h;
         attempt_stages(tableau, n, slope, forces, t, h, known, attempt);
         attempt->evals += tableau->stages - known;
         known = true;
-        if (count == 0) /* roots and quotients: the stages, which are waited for, come first */
+        if (count == 0) /* slow roots and quotients come after the stages, which are waited for */
             follow(n, system, t, attempt->y, controller);
         const double square = attempt_error(tableau, n, controller->scale, h, attempt) * accepted;
         if (square <= 1) {
@@ -221,7 +225,7 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
     }
 }
 
-/* Takes steps as method_adapt_many() does, of a system without kinks, switches and compensated sums
+/* Does the work of method_adapt_many(), for systems without kinks, switches and compensated sums
  * whose first step has a size. */
 INLINE int64_t controlled_steps(const struct method *method, int n, slope_function *slope,
                                 const void *forces, struct step *step,
@@ -270,6 +274,7 @@ INLINE int64_t controlled_steps(const struct method *method, int n, slope_functi
 #define OFTEN_SHAPES(S) S(damped) S(vanderpol)
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)
 
+/* Returns true if this file has a kernel for the method and shape. */
 INLINE bool solved(const struct method *method, int shape)
 {
     bool always = false;
@@ -280,6 +285,7 @@ INLINE bool solved(const struct method *method, int shape)
 
 #define RK_ROW JOIN(rk_, __LINE__)
 #define NAME(shape) JOIN(shape##_controlled_, __LINE__)
+/* Defines the kernel of RK_ROW for one shape. */
 #define CONTROLLED(shape)                                                                          \
     static int64_t NAME(shape)(struct step * step, struct controller * controller, double t_end,   \
                                int64_t count, double *row, enum step_status *status)               \

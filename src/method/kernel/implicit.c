@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of implicit Runge-Kutta methods whose stages are solved one by one: irk_body.h again for
- * each row and the shapes of two variables. Linear forces with quadratic drag are solved in closed
- * form, the others by Newton's iteration with matrices of known size.
+ * Kernels of implicit Runge-Kutta methods whose stages are solved one by one: irk_body.h compiled
+ * for each row and the shapes of two variables. Linear forces with quadratic drag are solved in
+ * closed form, the others by Newton's iteration with matrices of known size.
  */
 #define UNROLL
 #include "method/kernel/kernel.h"
@@ -10,10 +10,12 @@
 #include "method/step/irk_body.h"
 #include "method/step/newton_body.h"
 
+/* [double] newton_capacity() for one stage of N variables. */
 enum { ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
 
 /* ---- stages ---- */
 
+/* Data of the stage functions: a system with its forces prepared. */
 struct shape_known {
     struct shape_forces forces;
     struct oscillator oscillator;
@@ -29,6 +31,7 @@ CLOSED_SHAPES(KNOWN_SLOPE)
 MOTION_SHAPES(KNOWN_SLOPE)
 
 #define HAS_KINK(i, name) | (name##_flags & TERM_KINK)
+/* Defines the stage_function of a shape that is solved in closed form. */
 #define CLOSED_STAGE(shape)                                                                        \
     INLINE enum step_status shape##_stage(const void *known, struct step *step, double t,          \
                                           double h, const double *y, double *z, double *sum,       \
@@ -45,6 +48,7 @@ CLOSED_SHAPES(CLOSED_STAGE)
 
 #define drive_slopes(c, t, y, jac) ((void)0)
 #define TERM_SLOPES(i, name) name##_jacobian(constants->forces.c[i], t, y, jac + N);
+/* Defines Jacobian and stage_function of a shape that is solved by iteration. */
 #define NEWTON_STAGE(shape)                                                                        \
     INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
     {                                                                                              \
@@ -64,8 +68,8 @@ MOTION_SHAPES(NEWTON_STAGE)
 
 /* ---- steps ---- */
 
-/* Updates y. z is the increment if the last stage is not the new state; else sum is the state.
- * Returns false with y unchanged if the result is not finite. */
+/* Sets y [2] to the new state: sum if the method is stiffly accurate (`accurate`, its last stage is
+ * the new state), else y + z. Returns false with y unchanged if the result is not finite. */
 INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
 {
     double next[N];
@@ -77,6 +81,8 @@ INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
     return true;
 }
 
+/* Takes the steps of a march until one has no solution. Returns the number of steps taken; state
+ * and cost are those after the last of them. */
 INLINE int64_t diagonal_march(const struct method *method, stage_function *stage,
                               slope_function *slope, const struct shape_known *known,
                               const struct march *march)
@@ -127,7 +133,8 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 
 /* ---- the table ---- */
 
-/* Kernel for any row: its stages take so long to solve that the weights are not waited for. */
+/* Kernel for any row, whose weights are read from memory: solving a stage takes longer than that.
+ */
 #define ANY_KERNEL(shape)                                                                          \
     static int64_t shape##_irk(const struct method *method, const struct march *march)             \
     {                                                                                              \
@@ -139,7 +146,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 CLOSED_SHAPES(ANY_KERNEL)
 MOTION_SHAPES(ANY_KERNEL)
 
-/* Rows that others are ranked by. */
+/* Kernels with constant weights, for METHOD_UNROLLED rows. */
 #define IRK_ROW JOIN(irk_, __LINE__)
 #define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
 #define IRK_KERNEL(shape)                                                                          \

@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels: steps of explicit Runge-Kutta methods again, where both the row and the shape are known
- * to the compiler, so loops unroll, zeros vanish and the state stays in registers; and of the
- * splittings that are ranked most. Only for pairs that gain: in longer splittings the weights are
- * not waited for (kernel_shape.c), in other pairs a call of the force is hidden (kernel_typed.c).
+ * Kernels: marches of explicit Runge-Kutta methods and of METHOD_UNROLLED splittings where the
+ * compiler knows both the row and the shape, so that loops unroll, zeros vanish and the state stays
+ * in registers. Other pairs would not gain: longer splittings do not wait for their weights
+ * (shape.c), other methods hide the call of the force (typed.c).
  */
 #define UNROLL _Pragma("GCC unroll 32")
 #include "method/kernel/kernel.h"
 
-/* A row is known by the line where it ends. */
+/* Names of rows and kernels, made unique by the line at which a row ends. */
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
 #define SPLIT_ROW JOIN(split_, __LINE__)
 #define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
 
-/* Rows that people wait for; and forces so short that a call would be felt. */
+/* Returns true if a row has its own kernel for the shape: for METHOD_UNROLLED rows, and for forces
+ * so short that a call would take longer. */
 INLINE bool unrolled(const struct method *method, int shape)
 {
     return method->flags & METHOD_UNROLLED || shape == SHAPE_spring || shape == SHAPE_damped ||
            shape == SHAPE_henon_heiles;
 }
 
+/* Defines the kernel of RK_ROW for one shape. */
 #define RK_KERNEL(shape)                                                                           \
     static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)          \
     {                                                                                              \
@@ -36,10 +38,12 @@ INLINE bool unrolled(const struct method *method, int shape)
 #include "method/rows/rk.def"
 #undef RUNGE_KUTTA
 
+/* Calls the march of SPLIT_ROW with a constant drag variant if that is the one wanted. */
 #define DRAG_VARIANT(shape, variant)                                                               \
     if (drag == variant && (variant == DRAG_DEFAULT || SPLIT_ROW.drags & 1u << variant))           \
         return split_march(&SPLIT_ROW, SIZE_##shape, variant, shape##_force, shape##_drag,         \
                            &forces, march);
+/* Defines the kernel of SPLIT_ROW for one shape. */
 #define SPLIT_KERNEL(shape)                                                                        \
     static int64_t SPLIT_NAME(shape)(const struct method *method, const struct march *march)       \
     {                                                                                              \
@@ -77,6 +81,7 @@ static march_function *const splittings[][SHAPE_COUNT] = {
 #include "method/rows/split.def"
 };
 
+/* Prefers kernels for row and shape, then those for the shape, then those for any scene. */
 march_function *method_kernel(const struct method *method, const struct system *system,
                               enum drag drag)
 {

@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Single steps of Rosenbrock methods: rosenbrock_body.h again for each row and the shapes that are
- * not linear, with their Jacobians in place.
+ * Single steps of Rosenbrock methods: rosenbrock_body.h compiled for each row and the shapes that
+ * are not linear, with slope and Jacobian inlined.
  */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-vectorize") /* its pairs are pairs already */
+#pragma GCC optimize("no-tree-vectorize") /* the code has vectors of two already */
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
 #include "method/kernel/kernel.h"
 #include "method/step/rosenbrock_body.h"
 
-/* ---- what they are steps of ---- */
+/* ---- slopes and Jacobians of the shapes ---- */
 
+/* Equations of motion, and systems of first order with their number of variables. */
 #define MOTIONS(S) S(duffing) S(vanderpol) S(pendulum)
 #define FLOWS(S) S(robertson, 3)
 
 #define TERM_SLOPES(i, name) name##_jacobian(forces->c[i], t, y, jac + N);
+/* Defines the Jacobian of an equation of motion. */
 #define MOTION_JACOBIAN(shape)                                                                     \
     INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
     {                                                                                              \
@@ -29,6 +31,7 @@ MOTIONS(MOTION_JACOBIAN)
 #define TERMS_OF_robertson(T) T(0, reaction)
 
 #define TERM_JACOBIANS(i, name) name##_jacobian(forces->c[i], t, y, jac);
+/* Defines slope and Jacobian of a system of first order. */
 #define FLOW_FUNCTIONS(shape, n)                                                                   \
     INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
     {                                                                                              \
@@ -50,6 +53,7 @@ FLOWS(FLOW_FUNCTIONS)
 
 #define ROSENBROCK_ROW JOIN(rosenbrock_, __LINE__)
 #define NAME(shape) JOIN(shape##_rosenbrock_, __LINE__)
+/* Defines the step kernel of ROSENBROCK_ROW for a shape of n variables. */
 #define STEP(shape, n)                                                                             \
     static enum step_status NAME(shape)(const struct method *method, struct step *step)            \
     {                                                                                              \
@@ -85,6 +89,7 @@ static step_function *const steps[][PLACES] = {
 #include "method/rows/rosenbrock.def"
 };
 
+/* Returns the kernel for a method and shape, or NULL if there is none. */
 step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system)
 {
     int shape = shape_of(system);

@@ -1,19 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Code of kernels that each shape of scene has, whatever the method: its forces as one function,
- * and steps of any splitting, which wait for the forces rather than for the weights. Rows that
- * people wait for have kernels of their own (kernel.c).
+ * Code that each shape of scene has for all methods: its forces as one function, which typed.c and
+ * adapt.c call, and marches of any splitting, which wait for the forces rather than for the
+ * weights. METHOD_UNROLLED rows have kernels of their own (kernel.c).
  */
 #include "method/kernel/kernel.h"
 #include "method/kernel/typed.h"
 
-/* ---- forces as functions of what stands in registers ---- */
+/* ---- forces as functions with arguments in registers ---- */
 
+/* Head of a program_function: time, position q and velocity v of a single coordinate or else all
+ * variables in `state`; returns two accelerations. Built-in terms use frame for their
+ * coefficients. */
 #define RUN(name)                                                                                  \
     static struct leading name(const struct program *program, double t, double q, double v,        \
                                const double *state, const double *args, double *output,            \
                                double *frame)
 
+/* Defines the program_function of a shape. */
 #define SHAPE_RUN(shape)                                                                           \
     RUN(shape##_run)                                                                               \
     {                                                                                              \
@@ -26,7 +30,7 @@
     }
 ALL_SHAPES(SHAPE_RUN)
 
-/* Any terms: the frame holds where the system is. */
+/* Adds any built-in terms; frame holds a pointer to the system. */
 RUN(terms_run)
 {
     const struct system *const *const system_pointer =
@@ -40,7 +44,8 @@ RUN(terms_run)
     return (struct leading){a[0], a[1]};
 }
 
-/* Returns false if there are more than two coordinates. */
+/* Makes *part the function of the system's built-in terms, with frame as its memory. Returns false
+ * unless it is an equation of motion of one or two coordinates. */
 static bool built_in_take(const struct system *system, struct typed_addend *part, double *frame)
 {
 #define RUN_ENTRY(shape) shape##_run,
@@ -56,8 +61,10 @@ static bool built_in_take(const struct system *system, struct typed_addend *part
     return true;
 }
 
-/* ---- typed ones ---- */
+/* ---- typed terms ---- */
 
+/* Adds a term to the sum; a program gets its part of the frame, of which *left doubles remain.
+ * Returns false if they do not suffice. */
 static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *left,
                      const struct bound_term *term)
 {
@@ -74,7 +81,7 @@ static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *lef
     return true;
 }
 
-/* The sum of parts over one coordinate. */
+/* A program_function that adds the parts of a sum over one coordinate; frame points to the sum. */
 static struct leading sum_run(const struct program *program, double t, double q, double v,
                               const double *state, const double *args, double *output,
                               double *frame)
@@ -98,6 +105,7 @@ bool sum_is_one(const struct typed_sum *sum)
     return sum->parts == 1 && sum->part->run;
 }
 
+/* Sets sum->all: the only part, or the function that adds all parts. */
 static void sum_close(struct typed_sum *sum, const struct system *system)
 {
     sum->all = sum_is_one(sum)
@@ -105,6 +113,7 @@ static void sum_close(struct typed_sum *sum, const struct system *system)
                    : (struct typed_addend){sum_run, NULL, system->term, (double *)(void *)sum};
 }
 
+/* Uses the program of the whole right-hand side if there is one, else the sum of the terms. */
 bool known_take(struct typed_forces *known, const struct system *system)
 {
     const struct bound_term *const whole = system_whole(system);
@@ -127,6 +136,7 @@ bool known_take(struct typed_forces *known, const struct system *system)
     return true;
 }
 
+/* Shapes of more than one coordinate need all forces in one program. */
 int typed_shape(const struct system *system, bool splits)
 {
     struct typed_forces known;
@@ -153,6 +163,7 @@ int typed_shape(const struct system *system, bool splits)
 
 /* ---- splittings ---- */
 
+/* Defines the march of splittings for a shape. */
 #define SHAPE_SPLIT(shape)                                                                         \
     static int64_t shape##_split(const struct method *method, const struct march *march)           \
     {                                                                                              \
@@ -165,6 +176,7 @@ int typed_shape(const struct system *system, bool splits)
     }
 ALL_SHAPES(SHAPE_SPLIT)
 
+/* Defines the march of splittings for typed forces of n variables. */
 TYPED_MOTIONS(SPLIT_FUNCTIONS)
 #define TYPED_SPLIT(name, n)                                                                       \
     static int64_t name##_split(const struct method *method, const struct march *march)            \

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of typed scenes: the step bodies of explicit Runge-Kutta methods and splittings with
- * programs for the forces, for up to four variables.
+ * Kernels of typed scenes of up to four variables: marches of explicit Runge-Kutta methods compiled
+ * for each row, with the forces called as programs.
  */
 #define UNROLL _Pragma("GCC unroll 32")
 enum { MOST = 4 };
 #include "method/kernel/typed.h"
 #include "method/rows/rows.h"
 
+/* Names of rows and kernels, made unique by the line at which a row ends. */
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
 
@@ -33,6 +34,7 @@ static march_function *const kernels[][TYPED_COUNT] = {
 #include "method/rows/rk.def"
 };
 
+/* Falls back to kernels for any number of variables. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of methods, and what is the same for all of them. */
+/* The table of methods, made of the .def files of this folder and the texts of methods.txt, and
+ * functions that apply to all methods. */
 #include "method/rows/rows.h"
 
 #include <hooke/base/catalog.h>
@@ -144,6 +145,8 @@ void method_end(const struct method *method, struct step *step)
     step->library = NULL;
 }
 
+/* Checks the needs of the method (order of the equations, exact solution, potential, velocity, drag
+ * variant) and sets *drag to the variant. Returns false with the error set. */
 static bool applies(const struct method *method, const struct system *system, enum drag *drag,
                     struct error *error)
 {
@@ -193,7 +196,7 @@ bool method_applies(const struct method *method, const struct system *system, en
 {
     if (!method_meets_switches(method, system))
         return applies(method, system, drag, error);
-    struct system frozen; /* the system that it steps */
+    struct system frozen; /* such methods step the system on its branches */
     double branch[LIMIT_SWITCHES];
     system_branches(system, system->t0, system->start, branch);
     system_freeze(system, branch, &frozen);
@@ -205,6 +208,7 @@ enum step_status method_step(const struct method *method, struct step *step)
     return step_take(method, step);
 }
 
+/* Returns 3 for the cubic Hermite polynomial of methods without their own. */
 int method_dense_degree(const struct method *method)
 {
     if (!method->dense)
@@ -216,6 +220,7 @@ int method_dense_degree(const struct method *method)
     return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
 }
 
+/* Uses the cubic Hermite polynomial for methods without their own. */
 void method_dense(const struct method *method, const struct step *step, const double *y_begin,
                   double theta, double *y)
 {

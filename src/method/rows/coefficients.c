@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Coefficients of methods row by row, for `help METHOD`. */
 #include <hooke/method/coefficients.h>
 #include "method/step/step.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Sets a row without a time. Returns false without values, so that the next kind of row is tried.
- */
+/* Sets a row without a time. Returns false if value is NULL, so that the next kind of row is
+ * tried. */
 static bool set_values(struct coefficient_row *row, const char *label, const double *value,
                        int count)
 {
@@ -16,6 +17,7 @@ static bool set_values(struct coefficient_row *row, const char *label, const dou
     return value != NULL;
 }
 
+/* Sets a row of a tableau. Returns true. */
 static bool set_stage(struct coefficient_row *row, double time, const double *value, int count)
 {
     set_values(row, "", value, count);
@@ -23,7 +25,8 @@ static bool set_stage(struct coefficient_row *row, double time, const double *va
     return true;
 }
 
-/* Sets row i of those that are there, in order. */
+/* Sets the row that is number i among those of the `rows` arrays that the method has. Returns false
+ * if there are fewer. */
 static bool set_named(struct coefficient_row *row, int i, int count, int rows,
                       const char *const label[], const double *const value[])
 {
@@ -58,6 +61,7 @@ static bool nystrom_coefficients(const struct nystrom *t, int i, struct coeffici
                      (const double *const[]){t->b, t->d, t->embedded_b, t->embedded_d});
 }
 
+/* Lists the stages a, the rows of c, gamma, then d, m and the embedded weights. */
 static bool rosenbrock_coefficients(const struct rosenbrock *t, int i, struct coefficient_row *row)
 {
     if (i < t->stages)
@@ -71,7 +75,7 @@ static bool rosenbrock_coefficients(const struct rosenbrock *t, int i, struct co
                      (const double *const[]){t->d, t->m, t->b_hat});
 }
 
-/* A row of drifts and one of kicks, the one that comes first above. */
+/* Lists two rows, drifts and kicks; the one that a step begins with is the first. */
 static bool splitting_coefficients(const struct splitting *s, int i, struct coefficient_row *row)
 {
     if (i > 1 || s->count > 2 * COEFFICIENTS_MAX)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The words that the rows in the .def files are written with. A row begins with its name, by which
- * catalog.c finds its text in methods.txt. */
+/* Macros that the rows in the .def files are written with. A row begins with its identifier, by
+ * which catalog.c finds its text in methods.txt. */
 #pragma once
 
 #include "method/step/step.h"
@@ -16,8 +16,8 @@
 #define DRAG_VARIANTS (1u << DRAG_EXACT | 1u << DRAG_IMPLICIT | 1u << DRAG_EXPLICIT)
 /* clang-format on */
 
-/* Places of rows in their files, from 1 on: 0 is a method that stands in none. A row is known by
- * the line where it ends. */
+/* Numbers of the rows in their files, from 1 on; 0 is used for methods of other files. A row is
+ * identified by the line at which it ends. */
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 #define AT(family) JOIN(family##_AT_, __LINE__)

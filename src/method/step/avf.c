@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The average vector field method. Along the straight way from y to y' the work of the mean force
- * is the difference of the potentials, so energy stays. Source: Quispel, McLaren 2008, J. Phys. A
+ * The average vector field method: y' = y + h times the mean of f on the straight line from y to
+ * y'. The work of the mean force along the line is the difference of the potentials, so that energy
+ * is conserved. Source: Quispel, McLaren 2008, J. Phys. A
  * 41:045206.
  *
- * The mean is by Gauss's quadrature with six nodes: exact for a force that is a polynomial of
- * degree 11 or less along that way, and to rounding for smooth ones where the way is not longer
- * than their natural length.
+ * The mean is computed by Gauss's quadrature with six nodes. It is exact for polynomials of degree
+ * 11 or less along the line, and to rounding for smooth forces if the line is not longer than their
+ * natural length.
  */
 #include "method/step/newton.h"
 
@@ -21,13 +22,13 @@ static const double weight[GAUSS_NODES / 2] = {0.0856622461895851725201480710863
                                                0.18038078652406930378491675691886,
                                                0.23395696728634552369493517199478};
 
-/* As a Jacobian's guess the middle stands for all nodes; where the system is linear, it is the
- * mean. */
+/* The middle of the line represents all nodes in the Jacobian; for linear systems it is the mean
+ * itself. */
 static const double half[] = {1. / 2}, one[] = {1}, two[] = {2};
 static const struct implicit_tableau middle = {
     .stages = 1, .c = half, .a = half, .b = one, .d = one, .real = 2, .left = two, .right = one};
 
-/* sum += w f(t + c h, y + c z) */
+/* Adds w f(t + c h, y + c z) to sum. */
 static void add_node(struct step *step, double t, double h, double c, double w, const double *y,
                      const double *z, double *node_state, double *sum)
 {
@@ -41,7 +42,7 @@ static void add_node(struct step *step, double t, double h, double c, double w, 
         sum[i] += w * slope[i];
 }
 
-/* h (mean of f) - z */
+/* Computes the residual h (mean of f) - z, for a newton_rest_function. */
 static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h,
                       const double *y, const double *z, double *scratch, double *rest)
 {
@@ -67,6 +68,7 @@ size_t avf_work(const struct method *method, int n)
     return (size_t)n + newton_capacity(1, n);
 }
 
+/* Solves z = h (mean of f) for the increment z, from 0. */
 enum step_status avf_step(const struct method *method, struct step *step)
 {
     (void)method;

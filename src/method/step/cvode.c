@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * CVODE of SUNDIALS 6 behind the interface of a method: one of its own steps at a time, under its
- * own control of order, step and error. Its serial vectors, its dense solver, our exact Jacobian.
+ * CVODE of SUNDIALS 6 behind the interface of a method, for comparison: one of its own steps at a
+ * time, under its own control of order, step and error, with its dense solver and our exact
+ * Jacobian.
  */
 #include "method/step/step.h"
 
@@ -14,8 +15,9 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#define STEPS_MOST 100000 /* limit of its own steps in one of ours */
+#define STEPS_MOST 100000 /* limit of CVODE's steps in one of ours */
 
+/* The solver's memory, made by cvode_begin(). */
 struct cvode {
     SUNContext context;
     void *memory;
@@ -26,10 +28,10 @@ struct cvode {
     const struct system *system;
     double tol;
     bool forward, wild;  /* wild means that a slope was not finite in this step */
-    struct cost counted; /* cost since it began anew, which is in the step's already */
+    struct cost counted; /* cost since the last restart that has been added to the step's already */
 };
 
-/* Returns what CVODE expects: 0, or 1, which makes it try a smaller step. */
+/* Returns 0 if all numbers are finite; otherwise 1, which makes CVODE try a smaller step. */
 static int checked(struct cvode *c, const double *x, int count)
 {
     for (int i = 0; i < count; i++)
@@ -38,6 +40,7 @@ static int checked(struct cvode *c, const double *x, int count)
     return 0;
 }
 
+/* Evaluates the right-hand side, for CVODE. */
 static int slope(double t, N_Vector y, N_Vector f, void *data)
 {
     struct cvode *c = data;
@@ -45,6 +48,7 @@ static int slope(double t, N_Vector y, N_Vector f, void *data)
     return checked(c, N_VGetArrayPointer(f), c->system->n);
 }
 
+/* Evaluates the Jacobian, column by column, for CVODE. Returns -1 if out of memory. */
 static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector u,
                     N_Vector v, N_Vector w)
 {
@@ -62,8 +66,9 @@ static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *da
     return checked(c, columns, n * n);
 }
 
-/* ---- its memory ---- */
+/* ---- memory ---- */
 
+/* Frees the solver, also one that was made in part. */
 void cvode_end(void *library)
 {
     struct cvode *c = library;
@@ -82,8 +87,8 @@ void cvode_end(void *library)
     free(c);
 }
 
-/* Fixed-point iteration for Adams and Newton's for backward differentiation, as CVODE's manual has
- * them. */
+/* Chooses fixed-point iteration for Adams and Newton's for backward differentiation, as CVODE's
+ * manual recommends. Returns false if out of memory. */
 static bool choose_solver(struct cvode *c, bool stiff, int n)
 {
     if (!stiff)
@@ -95,6 +100,7 @@ static bool choose_solver(struct cvode *c, bool stiff, int n)
            CVodeSetJacFn(c->memory, jacobian) == CV_SUCCESS;
 }
 
+/* Creates a solver for the size of the system. Returns NULL if out of memory. */
 void *cvode_begin(const struct method *method, const struct step *step)
 {
     const int n = step->system->n;
@@ -117,7 +123,7 @@ void *cvode_begin(const struct method *method, const struct step *step)
 
 /* ---- stepping ---- */
 
-/* Begins anew at t and y, with nothing remembered. */
+/* Restarts the solver at the step's t and y, without history. Returns false on failure. */
 static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
 {
     const int n = step->system->n;
@@ -132,6 +138,7 @@ static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
            CVodeSVtolerances(c->memory, c->tol, c->min) == CV_SUCCESS;
 }
 
+/* Adds what the solver has spent since the last call to *cost. */
 static void count(struct cvode *c, struct cost *cost)
 {
     long evals = 0, jacobians = 0, iterations = 0, refused = 0, unsolved = 0;
@@ -153,6 +160,7 @@ static void count(struct cvode *c, struct cost *cost)
     c->counted = now;
 }
 
+/* Translates CVODE's flag; moved tells if the time has changed. */
 static enum step_status cvode_status(int flag, bool moved, bool wild)
 {
     const bool done = flag == CV_SUCCESS || flag == CV_TSTOP_RETURN;
@@ -165,7 +173,8 @@ static enum step_status cvode_status(int flag, bool moved, bool wild)
                : STEP_NO_SOLUTION;
 }
 
-/* One step of CVODE's own towards t_end; where it comes to in *t, the state there in c->y. */
+/* Takes one step of CVODE's own size towards t_end. Sets *t to the time reached; the state is in
+ * c->y. */
 static enum step_status one_step(struct cvode *c, struct cost *cost, double t_begin, double t_end,
                                  double *t)
 {
@@ -181,7 +190,7 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double t_be
     return cvode_status(flag, *t != t_begin, c->wild);
 }
 
-/* Ends a step: takes the state if it is one. */
+/* Ends a step: copies state and error estimate if the state is finite. */
 static enum step_status cvode_take_state(struct cvode *c, struct step *step)
 {
     if (step->error) {
@@ -192,6 +201,7 @@ static enum step_status cvode_take_state(struct cvode *c, struct step *step)
     return step_finish(step, N_VGetArrayPointer(c->y));
 }
 
+/* Takes one step of CVODE's choice, after a restart if the state was changed from outside. */
 enum step_status cvode_adapt(const struct method *method, struct step *step,
                              struct controller *controller, double t_end)
 {
@@ -219,7 +229,7 @@ enum step_status cvode_adapt(const struct method *method, struct step *step,
     return STEP_OK;
 }
 
-/* Steps over a given distance, as inside a step that it has made, with as many of its own steps as
+/* Steps over a given distance inside a step that was taken before, with as many of CVODE's steps as
  * the tolerance asks for. */
 enum step_status cvode_step(const struct method *method, struct step *step)
 {
@@ -238,8 +248,8 @@ enum step_status cvode_step(const struct method *method, struct step *step)
     return cvode_take_state(c, step);
 }
 
-/* The polynomial through its memory (Nordsieck's array), which is where its next step starts from.
- */
+/* Evaluates the polynomial of CVODE's history (Nordsieck's array), from which its next step
+ * starts. */
 void cvode_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     (void)method;

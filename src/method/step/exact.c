@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The exact solution as a method: each step starts anew from the present state. */
+/* The exact solution as a method: each step evaluates it from the present state. */
 #include "method/step/step.h"
 
 enum step_status exact_step(const struct method *method, struct step *step)
 {
     (void)method;
-    /* Starts from 0 where nothing depends on time: (t + h) - t would have lost digits of h. */
+    /* starts from 0 if nothing depends on time, since (t + h) - t would lose digits of h */
     double t = step->system->autonomous ? 0 : step->t;
     system_exact(step->system, t, step->y, t + step->h, step->work, NULL);
     step->cost.solves++;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any implicit Runge-Kutta tableau. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6,
- * IV.8. */
+/* One step of any implicit Runge-Kutta method, by its tableau: stages solved one by one, or all at
+ * once. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6, IV.8. */
 #include <assert.h>
 
 #include "method/step/irk_body.h"
 
 /*
- * Stage by stage: slopes [stages][n], then z, sum, base [n], then the solver's.
- * All at once: increments z [stages][n], then the solver's.
+ * Returns the size of work. If stages are solved one by one it holds slopes [stages][n], then z,
+ * sum and base [n]; otherwise the increments z [stages][n]. The memory of the solver follows.
  */
 size_t implicit_work(const struct method *method, int n)
 {
@@ -17,8 +17,10 @@ size_t implicit_work(const struct method *method, int n)
                                   : values + newton_capacity(tableau->stages, n);
 }
 
-/* ---- stage by stage ---- */
+/* ---- stages one by one ---- */
 
+/* Sets step->error to the filtered difference from the embedded method. Returns false if the matrix
+ * is singular. */
 static bool estimate_diagonal(const struct implicit_tableau *tableau, struct step *step,
                               const double *slope, double *own)
 {
@@ -33,6 +35,7 @@ static bool estimate_diagonal(const struct implicit_tableau *tableau, struct ste
                          step->error, own);
 }
 
+/* Solves one stage by newton_stage(), for a stage_function. */
 static enum step_status stage_of(const void *system, struct step *step, double t, double h,
                                  const double *y, double *z, double *sum, double *work)
 {
@@ -40,6 +43,7 @@ static enum step_status stage_of(const void *system, struct step *step, double t
     return newton_stage(step, t, h, y, z, sum, work);
 }
 
+/* Takes a step of a method whose stages are solved one by one. */
 static enum step_status diagonal_step(const struct implicit_tableau *tableau, struct step *step)
 {
     const int n = step->system->n, stages = tableau->stages;
@@ -59,12 +63,10 @@ static enum step_status diagonal_step(const struct implicit_tableau *tableau, st
     return step_increase(step, z);
 }
 
-/* ---- all at once ---- */
+/* ---- all stages at once ---- */
 
-/*
- * The polynomial through 0 at theta = 0 and the increments z_s at theta = c_s, divided by theta, in
- * Newton's form: of one component, in place.
- */
+/* Computes, in place, the divided differences (Newton's form) of the polynomial through 0 at theta
+ * = 0 and the increments z_s at theta = c_s, divided by theta; for one component. */
 static void divide_differences(const struct implicit_tableau *tableau, double *z)
 {
     int stages = tableau->stages;
@@ -76,6 +78,7 @@ static void divide_differences(const struct implicit_tableau *tableau, double *z
             z[s] = (z[s] - z[s - 1]) / (c[s] - c[s - level]);
 }
 
+/* Evaluates that polynomial at theta. */
 static double polynomial(const struct implicit_tableau *tableau, const double *difference,
                          double theta)
 {
@@ -85,7 +88,7 @@ static double polynomial(const struct implicit_tableau *tableau, const double *d
     return theta * value;
 }
 
-/* The collocation polynomial, from the end of the step. */
+/* Evaluates the collocation polynomial, measured from the end of the step. */
 void implicit_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     const struct implicit_tableau *tableau = method->implicit;
@@ -102,7 +105,8 @@ void implicit_dense(const struct method *method, const struct step *step, double
     }
 }
 
-/* (real - h J)^-1 (h f(t, at) + sum_s estimate_s z_s) */
+/* Sets step->error to (real - h J)^-1 (h f(t, state) + sum_s estimate_s z_s). Returns false if the
+ * matrix is singular. */
 static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *state,
                      const double *z, double *own)
 {
@@ -117,8 +121,8 @@ static bool estimate(const struct implicit_tableau *tableau, struct step *step, 
 }
 
 /* Estimates the error once more if it exceeds the tolerance, at the state changed by the first
- * estimate. In a first step and after a rejection the estimate of a stiff error is too large by
- * far. */
+ * estimate, because the first estimate of a stiff error is far too large in a first step and after
+ * a rejection. Returns false if the matrix is singular. */
 static bool estimate_again(const struct implicit_tableau *tableau, struct step *step,
                            const double *z, double *own)
 {
@@ -133,6 +137,7 @@ static bool estimate_again(const struct implicit_tableau *tableau, struct step *
     return sqrt(sum / system->n) <= step->tol || estimate(tableau, step, state, z, own);
 }
 
+/* Takes a step of a method whose stages are solved all at once. */
 static enum step_status coupled_step(const struct implicit_tableau *tableau, struct step *step)
 {
     const struct newton equations = newton_of(tableau, newton_stages, step->system);
@@ -142,9 +147,9 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
     if (!step->warm)
         newton_forget(own);
     /*
-     * Iterates from 0, not from the last step's polynomial. That would save iterations, but leads
-     * steps that are too long past a fold (van der Pol) to solutions that are none, and would make
-     * a step depend on the one before.
+     * The iteration starts from 0 and not from the last step's polynomial, which would save
+     * iterations but lead steps that are too long past a fold (van der Pol) to wrong solutions, and
+     * make a step depend on the one before.
      */
     memset(z, 0, (size_t)(stages * n) * sizeof *z);
     enum step_status status = newton_solve(&equations, step, step->t, step->h, step->y, z, own);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of implicit Runge-Kutta methods that are solved one by one: of any of them in irk.c,
- * and again where method and forces are known to the compiler in kernel_implicit.c. One text, so
- * both give the same bits.
+ * The stages of implicit Runge-Kutta methods that are solved one by one. irk.c compiles this for
+ * any method, kernel/implicit.c where the compiler knows method and forces; both give the same
+ * bits.
  */
 #pragma once
 
@@ -12,12 +12,12 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-/* Solves z = h f(t, y + z), and sum = y + z; `forces` is whatever the function knows, work the
- * solver's. */
+/* Solves z = h f(t, y + z) and sets sum = y + z; forces is data of the function, work memory of the
+ * solver. */
 typedef enum step_status stage_function(const void *forces, struct step *step, double t, double h,
                                         const double *y, double *z, double *sum, double *work);
 
-/* The last stage is the new state. */
+/* Returns true if the last stage is the new state. */
 INLINE bool stiffly_accurate(const struct implicit_tableau *tableau)
 {
     int s = tableau->stages;
@@ -62,7 +62,7 @@ INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, 
     return STEP_OK;
 }
 
-/* Replaces z, the last stage's increment, by the increment of the step. */
+/* Replaces z, the last stage's increment, by the increment of the whole step. */
 INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, double h,
                                const double *k, double *z)
 {

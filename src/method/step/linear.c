@@ -8,18 +8,20 @@
 
 #include <stdlib.h>
 
-/* Growth above 1 that is taken for rounding. */
+/* Growth above 1 up to which it counts as rounding. */
 static const double MARGIN = 1e-12;
 
-/* The search: where it begins (over zeta) and ends, and its relative steps, fine near pi, where
- * splittings have narrow windows. */
+/* Range of the search for the largest stable step; the first value is divided by zeta > 1. */
 static const double X_FIRST = 1e-4, X_LAST = 1e8;
 
+/* Returns the next x of the search. Steps are fine near pi, where splittings have narrow
+ * windows. */
 static double next_x(double x)
 {
     return x * (x > 3.05 && x < 3.25 ? 1.00005 : x > 0.3 && x < 30 ? 1.003 : 1.03);
 }
 
+/* A method on the linear equation. */
 struct linear_scene {
     const struct method *method;
     enum drag drag;
@@ -33,6 +35,7 @@ double stiffness_sign_value(enum stiffness_sign sign)
     return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
 }
 
+/* Prepares the method on the equation with frequency 1. Returns false if it cannot step it. */
 static bool oscillation_init(struct linear_scene *oscillation, const struct method *method,
                              enum drag drag, double zeta, enum stiffness_sign sign)
 {
@@ -57,7 +60,8 @@ static bool oscillation_init(struct linear_scene *oscillation, const struct meth
            method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
 }
 
-/* Columns are the images of the unit vectors; NaN where the step fails. */
+/* Computes the one-step matrix, whose columns are the images of the unit vectors; NaN if the step
+ * fails or memory runs out. */
 static void amplify(const struct linear_scene *oscillation, double x, double matrix[4])
 {
     double *work = malloc((method_work_size(oscillation->method, 2) + 1) * sizeof *work);
@@ -92,6 +96,7 @@ double matrix_spectral_radius(const double m[4])
     return split >= 0 ? fabs(mean) + sqrt(split) : sqrt(mean * mean - split);
 }
 
+/* Returns the growth per step at x, by the method's own function or by the one-step matrix. */
 static double growth_factor(const struct linear_scene *oscillation, double x)
 {
     if (oscillation->method->growth)
@@ -115,13 +120,14 @@ double method_growth(const struct method *method, enum drag drag, double x, doub
     return method_growth_signed(method, drag, x, zeta, STIFFNESS_POSITIVE);
 }
 
-/* Returns a value above 0 if this step grows. */
+/* Returns the growth per step less 1, which is positive if the step grows; HUGE_VAL if it fails. */
 static double growth(const struct linear_scene *oscillation, double x)
 {
     double radius = growth_factor(oscillation, x);
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
+/* Goes up in x until growth exceeds the margin, then bisects. */
 double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
                                   enum stiffness_sign sign)
 {
@@ -137,12 +143,13 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
     }
     if (low == 0)
         return 0;
-    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than
-     * rounding. */
+    /* growth like x^q from 0 on also reaches the margin; then it exceeds rounding a little below,
+     * and no step is stable */
     double previous = growth(&oscillation, 0.9 * low), margin = MARGIN;
     if (previous > MARGIN / 10)
         return 0;
-    if (previous < -MARGIN) { /* true decay turns into growth: where exactly */
+    if (previous <
+        -MARGIN) { /* decay turns into growth, so that the limit is where growth is exactly 1 */
         margin = 0;
         low *= 0.9;
     }

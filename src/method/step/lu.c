@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Small dense linear systems, real and complex. Source: Golub, Van Loan 1996, Matrix
- * Computations, 3.4. */
+/* Factoring and solving of small dense linear systems, real and complex. Source: Golub, Van Loan
+ * 1996, Matrix Computations, 3.4. */
 #include "method/step/lu_body.h"
 
+/* Does the work of lu_factor_complex(); re is followed by the imaginary parts. Inlined for small
+ * n. */
 LU_FUNCTION bool factor_complex(int n, double *re)
 {
     double *im = re + LU_ROOM(n);
@@ -12,7 +14,7 @@ LU_FUNCTION bool factor_complex(int n, double *re)
             if (fabs(re[i * n + p]) + fabs(im[i * n + p]) >
                 fabs(re[best * n + p]) + fabs(im[best * n + p]))
                 best = i;
-        /* 1/(x + i y), scaled by its size: neither part of the square over- or underflows */
+        /* 1/(x + i y), scaled by its size, so that its square neither overflows nor underflows */
         double size = fabs(re[best * n + p]) + fabs(im[best * n + p]), unit = 1 / size;
         if (unit == 0 || !isfinite(unit))
             return false;
@@ -41,6 +43,7 @@ LU_FUNCTION bool factor_complex(int n, double *re)
     return true;
 }
 
+/* Does the work of lu_solve_complex(). Inlined for small n. */
 LU_FUNCTION void solve_complex(int n, const double *a, double *re, double *im)
 {
     const double *b = a + LU_ROOM(n);

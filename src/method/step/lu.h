@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Small dense linear systems: factor once, solve many. Gaussian elimination with partial pivoting;
- * sizes up to 3 are the same code with n known to the compiler, so that all loops are gone.
+ * Small dense linear systems: call lu_factor() once and lu_solve() for each right-hand side.
+ * Gaussian elimination with partial pivoting; sizes up to 3 use the same code with n known to the
+ * compiler, so that loops vanish.
  *
- * A matrix is [n + 1][n] row-major: n rows, then a row that takes the pivots (LU_ROOM doubles). A
- * complex one is two of these, the real parts, then the imaginary ones.
+ * A matrix is [n + 1][n] row-major: n rows, then a row for the pivots (LU_ROOM doubles). A complex
+ * one is two of these, first the real and then the imaginary parts.
  */
 #pragma once
 
@@ -16,7 +17,9 @@
 /* Replaces a by its factors. Returns false if a is singular or not finite; its contents are then
  * undefined. */
 bool lu_factor(int n, double *a);
-void lu_solve(int n, const double *a, double *b); /* b [n] becomes the solution of a x = b */
+/* Replaces b [n] by the solution x of a x = b; a holds the factors. */
+void lu_solve(int n, const double *a, double *b);
 
+/* Do the same for a complex matrix, with re + i im as b. */
 bool lu_factor_complex(int n, double *a);
-void lu_solve_complex(int n, const double *a, double *re, double *im); /* the same, b = re + i im */
+void lu_solve_complex(int n, const double *a, double *re, double *im);

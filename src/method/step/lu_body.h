@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Elimination for one size: for those in lu.c, and again in kernels. One text, so both give the
- * same bits. The diagonal of the factors holds the reciprocals. Source: Golub, Van Loan 1996,
+ * Elimination for one size, compiled in lu.c and in kernels, so that both give the same bits. The
+ * diagonal of the factors holds reciprocals. Source: Golub, Van Loan 1996,
  * Matrix Computations, 3.4.
  */
 #pragma once
@@ -19,7 +19,8 @@ LU_FUNCTION void doubles_swap(double *a, double *b)
     *b = c;
 }
 
-/* pivot [n]: the row that took the place of each. */
+/* Replaces a [n][n] by its factors; pivot [n] receives the row that was swapped with each. Returns
+ * false if a is singular or not finite. */
 LU_FUNCTION bool lu_factor_size(int n, double *a, double *pivot)
 {
     for (int p = 0; p < n; p++) {
@@ -31,8 +32,8 @@ LU_FUNCTION bool lu_factor_size(int n, double *a, double *pivot)
         if (inverse == 0 || !isfinite(inverse))
             return false;
         pivot[p] = best;
-        for (int i = p + 1; i < n;
-             i++) /* a place that the compiler knows: small matrices stay in registers */
+        /* tests each i, so that indices are constants and small matrices stay in registers */
+        for (int i = p + 1; i < n; i++)
             for (int j = p; j < n && i == best; j++)
                 doubles_swap(&a[p * n + j], &a[i * n + j]);
         a[p * n + p] = inverse;
@@ -45,6 +46,7 @@ LU_FUNCTION bool lu_factor_size(int n, double *a, double *pivot)
     return true;
 }
 
+/* Replaces b [n] by the solution of a x = b, by the factors of lu_factor_size(). */
 LU_FUNCTION void lu_solve_size(int n, const double *a, const double *pivot, double *b)
 {
     for (int p = 0; p < n; p++) {

@@ -3,30 +3,33 @@
  * One step of a linear multistep method, and its growth. Source: Hairer, Norsett, Wanner 1993,
  * Solving ODEs I, III.1.
  *
- * A step that has no history of its own length h behind it (the first ones, a last shorter one) is
- * one step of a one-step method of higher order: radau5 for backward differentiation, because it
- * survives what is stiff, dop853 for the others; in shorter steps where that one has no solution.
- * So the beginning never limits the order or the step.
+ * A step without enough previous steps of the same length h (the first ones, a last shorter one) is
+ * taken by a one-step method of higher order, the starter: radau5 for backward differentiation,
+ * because it copes with stiffness, dop853 for the others; in shorter substeps if it has no
+ * solution. So the beginning limits neither the order nor the step.
  */
 #include "method/step/step.h"
 
 #include <complex.h>
 
-/* The work array holds the number of values, their h, then the values [steps][n] (f, or y where
- * differences are formed), the newest first; then two states and the memory of the starter or the
- * solver. */
+/* The work array holds the number of previous values, their h, then these values [steps][n] (f, or
+ * y for backward differentiation), the newest first; then two states and the memory of the starter
+ * or the solver. */
 enum { COUNT, H, HEAD };
 
+/* Degree of the characteristic polynomial, and iterations for its roots. */
 enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 
-/* the order is 3: what remains after such a move is below rounding */
+/* Largest move of a root after which its error is below rounding, since convergence is cubic. */
 static const double ARRIVED = 1e-9;
 
-/* Substeps of a start: the shortest, and how many there may be. */
+/* Limits of the substeps of a start. */
 static const double SHORTEST = 1e-9; /* shortest step as a part of h */
 enum { SUBSTEPS = 1000 };
-static const double SENSIBLE = 1e-4; /* estimated error, relative to the values */
+/* Largest estimated error of a substep, relative to the values. */
+static const double SENSIBLE = 1e-4;
 
+/* Returns the one-step method that takes the first steps. */
 static const struct method *starter(const struct method *method)
 {
     const char *name = method->multistep->values ? "radau5" : "dop853";
@@ -40,11 +43,12 @@ size_t multistep_work(const struct method *method, int n)
            (start > solve ? start : solve);
 }
 
-/* Values that a step may change, kept to take it back. */
+/* Values that a step changes, by which it can be taken back. */
 struct step_backup {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
 
+/* Stores state and low parts of the step in *backup. */
 static void history_store(const struct step *step, struct step_backup *backup)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
@@ -53,6 +57,7 @@ static void history_store(const struct step *step, struct step_backup *backup)
         memcpy(backup->low, step->low, size);
 }
 
+/* Restores state and low parts of the step from *backup. */
 static void take_back(struct step *step, const struct step_backup *backup)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
@@ -61,11 +66,10 @@ static void take_back(struct step *step, const struct step_backup *backup)
         memcpy(step->low, backup->low, size);
 }
 
-/*
- * Takes one step of the starter if it succeeds; else a quarter of it, and so on, and after each
- * success twice as much. A step succeeds if the estimated error, relative to the values, is at most
- * `max`, because a step far beyond the limit of stability comes out finite, but as nonsense.
- */
+/* Steps from t over h by the starter: in one step if it succeeds, else in a quarter of it, and so
+ * on; after each success the next substep is twice as long. A substep succeeds if its estimated
+ * error, relative to the values, is at most max, because a step far beyond the limit of stability
+ * is finite but wrong. Returns STEP_OK, or why the last substep failed. */
 static enum step_status substeps(const struct method *one_step, struct step *one, double t,
                                  double h, double max)
 {
@@ -93,6 +97,8 @@ static enum step_status substeps(const struct method *one_step, struct step *one
     return done < 1 ? failure : STEP_OK;
 }
 
+/* Takes a step by the starter, with accurate substeps if possible, else with any that have a
+ * solution. On failure the state is unchanged. */
 static enum step_status start(const struct method *method, struct step *step, double *work)
 {
     double error[LIMIT_VARIABLES];
@@ -115,13 +121,14 @@ static enum step_status start(const struct method *method, struct step *step, do
     return status;
 }
 
+/* Computes f [n] at t and y, and counts the evaluation. */
 static void derivative(struct step *step, double t, const double *y, double *f)
 {
     system_derivative(step->system, t, y, f);
     step->cost.evals++;
 }
 
-/* sum_j w_j past_j[i] over the weights that are not zero, the newest first */
+/* Returns sum_j w_j past_j[i] over the weights that are not zero, the newest first. */
 static double weighted(const double *w, int count, const double *past, int n, int i)
 {
     double sum = -0.0;
@@ -131,6 +138,8 @@ static double weighted(const double *w, int count, const double *past, int n, in
     return sum;
 }
 
+/* Adds the newest value to the history, and takes a step by the starter until the history is long
+ * enough. */
 enum step_status multistep_step(const struct method *method, struct step *step)
 {
     const struct multistep *multistep = method->multistep;
@@ -140,7 +149,7 @@ enum step_status multistep_step(const struct method *method, struct step *step)
            *own = next + n;
 
     int count = step->warm && head[H] == h ? (int)head[COUNT] : 0;
-    /* the oldest leaves */
+    /* the oldest value is dropped */
     if (count == steps)
         count--;
     memmove(past + n, past, (size_t)(count * n) * sizeof *past);
@@ -173,14 +182,16 @@ enum step_status multistep_step(const struct method *method, struct step *step)
     return step_increase(step, z);
 }
 
-/* ---- growth: the characteristic polynomial's largest root ---- */
+/* ---- growth per step, the largest root of the characteristic polynomial ---- */
 
+/* Returns 1/z. */
 static double complex reciprocal(double complex z)
 {
     return conj(z) / (creal(z) * creal(z) + cimag(z) * cimag(z));
 }
 
-/* p[0] mu^degree + … + p[degree]; all roots at once (Aberth 1973, Math. Comp. 27:339). */
+/* Returns the largest absolute value of the roots of p[0] mu^degree + … + p[degree], or NAN. Finds
+ * all roots at once (Aberth 1973, Math. Comp. 27:339). */
 static double largest_root(int degree, const double complex *p)
 {
     double complex root[DEGREE_MAX];
@@ -213,7 +224,8 @@ static double largest_root(int degree, const double complex *p)
     return largest;
 }
 
-/* Returns the growth on y' = lambda y, z = h lambda (Hairer, Wanner 1996, Solving ODEs II, V.1). */
+/* Returns the growth per step on y' = lambda y, with z = h lambda (Hairer, Wanner 1996, Solving
+ * ODEs II, V.1). */
 static double growth_of(const struct multistep *multistep, double complex z)
 {
     int steps = multistep->steps;
@@ -235,12 +247,12 @@ static double growth_of(const struct multistep *multistep, double complex z)
     return largest_root(steps, p);
 }
 
+/* Splits the oscillation into its two eigenvalues; a complex pair has the same growth. */
 double multistep_growth(const struct method *method, double x, double zeta,
                         enum stiffness_sign sign)
 {
-    const double product =
-                     /* product of the two eigenvalues, and their splitting */
-        stiffness_sign_value(sign),
+    /* product of the two eigenvalues, and the square of half their difference */
+    const double product = stiffness_sign_value(sign),
                  split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     if (split < 0) /* a complex pair */
         return growth_of(method->multistep,

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Newton's iteration for the stages of implicit methods, to rounding or, in adaptive steps, to the
- * tolerance; and the closed form for the oscillator. What is the same for kernels: newton_body.h.
+ * tolerance. newton_body.h has the parts that kernels compile, too.
  */
 #include "method/step/newton_body.h"
 
-enum { ADAPTIVE_ITERATIONS = 7 };
+enum { ADAPTIVE_ITERATIONS = 7 }; /* most iterations of an adaptive step */
 
-/* Following a solution from h = 0: the first part of h, the shortest, how many; stages of all
- * methods. */
+/* Limits of newton_follow() (the first and the shortest part of h, the number of parts), and the
+ * largest number of stages of a method. */
 static const double FIRST_PART = 0.25, PART_MIN = 1e-5;
 enum { PARTS_MOST = 100, STAGES_MOST = 3 };
 
-/* increments that shrink by this in an adaptive step: keep the Jacobian */
+/* Rate of convergence up to which an adaptive step keeps the Jacobian of the one before. */
 static const double FAST = 1e-3;
 
-/* Returns the part of an adaptive step's tolerance that the iteration may leave; in finer steps the
- * errors of many add up. */
+/* Returns the part of an adaptive step's tolerance that the iteration may leave; small for small
+ * tolerances, since the errors of many steps add up. */
 static double fraction(double tol)
 {
     return fmax(10 * DBL_EPSILON / tol, fmin(0.03, sqrt(tol)));
@@ -59,22 +59,20 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
     return true;
 }
 
-/*
- * Iterates until the remaining error, estimated by the rate at which increments shrink, is
- * `enough`. The rate is the one of this solution: a single increment is accepted only if it is
- * itself that small, because what earlier steps needed says nothing about this one (Hairer and
- * Wanner carry a rate over, but let it age). Parts that shrink slowly may still hide behind faster
- * ones, as across a kink: hence the caution.
- */
+/* Iterates until the remaining error, estimated from the rate at which increments shrink, is at
+ * most `enough`. The rate is that of this solution: a single increment is accepted only if it is
+ * itself that small, because the convergence of earlier steps says nothing about this one (Hairer
+ * and Wanner carry a rate over, but let it age). The estimate is cautious, since slowly shrinking
+ * parts may hide behind faster ones, as across a kink. */
 static enum step_status approach(const struct newton *equations, struct step *step, double t,
                                  double h, const double *y, double *z, const double *weight,
                                  double enough, struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
-    double last = 0, left = 1;                 /* left is the remaining part of an increment */
-    *workspace->rate = sqrt(*workspace->rate); /* it ages, so that factors are not kept for ever
-                                                without being seen to be good */
+    double last = 0, left = 1; /* left is the remaining part of an increment */
+    /* the old rate grows with age, so that factors are not kept for ever without a test */
+    *workspace->rate = sqrt(*workspace->rate);
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
         equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
         newton_increment(tableau, step, n, workspace, workspace->rest);
@@ -102,8 +100,8 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
-/* Computes the weights of increments where the solution beside z is larger than anything before, as
- * in the first steps of a motion that starts from nothing. */
+/* Sets now [n] to the weights of increments, smaller than weight where the solution y + z is larger
+ * than its size so far, as in the first steps of a motion that starts from nothing. */
 static void increments_weigh(int stages, int n, const double *y, const double *z,
                              const double *weight, double *now)
 {
@@ -114,8 +112,8 @@ static void increments_weigh(int stages, int n, const double *y, const double *z
     }
 }
 
-/* Newton's iteration as long as each increment is at most CONTRACTION_MAX of the one before: the
- * solution beside z. */
+/* Finds the solution near z by Newton's iteration with a new Jacobian each time. Returns false
+ * unless each increment is at most CONTRACTION_MAX of the one before. */
 static bool contract(const struct newton *equations, struct step *step, int n, double t, double h,
                      const double *y, double *z, const double *weight, struct workspace *workspace)
 {
@@ -165,6 +163,7 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     return true;
 }
 
+/* Uses the factors of earlier steps if the system is linear or convergence was fast. */
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
                               const double *y, double *z, double *work)
 {
@@ -184,6 +183,7 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
 
 /* ---- one stage ---- */
 
+/* Solves a stage of the oscillator in closed form. */
 static enum step_status solve_oscillator(struct step *step, double t, double h, const double *y,
                                          double *z, double *sum)
 {
@@ -200,7 +200,7 @@ enum step_status newton_stage(struct step *step, double t, double h, const doubl
     if (system->order == 2 && system->n == 2 && system->oscillator.whole)
         return solve_oscillator(step, t, h, y, z, sum);
     if (system->order == 2 && system->n == 2 && !system->linear && step->tol == 0) {
-        newton_forget(work); /* no factors of this step are there */
+        newton_forget(work); /* motion_stage() leaves no factors */
         return motion_stage(step_slope, step_jacobian, system, step, t, h, y, z, sum, work);
     }
     const struct newton equations = newton_of(&newton_euler, newton_stages, system);

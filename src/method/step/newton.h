@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Newton's iteration for the stages of implicit methods. */
+/* Newton's iteration for the stages of implicit methods. newton_of() describes the equations;
+ * newton_solve() solves them; newton_filter() applies the same matrix to an error estimate. */
 #pragma once
 
 #include "method/step/step.h"
@@ -9,9 +10,9 @@
  * that of h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
  */
 struct newton;
-/* [n][n] */
+/* Computes the Jacobian jac [n][n] at t and y; forces is data of the function. */
 typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
-/* Computes the residual of the equations; scratch has [stages][n]. */
+/* Computes the residual rest [stages][n] of the equations at z; scratch has [stages][n]. */
 typedef void newton_rest_function(const struct newton *equations, struct step *step, int n,
                                   double t, double h, const double *y, const double *z,
                                   double *scratch, double *rest);

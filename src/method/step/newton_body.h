@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of implicit methods: for any forces in newton.c, and again where they are known to the
- * compiler in kernel_implicit.c. One text, so both give the same bits. Source: Hairer, Wanner 1996,
- * Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan, Razakarivony 2008, BIT
- * 48:231 (to rounding).
+ * Newton's iteration for the stages of implicit methods, to rounding. newton.c compiles it for any
+ * forces, kernel/implicit.c where the compiler knows them; both give the same bits. Source: Hairer,
+ * Wanner 1996, Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan,
+ * Razakarivony 2008, BIT 48:231 (to rounding).
  */
 #pragma once
 
@@ -16,20 +16,20 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-/* Halvings of an increment that does not bring the equations nearer to 0, and iterations before
- * giving up. */
+/* Most halvings of an increment that does not reduce the residual, and most iterations. */
 enum { HALVINGS = 8, ITERATIONS = 30 };
 
-/* A smaller relative increment that does not shrink any more is rounding. */
+/* A relative increment below this that does not shrink any more is rounding. */
 #define INCREMENT_STALL_RELATIVE 1e-10
 /* Increments that shrink more slowly than this require a new Jacobian. */
 #define JACOBIAN_REUSE_RATE 0.1
 /* Increments that shrink at least by this factor stay near their start (Newton-Kantorovich). */
 #define CONTRACTION_MAX 0.5
 
-/* A smaller relative increment changes no digit. */
+/* A relative increment below this changes no digit. */
 #define INCREMENT_NEGLIGIBLE (DBL_EPSILON / 32)
 
+/* Coefficients of the implicit Euler method, for NEWTON_EULER. */
 static const double newton_one[] = {1}, newton_now[] = {0};
 #define NEWTON_EULER                                                                               \
     {                                                                                              \
@@ -37,13 +37,16 @@ static const double newton_one[] = {1}, newton_now[] = {0};
         .real = 1, .left = newton_one, .right = newton_one                                         \
     }
 
-/* Layout of the memory of newton_room(). */
+/* Pointers into the memory of newton_capacity() doubles. */
 struct workspace {
-    double *h;    /* step of the factors, 0 if there are none */
-    double *rate; /* rate at which increments shrank in the last solution */
-    double *slope, *rest, *move, *jacobian, *real, *complex;
+    double *h;                   /* step of the factors, 0 if there are none */
+    double *rate;                /* rate at which increments shrank in the last solution */
+    double *slope, *rest, *move; /* [stages][n] slopes, residual, increment */
+    double *jacobian;            /* [n][n] */
+    double *real, *complex;      /* factors for the real eigenvalue and for the complex pair */
 };
 
+/* Divides the memory for `stages` stages of n variables. */
 INLINE struct workspace workspace_of(int stages, int n, double *work)
 {
     struct workspace workspace = {.h = work, .rate = work + 1, .slope = work + 2};
@@ -55,18 +58,20 @@ INLINE struct workspace workspace_of(int stages, int n, double *work)
     return workspace;
 }
 
-/* A size that the compiler knows needs no choice among them. */
+/* Factors a; an n that the compiler knows needs no choice among sizes. */
 INLINE bool newton_lu(int n, double *a)
 {
     return __builtin_constant_p(n) ? lu_factor_size(n, a, a + n * n) : lu_factor(n, a);
 }
 
+/* Solves with the factors of newton_lu(). */
 INLINE void newton_lu_solve(int n, const double *a, double *x)
 {
     __builtin_constant_p(n) ? lu_solve_size(n, a, a + n * n, x) : lu_solve(n, a, x);
 }
 
-/* The factors of real - h J and alpha + i beta - h J, with J at t and y. */
+/* Factors real - h J and alpha + i beta - h J, with the Jacobian J at t and y. Returns false if one
+ * of them is singular. */
 INLINE bool newton_factor(const struct newton *equations, struct step *step, int n, double t,
                           double h, const double *y, struct workspace *workspace)
 {
@@ -88,7 +93,7 @@ INLINE bool newton_factor(const struct newton *equations, struct step *step, int
     return true;
 }
 
-/* x_i = sum_j m_ij x_j for each component of x [stages][n] */
+/* Replaces x_i by sum_j m_ij x_j for each component of x [stages][n]. */
 INLINE void mix_stages(int stages, int n, const double *m, double *x)
 {
     for (int i = 0; i < n; i++) {
@@ -104,6 +109,7 @@ INLINE void mix_stages(int stages, int n, const double *m, double *x)
     }
 }
 
+/* Calls mix_stages() with a constant number of stages. */
 INLINE void newton_mix(int stages, int n, const double *m, double *x)
 {
     stages == 1   ? mix_stages(1, n, m, x)
@@ -111,7 +117,7 @@ INLINE void newton_mix(int stages, int n, const double *m, double *x)
                   : mix_stages(3, n, m, x);
 }
 
-/* x [stages][n] becomes (1 - h a J)^-1 x. */
+/* Replaces x [stages][n] by (1 - h a J)^-1 x, by the factors of newton_factor(). */
 INLINE void newton_increment(const struct implicit_tableau *tableau, struct step *step, int n,
                              const struct workspace *workspace, double *x)
 {
@@ -125,7 +131,7 @@ INLINE void newton_increment(const struct implicit_tableau *tableau, struct step
     step->cost.solves++;
 }
 
-/* Computes the residual of the increments z; slope and rest have [stages][n]. */
+/* Computes the residual rest of the increments z; slope and rest have [stages][n]. */
 INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t,
                         double h, const double *y, const double *z, double *slope, double *rest)
 {
@@ -144,7 +150,7 @@ INLINE void newton_rest(const struct newton *equations, struct step *step, int n
         rest[i] = h * rest[i] - z[i];
 }
 
-/* Largest of x [stages][n], each component by its weight; NaN if one is. */
+/* Returns the largest component of x [stages][n] times its weight; NaN if one is NaN. */
 INLINE double newton_size(int stages, int n, const double *weight, const double *x)
 {
     double largest = 0;
@@ -159,7 +165,8 @@ INLINE double newton_size(int stages, int n, const double *weight, const double 
     return largest;
 }
 
-/* A new Jacobian, at the middle stage of where the iteration has come to. */
+/* Factors with a new Jacobian, at the middle stage of the present iterate. Returns false if the
+ * matrix is singular. */
 INLINE bool newton_renew(const struct newton *equations, struct step *step, int n, double t,
                          double h, const double *y, const double *z, struct workspace *workspace)
 {
@@ -171,14 +178,15 @@ INLINE bool newton_renew(const struct newton *equations, struct step *step, int 
     return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, workspace);
 }
 
-/* Returns true if the determinant, as far as it is real, is positive, as in short steps. */
+/* Returns true if the real part of the factored determinant is positive, as it is in short
+ * steps. */
 INLINE bool newton_positive(const struct implicit_tableau *tableau, int n,
                             const struct workspace *workspace)
 {
     return tableau->real == 0 || !lu_negative(n, workspace->real);
 }
 
-/* Half of the last increment is taken back. */
+/* Takes back half of the last increment `move`. */
 INLINE void newton_halve(int count, double *z, double *move)
 {
     for (int i = 0; i < count; i++) {
@@ -238,11 +246,9 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
     return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
-/*
- * The solution from z = 0. Where it is not sure to be the one that belongs to y, it is followed
- * from a step of length 0: over y' = -y^2 the equation of a step has two solutions, and in long
- * steps Newton's iteration may find the wrong one.
- */
+/* Finds the solution that belongs to y, from z = 0. If the iteration may have found another one,
+ * the solution is followed from a step of length 0: the equation of a step of y' = -y^2 has two
+ * solutions, and in long steps the iteration may find the wrong one. */
 INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n,
                                            double t, double h, const double *y, double *z,
                                            const double *weight, struct workspace *workspace)
@@ -257,7 +263,7 @@ INLINE enum step_status newton_to_rounding(const struct newton *equations, struc
     return status;
 }
 
-/* 1/size of each variable: what increments are measured by */
+/* Sets weight to 1/size of each variable, in which increments are measured. */
 INLINE void newton_weights(const double *scale, int n, const double *y, double *weight)
 {
     for (int i = 0; i < n; i++) {
@@ -301,8 +307,8 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
 
 /* ---- one stage of an equation of motion ---- */
 
-/* A derivative of the velocity's equation, and its sign as in short steps. Returns false if there
- * is no next iterate. */
+/* Sets *inverse to 1 over the derivative of the velocity's equation, and *positive to its sign,
+ * which is true in short steps. Returns false if the derivative has no finite inverse. */
 INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step,
                           double t, double h, const double *state, double *inverse, bool *positive)
 {
@@ -314,11 +320,9 @@ INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct 
     return *inverse != 0 && isfinite(*inverse);
 }
 
-/*
- * v' = v + h a(t, q + h v', v'), one equation for x = v' - v: what newton_iterate() does with both
- * variables. Where increments shrink so fast that the next one would be lost in rounding, it is not
- * waited for.
- */
+/* Solves v' = v + h a(t, q + h v', v') for x = v' - v: newton_iterate() with one equation in place
+ * of two. If increments shrink so fast that the next one would be below rounding, it is not
+ * computed. */
 INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes,
                                        const void *forces, struct step *step, double t, double h,
                                        const double *y, double *x, double weight,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any Runge-Kutta-Nystrom tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs
- * I, II.14. */
+/* One step of any Runge-Kutta-Nystrom method, by its tableau. Source: Hairer, Norsett, Wanner 1993,
+ * Solving ODEs I, II.14. */
 #include "method/step/step.h"
 
 /* The work array holds k [stages][n/2], and one state. */
@@ -9,13 +9,14 @@ size_t nystrom_work(const struct method *method, int n)
     return (size_t)method->nystrom->stages * (size_t)n / 2 + (size_t)n;
 }
 
+/* Computes the acceleration k of state z at t, and counts the evaluation. */
 static void acceleration(struct step *step, double t, const double *z, double *k)
 {
     system_acceleration(step->system, t, z, k);
     step->cost.evals++;
 }
 
-/* q + c h v + h^2 sum_j w_j k_j */
+/* Sets the positions of z to q + c h v + h^2 sum_j w_j k_j. */
 static void nystrom_position(const struct step *step, double c, const double *w, int count,
                              double *z, double *low)
 {
@@ -28,6 +29,7 @@ static void nystrom_position(const struct step *step, double c, const double *w,
     }
 }
 
+/* Computes the stages k, positions and velocities, then the error estimate. */
 enum step_status nystrom_step(const struct method *method, struct step *step)
 {
     const struct nystrom *nystrom = method->nystrom;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Extrapolation of the midpoint rule (Gragg 1965; Bulirsch, Stoer 1966; Hairer, Norsett, Wanner
- * 1993, Solving ODEs I, II.9): COLUMNS runs over the step, in 2, 4, 6, … parts, extrapolated to
- * parts of no length in powers of their square.
+ * 1993, Solving ODEs I, II.9): COLUMNS integrations over the step, in 2, 4, 6, … parts, are
+ * extrapolated to parts of length 0 in powers of the square of the length.
  *
- * The runs do not look at the force in the last twelfth of the step, and at its start only once:
- * where a force jumps there, all of them are wrong in the same way and their differences are 0. So
- * each run also goes on to the force at its end (Gragg's smoothing, which has an expansion in the
- * same powers), and where that makes a difference it counts as an error. Wherever a force jumps, it
- * is a fifth of the true one at least.
+ * The integrations do not evaluate the force in the last twelfth of the step. If it jumps there,
+ * all of them are wrong in the same way and their differences are 0. So each also evaluates the
+ * force at the end (Gragg's smoothing, which has an expansion in the same powers), and the
+ * difference that makes counts as an error. Wherever a force jumps, this estimate is at least a
+ * fifth of the error.
  */
 #include "method/step/step.h"
 
@@ -23,9 +23,9 @@ size_t odex_work(const struct method *method, int n)
 }
 
 /*
- * y(t + h) - y after `parts` steps of the midpoint rule, the first one Euler's. Sums of increments,
- * not of states: their rounding shrinks with h. smoothed: (y_n-1 + y_n+1)/2, where there is an
- * error to estimate.
+ * Integrates over the step in `parts` steps of the midpoint rule, the first by Euler's; first is
+ * the slope at the start. Sets gained to y(t + h) - y and, if an error is to be estimated, smoothed
+ * to (y_n-1 + y_n+1)/2 - y. Sums are formed of increments, whose rounding shrinks with h.
  */
 static void midpoint_run(struct step *step, int parts, const double *first, double *work,
                          double *gained, double *smoothed)
@@ -57,8 +57,8 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
         smoothed[i] = previous[i] + part * f[i];
 }
 
-/* Row j of the table: T_jl = T_j,l-1 + (T_j,l-1 - T_j-1,l-1) / ((parts_j / parts_j-l)^2 - 1);
- * table[j - l] holds T_jl. */
+/* Computes row j of the table in place: T_jl = T_j,l-1 + (T_j,l-1 - T_j-1,l-1) / ((parts_j /
+ * parts_j-l)^2 - 1); table[j - l] holds T_jl. */
 static void extrapolate(int j, int n, double *table)
 {
     for (int l = j; l-- > 0;) {
@@ -68,6 +68,8 @@ static void extrapolate(int j, int n, double *table)
     }
 }
 
+/* Takes a step and estimates its error by the order or by the smoothed values, whichever is
+ * larger. */
 enum step_status odex_step(const struct method *method, struct step *step)
 {
     (void)method;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs
- * I, II.1-6, II.10. */
+/* One step of any explicit Runge-Kutta method, by its tableau, and its dense output. Source:
+ * Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1-6, II.10. */
 #include "method/control/rk_error.h"
 
 /* The work array holds k [stages + extra][n], one state, and a flag that tells if the extra stages
@@ -10,11 +10,14 @@ size_t rk_work(const struct method *method, int n)
     return (size_t)(method->tableau->stages + method->tableau->extra + 1) * (size_t)n + 1;
 }
 
+/* Returns the flag in work that the extra stages of the interpolant belong to the last step. */
 static double *interpolant_ready(const struct tableau *tableau, const struct step *step)
 {
     return step->work + (tableau->stages + tableau->extra + 1) * step->system->n;
 }
 
+/* Computes stages, new state and error estimate. The first slope is reused if it is known: the last
+ * of the step before (FSAL), or that of a rejected attempt. */
 enum step_status rk_step(const struct method *method, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
@@ -37,8 +40,8 @@ enum step_status rk_step(const struct method *method, struct step *step)
     return status;
 }
 
-/* The stages that only the interpolant needs; from the end of the step: y + h sum a k = y' + h sum
- * (a - b) k. */
+/* Computes the stages that only the interpolant needs, unless they are there already. States are
+ * formed from the end of the step: y + h sum a k = y' + h sum (a - b) k. */
 static void add_stages(const struct tableau *tableau, const struct step *step)
 {
     int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;

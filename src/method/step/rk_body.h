@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of an explicit Runge-Kutta step: of any tableau and system in rk.c, and again where
- * both are known to the compiler in kernel.c. One text, so both give the same bits.
+ * The stages of an explicit Runge-Kutta step. rk.c compiles them for any tableau and system, the
+ * kernels where the compiler knows both; both give the same bits.
  */
 #pragma once
 

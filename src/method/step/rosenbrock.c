@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any Rosenbrock method, and its dense output. */
+/* One step of any Rosenbrock (linearly implicit Runge-Kutta) method, and its dense output. */
 #include <hooke/base/elementary.h>
 
 #include "method/step/rosenbrock_body.h"
 
-/* Distance of the two points of a difference quotient in t, as a share of h: its error stays far
- * below the step's. */
+/* Distance of the two points of a difference quotient in t, as a part of h; the error stays far
+ * below that of the step. */
 static const double APART = 1. / 8192;
 
 /* The work array holds u [stages][n], the Jacobian, four states, the matrix. */
@@ -32,7 +32,8 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *later_
         slope[i] = later != earlier ? (later_slope[i] - slope[i]) / (later - earlier) : 0;
 }
 
-/* u_i from y, by the factors of a matrix; sum [n]: scratch. Returns false if it is singular. */
+/* Computes the stages u_i from y with a factored matrix, for any n; sum [n] is scratch memory.
+ * Returns false if the matrix is singular. */
 static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step, double *sum)
 {
     const struct system *system = step->system;
@@ -78,6 +79,7 @@ static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step,
     return true;
 }
 
+/* Takes a step for any n by large_stages(). */
 static enum step_status large_step(const struct rosenbrock *rosenbrock, struct step *step)
 {
     const int n = step->system->n, stages = rosenbrock->stages;
@@ -91,6 +93,7 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
     return step_increase(step, sum);
 }
 
+/* Calls the inlined code for up to three variables, else large_step(). */
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
@@ -122,8 +125,9 @@ void rosenbrock_dense(const struct method *method, const struct step *step, doub
 }
 
 /*
- * theta (1 - theta) (e_0 + e_1 theta + …), degree 4 at most, in the form of Hermite's: between the
- * brackets e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
+ * Rewrites the dense output theta (1 - theta) (e_0 + e_1 theta + …), of degree 4 at most, in the
+ * form of struct dense_polynomial: its factor is e_0 + theta (twist + (1 - theta) (d_0 + theta
+ * d_1)).
  */
 void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
                            struct dense_polynomial *polynomial)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One step of a Rosenbrock method: of any row and system in rosenbrock.c, and again where both are
- * known to the compiler in kernel_rosenbrock.c. One text, so both give the same bits. Source:
+ * One step of a Rosenbrock method of up to three variables. rosenbrock.c compiles it for any row
+ * and system, kernel/rosenbrock.c where the compiler knows both; both give the same bits. Source:
  * Hairer, Wanner 1996, Solving ODEs II, IV.7, eq. 7.25.
  */
 #pragma once
@@ -16,7 +16,7 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-/* [n][n] */
+/* Computes the Jacobian jac [n][n] at t and y; forces is data of the function. */
 typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
 
 /* Functions that a step evaluates; `forces` is their data. */
@@ -27,7 +27,7 @@ struct rosenbrock_forces {
     bool timed; /* the slope depends on t, too */
 };
 
-/* sum_j w_j u_j over the weights that are not zero, from the first to the last */
+/* Sets sum to sum_j w_j u_j over the weights that are not zero, from the first to the last. */
 INLINE void rosenbrock_combine(int n, const double *w, int count, const double *u, double *sum)
 {
     for (int i = 0; i < n; i++)
@@ -46,8 +46,8 @@ INLINE bool rosenbrock_same_point(const struct rosenbrock *rosenbrock, const dou
     return same;
 }
 
-/* df/dt at (t, y) into `slope`; two states of scratch. Closed form for the driven oscillator, else
- * by differences. */
+/* Sets slope [n] to df/dt at the step's t and y: in closed form for the driven oscillator, else by
+ * differences. later_slope [n] is scratch memory. */
 void rosenbrock_time_derivative(struct step *step, double *slope, double *later_slope);
 
 INLINE void rosenbrock_copy(int count, const double *source, double *target)
@@ -56,29 +56,32 @@ INLINE void rosenbrock_copy(int count, const double *source, double *target)
         target[i] = source[i];
 }
 
-/* ---- up to 3 unknowns: pairs of numbers in registers, and the inverse, a shorter chain than two
- * substitutions ---- */
+/* ---- up to three unknowns, in pairs of numbers in registers; multiplying by the inverse is a
+ * shorter chain of operations than two substitutions ---- */
 
 enum { INVERTED = 3, STAGES_MOST = 8 };
 
 typedef double pair __attribute__((vector_size(16)));
 
+/* A vector of up to three numbers. */
 struct few {
-    pair pairs[2]; /* the last one is 0 where their number is odd */
+    pair pairs[2]; /* unused numbers are 0 */
 };
 
+/* Returns component i. */
 INLINE double few_get(const struct few *x, int i)
 {
     return x->pairs[i / 2][i % 2];
 }
 
+/* Returns the vector of x [n]. */
 INLINE struct few few_of(int n, const double *x)
 {
     struct few few = {{{x[0], n > 1 ? x[1] : 0}, {n > 2 ? x[2] : 0, 0}}};
     return few;
 }
 
-/* sum += a x */
+/* Adds a x to *sum. */
 INLINE void few_add(int n, struct few *sum, double a, const struct few *x)
 {
     const pair factor = {a, a};
@@ -86,7 +89,7 @@ INLINE void few_add(int n, struct few *sum, double a, const struct few *x)
         sum->pairs[q] += factor * x->pairs[q];
 }
 
-/* sum_j w_j u_j over the weights that are not zero, from the first to the last */
+/* Returns sum_j w_j u_j over the weights that are not zero, from the first to the last. */
 INLINE struct few few_sum(int n, const double *w, int count, const struct few *u)
 {
     struct few sum = {{{-0.0, -0.0}, {-0.0, -0.0}}};
@@ -94,7 +97,7 @@ INLINE struct few few_sum(int n, const double *w, int count, const struct few *u
     return sum;
 }
 
-/* sum = start + sum_j column_j x_j */
+/* Returns start + sum_j column_j x_j, a matrix times a vector. */
 INLINE struct few few_multiply(int n, const struct few *column, const double *x, struct few start)
 {
     for (int j = 0; j < n; j++)
@@ -102,7 +105,8 @@ INLINE struct few few_multiply(int n, const struct few *column, const double *x,
     return start;
 }
 
-/* Columns of the inverse of diagonal - jacobian; returns false if there is none. */
+/* Computes the columns of the inverse of diagonal - jacobian by elimination. Returns false if it is
+ * singular. */
 INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct few *column)
 {
     double a[INVERTED * INVERTED], pivot[INVERTED], x[INVERTED];
@@ -120,15 +124,16 @@ INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct
     return true;
 }
 
-/* Two unknowns by their determinant, which is as exact as the second pivot, but neither in need of
- * choosing rows nor of two divisions one after the other; where it over- or underflows by
- * elimination. */
+/* The case of two unknowns whose determinant overflows or underflows, out of line. */
 __attribute__((noinline, cold)) static bool
 few_eliminate_two(double diagonal, const double *jacobian, struct few *column)
 {
     return few_eliminate(2, diagonal, jacobian, column);
 }
 
+/* Computes the columns of the inverse of diagonal - jacobian. Two unknowns use the determinant,
+ * which is as exact as the second pivot, but needs neither a choice of rows nor two divisions in a
+ * row. Returns false if the matrix is singular. */
 INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct few *column)
 {
     if (n != 2)
@@ -151,12 +156,12 @@ INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct f
     return true;
 }
 
+/* Jacobian, slope and its derivative by t at the start of the step. */
 struct few_start {
-    /* the slope at y, and its derivative by t */
     double jacobian[INVERTED * INVERTED], first[INVERTED], drift[INVERTED];
 };
 
-/* u_i from y */
+/* Computes the stages u_i from y; column holds the inverse matrix. */
 INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
                        const struct rosenbrock_forces *derivatives, struct step *step,
                        const double *y, const struct few_start *start, const struct few *column,
@@ -172,7 +177,7 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
         const double *const a = rosenbrock->a + s * (s - 1) / 2, *const c = rosenbrock->c +
                                                                             s * (s - 1) / 2;
         if (s > 0 && !rosenbrock_same_point(rosenbrock, a, s)) {
-            /* the newest last: nothing else waits for it */
+            /* the newest stage is added last, so that the other sums do not wait for it */
             struct few state = few_sum(n, a, s - 1, u);
             for (int q = 0; q < (n + 1) / 2; q++)
                 state.pairs[q] = y_begin.pairs[q] + state.pairs[q];
@@ -198,7 +203,7 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
     step->cost.solves += rosenbrock->stages;
 }
 
-/* Takes a step where the compiler knows n, which is at most INVERTED. */
+/* Takes a step of up to INVERTED variables, where the compiler knows n. */
 INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *rosenbrock,
                                               const struct rosenbrock_forces *derivatives,
                                               struct step *step)

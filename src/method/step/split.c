@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One step of any splitting, with the three ways in which drag can enter it:
+ * One step of any splitting (drifts and kicks in turn), with three ways in which drag enters it:
  *
  * explicit  each kick uses the drag at the velocity it starts from.
  * implicit  each kick uses the drag at the velocity it ends with; in a symmetric step those
@@ -10,13 +10,13 @@
  *           and kicks; the others solve v' = F - gamma v exactly in each kick, the force F
  *           standing still.
  *
- * Orders above 2 survive only exact linear drag: their conditions hold for any two flows, and a
- * kick that contains the drag is one. (Compositions of Verlet with the drag at its ends keep their
- * order too, but with zeta = 0.5 to 1 they have 3 to 200 times the error of this, and smaller
+ * Orders above 2 are kept only with exact linear drag: their conditions hold for any two flows, and
+ * a kick that contains the drag is a flow. (Compositions of Verlet with the drag at its ends keep
+ * their order too, but with zeta = 0.5 to 1 they have 3 to 200 times the error of this, and smaller
  * stable steps.)
  *
- * With compensated sums drifts and kicks are added by step_add(). What multiplies the velocity
- * (drag) leaves its low part as it is: that changes by less than the product's rounding.
+ * With compensated sums drifts and kicks are added by step_add(). A factor of the velocity (drag)
+ * leaves the low part unchanged, since that changes by less than the rounding of the product.
  *
  * Source: Hairer, Lubich, Wanner 2006, Geometric Numerical Integration, II.5.
  */
@@ -29,7 +29,7 @@ size_t split_work(const struct method *method, int n)
     return (size_t)n + (size_t)n / 2 + (size_t)n;
 }
 
-/* The size of the most negative kick, 0 if there is none. */
+/* Returns the size of the most negative kick, or 0 if there is none. */
 static double backward_kick(const struct splitting *splitting)
 {
     double min = 0;
@@ -38,7 +38,8 @@ static double backward_kick(const struct splitting *splitting)
     return -min;
 }
 
-/* A backward kick over w multiplies the velocity by exp(gamma w), and all errors with it. */
+/* Refuses steps in which a backward kick over w multiplies the velocity, and all errors with it, by
+ * more than e: the factor is exp(gamma w). */
 bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                 struct error *error)
 {
@@ -54,12 +55,14 @@ bool split_fits(const struct method *method, const struct system *system, enum d
                       1 / fabs(gamma * back));
 }
 
-/* Dry friction whose switch is not looked for is the last of the forces. */
+/* Returns true if dry friction acts; it is always the last of the forces. */
 static bool has_dry(const struct system *system)
 {
     return system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
 }
 
+/* Returns true if the splitting works with the drag of the system in this variant; otherwise sets
+ * an error that names one that does. */
 static bool applies_with_drag(const struct method *method, const struct system *system,
                               enum drag drag, struct error *error)
 {
@@ -94,22 +97,27 @@ static bool applies_with_drag(const struct method *method, const struct system *
     return true;
 }
 
+/* Returns true if the splitting can step the system with this drag variant, else false with the
+ * error set. */
 bool split_applies(const struct method *method, const struct system *system, enum drag drag,
                    struct error *error)
 {
     return !system->velocity || applies_with_drag(method, system, drag, error);
 }
 
+/* Computes the forces that do not depend on velocity, for a force_function. */
 static void force(const void *system, double t, const double *y, double *a)
 {
     system_force(system, t, y, a);
 }
 
+/* Computes the forces that depend on velocity, for a force_function. */
 static void split_drag_force(const void *system, double t, const double *y, double *a)
 {
     system_drag(system, t, y, a);
 }
 
+/* Takes a step with forces that are called, for any system. */
 enum step_status split_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The drifts and kicks of a splitting's step: for any of them (split.c), and again where weights
- * and forces are known to the compiler (kernel.c). One text, so both give the same bits.
+ * The drifts and kicks of a splitting's step. split.c compiles them for any splitting, the kernels
+ * where the compiler knows weights and forces; both give the same bits.
  */
 #pragma once
 
@@ -14,11 +14,12 @@
 #endif
 #define INLINE static inline __attribute__((always_inline))
 
+/* Computes accelerations a [n/2] at t and y; context is data of the function. */
 typedef void force_function(const void *context, double t, const double *y, double *a);
 
 struct split_forces {
-    force_function *force; /* that does not depend on velocity */
-    force_function *drag;  /* the rest */
+    force_function *force; /* forces that do not depend on velocity */
+    force_function *drag;  /* forces that do */
     const void *context;   /* data of these functions */
     const struct oscillator *oscillator;
 };
@@ -28,12 +29,13 @@ struct split_way {
     const struct splitting *splitting;
     enum drag drag; /* DRAG_DEFAULT if there is none */
     bool symmetric;
-    bool drag_at_ends; /* the drag's own flow stands at the step's ends */
-    /* a step that begins and ends with a kick begins where the last one left the force */
+    bool drag_at_ends; /* the exact flow of the drag is applied at both ends of the step */
+    /* a step that begins and ends with a kick can use the last force of the step before */
     bool continues;
-    int kicks; /* forces evaluated a step, one fewer where the first is known */
+    int kicks; /* force evaluations per step, one fewer if the first force is known */
 };
 
+/* Determines how drag enters the steps of the method. */
 INLINE void split_choose(struct split_way *way, const struct method *method, enum drag drag)
 {
     const struct splitting *splitting = method->splitting;
@@ -46,23 +48,25 @@ INLINE void split_choose(struct split_way *way, const struct method *method, enu
                               .kicks = (splitting->count + splitting->kick_first) / 2};
 }
 
+/* Returns true if the first force of the step is known from the step before. */
 INLINE bool split_known(const struct split_way *way, const struct step *step)
 {
     return way->continues && step->warm;
 }
 
-/* v' = E v + F (1 - E)/gamma over w, E = exp(-gamma w) */
+/* Factors of a kick with exact linear drag, v' = E v + F (1 - E)/gamma with E = exp(-gamma w). */
 struct frozen {
     double lost, pull; /* 1 - E, (1 - E)/gamma */
 };
 
+/* Computes the factors of a kick over w [s]. */
 INLINE struct frozen frozen_over(const struct oscillator *oscillator, double w)
 {
     const double gamma = oscillator->damping, lost = -fixed_expm1(-gamma * w);
     return (struct frozen){lost, gamma != 0 ? lost / gamma : w};
 }
 
-/* v' = v + w (F + drag at v'), one component */
+/* Returns v' = v + w (F + drag at v') of one component. */
 INLINE double kick_from_end(const struct oscillator *o, double w, double force, double v)
 {
     return drag_root(1 + o->damping * w, o->quadratic * w, v + w * force);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Declarations shared by the step bodies. Rows are in rk.def, split.def and algorithms.def;
- * catalog.c joins them into one table.
+ * Coefficients and functions shared by the steps of all methods. Rows of methods are in the .def
+ * files of rows/; rows/catalog.c joins them into one table.
  *
  * The arithmetic of a step is fixed here once and for all, because faster kernels must give the
  * same bits: the operations in the order written, no contraction, and a coefficient that is zero is
@@ -45,19 +45,20 @@ static inline const double *tableau_row(const struct tableau *tableau, int i)
     return tableau->a + i * (i - 1) / 2;
 }
 
-/* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last; k [count][n] */
-/* The derivative of a system as step bodies call it. */
+/* Computes the derivative of a system, as a slope_function. */
 static inline void step_slope(const void *system, double t, const double *y, double *dydt)
 {
     system_derivative(system, t, y, dydt);
 }
 
-/* The Jacobian of a system as step bodies call it. */
+/* Computes the Jacobian of a system, as a jacobian_function. */
 static inline void step_jacobian(const void *system, double t, const double *y, double *jac)
 {
     system_jacobian(system, t, y, jac);
 }
 
+/* Returns sum_j w_j k_j[i] over the weights that are not zero, from the first to the last; k is
+ * [count][n]. */
 static inline double weighted_sum(const double *w, int count, const double *k, int n, int i)
 {
     double sum = -0.0;
@@ -67,7 +68,7 @@ static inline double weighted_sum(const double *w, int count, const double *k, i
     return sum;
 }
 
-/* sum_j (w_j - u_j) k_j[i] where they differ */
+/* Returns sum_j (w_j - u_j) k_j[i] over the weights that differ. */
 static inline double weighted_difference(const double *w, const double *u, int count,
                                          const double *k, int n, int i)
 {
@@ -78,14 +79,15 @@ static inline double weighted_difference(const double *w, const double *u, int c
     return sum;
 }
 
-/* [n] what errors of a step are relative to, where the values are not larger */
+/* Returns the sizes [n] of variables to which errors of a step are relative, unless the values are
+ * larger. */
 static inline const double *step_scale(const struct step *step)
 {
     return step->scale ? step->scale : step->system->scale;
 }
 
-/* Sum of the squares of x_i / max(scale_i, |y_i|, |z_i|): an error x in units of what it is an
- * error of. */
+/* Returns the sum of the squares of x_i / max(scale_i, |y_i|, |z_i|), for errors x of the states y
+ * and z. */
 static inline double scaled_square(int n, const double *scale, const double *x, const double *y,
                                    const double *z)
 {
@@ -99,9 +101,10 @@ static inline double scaled_square(int n, const double *scale, const double *x, 
 }
 
 /*
- * Drifts q += w h v and kicks v += w h F(q)/m in turn. The clock goes with the drifts. How the
- * weights are written: all of them; a palindrome's first half with the middle; the steps of Verlet
- * of which it is composed, first half with the middle (the kicks of neighbours are then one).
+ * Drifts q += w h v and kicks v += w h F(q)/m in turn; time advances with the drifts. The form
+ * tells which weights are written: all of them; the first half and the middle of a palindrome; or
+ * the first half and the middle of the Verlet steps of which it is composed, whose adjacent kicks
+ * are joined.
  */
 enum splitting_form { SPLITTING_WHOLE, SPLITTING_PALINDROME, SPLITTING_VERLET_STEPS };
 
@@ -112,6 +115,7 @@ struct splitting {
     const double *weight;
 };
 
+/* Returns the weight of drift or kick i, counted from 0. */
 static inline double splitting_weight(const struct splitting *splitting, int i)
 {
     if (splitting->form == SPLITTING_WHOLE)
@@ -184,7 +188,7 @@ struct rosenbrock {
     const double *dense; /* [degree][stages], NULL if there is none */
 };
 
-/* The newest first. */
+/* Weights of a linear multistep method, those of the newest values first. */
 struct multistep {
     int steps;
     const double *predict; /* [steps] of f_n, f_n-1, … (Adams-Bashforth), NULL if there is none */
@@ -193,37 +197,43 @@ struct multistep {
     const double *values;
 };
 
-/* Turning points: shares of the step so close to its end are as good as there (below rounding);
- * tries for one, of which two or three are enough where the acceleration is not 0; pieces of a
- * fixed step at most. */
+/* Part of a step within which a turning point is at its end (below rounding); tries to find one, of
+ * which two or three suffice if the acceleration is not 0; most segments of a fixed step. */
 #define TURN_NEAR 1e-8
 enum { TURN_TRIES = 12, TURN_PIECES = 8 };
 /*
- * Ends a step from `y_begin` at t, where the method turns. A step across a turning point is taken
- * again, up to there; then step->h is less. low holds step->low as it was before, if there is one.
+ * Ends a step from y_begin at t of a method that turns (method_turns()). A step across a turning
+ * point is taken again up to that point; *turned is then true and step->h shorter. low holds
+ * step->low as it was before, if there is one.
  */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
                            const double *y_begin, const double *low, bool *turned);
 
-/* dydt at t, y; `forces` is whatever the function knows. */
+/* Computes dydt [n] at t and y; forces is data of the function. */
 typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
 
+/*
+ * Steps and work sizes [double] of the families of methods, for rows of the catalog (struct
+ * method).
+ */
 enum step_status rk_step(const struct method *method, struct step *step);
-/* Return the kernel for typed scenes (kernel_typed.c) and for any number of variables
- * (kernel_any.c), or NULL. */
+/* Returns the kernel for typed scenes (kernel/typed.c), or NULL. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag);
-/* kernel_implicit.c */
+/* Returns the kernel of an implicit method (kernel/implicit.c), or NULL if the system has none. */
 march_function *implicit_kernel(const struct method *method, const struct system *system);
-/* Kernels of all splittings, by the shapes of kernel.h (kernel_shape.c) … */
+/* Return the kernel of all splittings for a shape of kernel/kernel.h or of kernel/typed.h
+ * (kernel/shape.c). */
 march_function *shape_split(int shape);
-march_function *typed_split(int shape); /* and by those of kernel_typed.h */
+march_function *typed_split(int shape);
+/* Return kernels for any number of variables (kernel/any.c), and for Rosenbrock methods
+ * (kernel/rosenbrock.c), or NULL. */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
 step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system);
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
-/* Variable i of the last step, as method_polynomial() has it. */
+/* Compute the polynomial of variable i over the last step, as method_polynomial(). */
 void rk_polynomial(const struct method *method, const struct step *step, int i,
                    struct dense_polynomial *polynomial);
 void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
@@ -284,7 +294,7 @@ size_t state_work(const struct method *method, int n); /* one state */
 static inline double drag_root(double a, double c, double r)
 {
     double u = r / a;
-    /* the formula gives this, too */
+    /* the formula below gives the same */
     if (c == 0)
         return u;
     return 2 * u / (1 + sqrt(1 + 4 * (c / a) * fabs(u)));
@@ -307,7 +317,7 @@ static inline void step_add(double *y, double *low, double increment)
     *y = sum;
 }
 
-/* method_step() itself, for those to whom a call matters. */
+/* Does the work of method_step(), inlined for callers in which the call would take time. */
 static inline enum step_status step_take(const struct method *method, struct step *step)
 {
     const enum step_status status = (step->kernel ? step->kernel : method->step)(method, step);
@@ -318,7 +328,7 @@ static inline enum step_status step_take(const struct method *method, struct ste
     return status;
 }
 
-/* The end of every step: y becomes z if all of z is finite. */
+/* Ends a step: y becomes z if all of z is finite, else it stays and STEP_NONFINITE is returned. */
 static inline enum step_status step_finish(struct step *step, const double *z)
 {
     int n = step->system->n;
@@ -329,7 +339,7 @@ static inline enum step_status step_finish(struct step *step, const double *z)
     return STEP_OK;
 }
 
-/* The same where the increment [n] is known: y += increment. */
+/* Ends a step by y += increment [n], with low parts if there are any, unless it is not finite. */
 static inline enum step_status step_increase_all(struct step *step, int n, const double *increment)
 {
     for (int i = 0; i < n; i++)
@@ -340,6 +350,7 @@ static inline enum step_status step_increase_all(struct step *step, int n, const
     return STEP_OK;
 }
 
+/* Does the same as step_increase_all() for all variables of the system. */
 static inline enum step_status step_increase(struct step *step, const double *increment)
 {
     return step_increase_all(step, step->system->n, increment);

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs
- * MOST variables. */
+/* rk_step() for kernels: the compiler knows the method and the function that evaluates the slope.
+ * Needs MOST, the largest number of variables. */
 #pragma once
 
 #include "method/control/march_body.h"
 #include "method/control/rk_error.h"
 
+/* Takes a step as rk_step() does. */
 INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope,
                                  const void *forces, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
     double k[STAGES_MAX * MOST], z[MOST], y[MOST];
-    /* else gcc thinks that y may be empty */
+    /* keeps gcc from warning that y may be uninitialised */
     if (n < 1)
         __builtin_unreachable();
     if (step->low)
@@ -41,9 +42,8 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     return STEP_OK;
 }
 
-/*
- * As one_step(), of any method, with picked_march()'s stride;
- */
+/* Does the same as one_step(), for methods that the compiler does not know, with the stride of
+ * picked_march(). */
 INLINE enum step_status picked_step(const struct method *method, int n, int stride,
                                     combine_function *combine, slope_function *slope,
                                     const void *forces, struct step *step)

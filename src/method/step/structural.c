@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The methods of structural dynamics: one scheme for y'' = F(t, y, v) that carries the acceleration
- * from step to step.
- *
- * Over tau = theta h
+ * The methods of structural dynamics (Newmark, HHT, generalised alpha, Wilson): one scheme for y''
+ * = F(t, y, v) that carries the acceleration a from step to step. With tau = theta h and values y+,
+ * v+, a+ at t + tau:
  *
  *   y+ = y + tau v + tau^2 ((1/2 - beta) a + beta a+)
  *   v+ = v + tau ((1 - gamma) a + gamma a+)
@@ -15,12 +14,13 @@
  */
 #include "method/step/newton_body.h"
 
+/* Parameters of the scheme. */
 struct structural {
     double theta, alpha_m, alpha_f, beta, gamma;
 };
 
-/* An increment this large loses so many digits to rounding that one solve of a linear system is not
- * enough. */
+/* Relative increment above which rounding loses so many digits that a linear system needs a second
+ * solve. */
 static const double LARGE = 8;
 
 /*
@@ -34,7 +34,8 @@ size_t structural_work(const struct method *method, int n)
            newton_capacity(1, n);
 }
 
-/* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */
+/* Factors (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv), with derivatives at t
+ * and state. Returns false if it is singular. */
 static bool factor(const struct structural *s, struct step *step, double t, double tau,
                    const double *state, double *jacobian, double *factors)
 {
@@ -52,8 +53,8 @@ static bool factor(const struct structural *s, struct step *step, double t, doub
     return lu_factor(d, factors);
 }
 
-/* Largest of the state's increments that belong to this one of the acceleration, in natural sizes;
- * NaN if one is. */
+/* Returns the largest of the state's increments that belong to the increment `move` of the
+ * acceleration, relative to the sizes of variables; NaN if one is NaN. */
 static double move_size(const struct step *step, double by_position, double by_velocity,
                         const double *move)
 {
@@ -70,15 +71,15 @@ static double move_size(const struct step *step, double by_position, double by_v
 
 /* ---- the solution that belongs to the start ---- */
 
-/* The equation of a step for the state's increment z over h, without a+: that is what moves the
- * velocities. */
+/* Data of the equation of a step for the state's increment z over h, in which a+ is expressed by
+ * the increment of the velocities. */
 struct increment {
     const struct structural *structural;
     const struct system *system;
     const double *y, *a; /* [n], [n/2] */
 };
 
-/* The share 1 - alpha_f of the way from y to `y_end` */
+/* Sets y_mid to the fraction 1 - alpha_f of the way from y to y_end. */
 static void structural_midpoint(const struct increment *increment, const double *y_end,
                                 double *y_mid)
 {
@@ -88,6 +89,8 @@ static void structural_midpoint(const struct increment *increment, const double 
 }
 
 /*
+ * Computes the residual of the equations, for a newton_rest_function:
+ *
  * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 -
  * alpha_m))
  */
@@ -110,7 +113,8 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     }
 }
 
-/* Computes the Jacobian, at the end `y_end` of the step, of what the equations multiply by h. */
+/* Computes the Jacobian of what the equations multiply by h, at the end y_end of the step, for a
+ * jacobian_function. */
 static void increment_jacobian(const void *forces, double t, const double *y_end, double *jacobian)
 {
     const struct increment *all = forces;
@@ -126,7 +130,8 @@ static void increment_jacobian(const void *forces, double t, const double *y_end
         }
 }
 
-/* As newton_follow(); a+ by the force there. */
+/* Finds the solution z over tau that is reached from h = 0, by newton_follow(), and a+ (`ahead`)
+ * from the force there. Returns false if there is none. */
 static bool structural_follow(const struct structural *s, struct step *step, double tau,
                               const double *a, double *ahead, double *z, double *y_mid,
                               double *work)
@@ -156,8 +161,8 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
 /* ---- a step ---- */
 
 /*
- * Iterates a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its
- * own rounding only. near is as in newton_iterate().
+ * Iterates a+ (`ahead` [n/2]) and the state's increment z [n] over tau side by side, so that each
+ * has only its own rounding. Sets *is_near_root as newton_iterate() does.
  */
 static enum step_status iterate(const struct structural *s, struct step *step, double tau,
                                 const double *a, double *ahead, double *z, bool *is_near_root)
@@ -213,8 +218,8 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
     return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
-/* The solution that belongs to y: where the iteration may have found another one, it is followed
- * from h = 0. */
+/* Finds the solution that belongs to y. If the iteration may have found another one, the solution
+ * is followed from h = 0. */
 static enum step_status structural_solve(const struct structural *s, struct step *step, double tau,
                                          const double *a, double *ahead, double *z)
 {
@@ -227,6 +232,8 @@ static enum step_status structural_solve(const struct structural *s, struct step
                                                                                   : status;
 }
 
+/* Takes a step; work holds the acceleration at its start, if it is warm, and receives that at its
+ * end. */
 static enum step_status structural_step(const struct structural *s, struct step *step)
 {
     const int n = step->system->n, d = n / 2;
@@ -284,14 +291,16 @@ enum step_status wilson_theta_step(const struct method *method, struct step *ste
         &(const struct structural){.theta = 1.4, .beta = 1. / 6, .gamma = 1. / 2}, step);
 }
 
-/* ---- growth: the amplification matrix of position, velocity and acceleration ---- */
+/* ---- growth per step, by the amplification matrix of position, velocity and acceleration ---- */
 
+/* Adds the acceleration of q'' + c0 q' + c1 q = 0, as a term. */
 static void oscillator_add(const double *c, double t, const double *y, double *a)
 {
     (void)t;
     a[0] -= c[1] * y[0] + c[0] * y[1];
 }
 
+/* Adds the derivatives of that acceleration. */
 static void oscillator_jacobian(const double *c, double t, const double *y, double *jac)
 {
     (void)t, (void)y;
@@ -299,8 +308,8 @@ static void oscillator_jacobian(const double *c, double t, const double *y, doub
     jac[1] -= c[0];
 }
 
-/* One real root of r^3 - a r^2 + b r - c by bisection takes the other two to a quadratic equation.
- */
+/* Returns the largest absolute eigenvalue of m [3][3]. Bisection finds one real root of the
+ * characteristic polynomial r^3 - a r^2 + b r - c; the other two solve a quadratic equation. */
 static double spectral_radius(const double m[9])
 {
     double a = m[0] + m[4] + m[8];
@@ -319,6 +328,7 @@ static double spectral_radius(const double m[9])
     return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
 }
 
+/* Steps three unit vectors; the acceleration is part of the state. */
 double structural_growth(const struct method *method, double x, double zeta,
                          enum stiffness_sign sign)
 {
@@ -335,8 +345,8 @@ double structural_growth(const struct method *method, double x, double zeta,
                                   .mass = 1,
                                   .scale = {1, 1}};
     double matrix[9];
-    for (int column = 0; column < 3;
-         column++) { /* columns have units of 1, 1/x and 1/x^2, so that no entry is large */
+    /* columns have units of 1, 1/x and 1/x^2, so that no entry is large */
+    for (int column = 0; column < 3; column++) {
         double work[64], y[2] = {column == 0, column == 1 ? 1 / x : 0};
         struct step step = {.system = &system, .h = x, .y = y, .work = work, .warm = true};
         work[0] = column == 2 ? 1 / x / x : 0;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Explicit Runge-Kutta methods that the compiler does not know: the weights that are not 0, picked
- * once for all steps of one size. The sums are those of rk_body.h, in their order: the same bits.
+ * Weights of explicit Runge-Kutta methods that the compiler does not know: those that are not 0 are
+ * picked once for all steps of one size. Sums have the order of rk_body.h, so that they give the
+ * same bits.
  */
 #pragma once
 
@@ -9,12 +10,13 @@
 
 enum { WEIGHT_STAGES = 16 };
 
-/* The weights of a stage that are not 0, times h. */
+/* The weights of a stage that are not 0, times h, and the stages that they multiply. */
 struct weights {
     int count, stage[WEIGHT_STAGES];
     double weight[WEIGHT_STAGES];
 };
 
+/* Picks the weights w [count] that are not 0. */
 static inline void weights_take(struct weights *weights, const double *w, int count, double h)
 {
     weights->count = 0;
@@ -25,7 +27,8 @@ static inline void weights_take(struct weights *weights, const double *w, int co
         }
 }
 
-/* shares [stages]: of the stages from the second on, [0]: of the step */
+/* Fills weights [stages]: number 0 for the new state, the others for the stages from the second
+ * on. */
 static inline void stages_take(struct weights *weights, const struct tableau *tableau, double h)
 {
     weights_take(&weights[0], tableau->b, tableau->stages, h);
