@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors of methods along the run, on the common grid of times: the table of `plot compare`. */
+/* The study behind `plot compare`: errors of methods against the reference at each time of the
+ * common grid, as a table with one row per method and time. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
@@ -13,10 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A row of that table. */
 struct along_row {
     char curve[80]; /* "rk4", or "rk4 dt=10 ms" where a method has several settings */
     double t;       /* [s] */
-    double error;   /* distance from the solution, in amplitudes; NAN before it has begun */
+    /* distance from the reference, in amplitudes; NAN at the start and where the run did not
+     * arrive */
+    double error;
 };
 
 #define MEMBER(member) .offset = offsetof(struct along_row, member)
@@ -27,13 +31,15 @@ static const struct result_column of_along[] = {
 };
 static const struct result_columns along_columns = RESULT_COLUMNS(of_along, struct along_row);
 
-/* A method with its step, or its tolerance. */
+/* A method that takes part, with its fixed step or its tolerance. */
 struct contestant {
     const struct method *method;
-    double dt, tol; /* NAN where it has the other one */
+    double dt, tol; /* [s] and a number; NAN for the one that the method does not use */
     enum drag drag;
 };
 
+/* Returns the value in a row of the named column of numbers, or NAN if the table has no such
+ * column. */
 static double column_value(const struct table *table, const char *name, size_t row)
 {
     const struct table_column *column = table_column_named(table, name);
@@ -73,6 +79,8 @@ static struct contestant *choose_contestants(const struct session *session,
     return list;
 }
 
+/* Writes the name of curve i: that of its method, with step or tolerance if several curves have
+ * that method. */
 static void name_curve(const struct contestant *contestants, int count, int i, char curve[80])
 {
     const struct contestant *c = &contestants[i];
@@ -88,8 +96,8 @@ static void name_curve(const struct contestant *contestants, int count, int i, c
                  SHOWN_QUANTITY(c->dt, QUANTITY_TIME, 4));
 }
 
-/* Solves once with a method, and appends its errors. Returns false with an error if it does not
- * apply or if out of memory. */
+/* Solves once with a method and appends a row for each grid time to rows [*n], named `curve`.
+ * Returns false with an error if the method does not apply to the scene or if out of memory. */
 static bool add_errors(const struct system *system, const struct reference *reference,
                        const struct contestant *c, const char *curve, const struct cancel *cancel,
                        struct along_row *rows, size_t *n, struct error *error)
@@ -119,6 +127,9 @@ static bool add_errors(const struct system *system, const struct reference *refe
     return ok || error_memory(error);
 }
 
+/* Solves with each contestant and stores the table of errors as the result "errors". Contestants
+ * that do not apply are left out with a note. Returns false with an error if there is no reference,
+ * if out of memory, or if cancelled. */
 static bool reply_along(struct session *session, const struct contestant *contestants, int count,
                         struct arena *arena, struct reply *reply, struct error *error)
 {

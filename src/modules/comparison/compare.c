@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* compare */
+/* The command `compare`: chooses methods and settings, has study_compare() run them, shows the
+ * table with a verdict for each run, and gives the runs to the session. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
@@ -11,7 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The rows as they are shown. */
+/* Fills in rows for display from the finished runs: also the period of each, and its distance from
+ * the present recording if there is one. Periods and distances are left out when cancelled. */
 static void fill_rows(const struct session *session, const struct comparison *compared, int count,
                       struct arena *arena, struct compared_row *rows)
 {
@@ -37,7 +39,8 @@ static void fill_rows(const struct session *session, const struct comparison *co
     }
 }
 
-/* Names the rows that took extra steps: they are not the methods as they are published. */
+/* Lists the methods that took extra steps ending at turning points or switches, with the number of
+ * such steps, since they were not run as they are published. */
 static void put_turning(const struct comparison *rows, int count, struct buffer *output)
 {
     bool any = false;
@@ -56,7 +59,8 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
         buffer_char(output, '\n');
 }
 
-/* Names the rows whose times are not comparable with the others. */
+/* Lists the methods that were timed with general code, whose times are not comparable with the
+ * others. */
 static void put_general(const struct comparison *rows, int count, struct buffer *output)
 {
     struct buffer names = {0};
@@ -74,7 +78,8 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     buffer_free(&names);
 }
 
-/* Appends the verdicts in words, each with its setting if a method has several. */
+/* Appends a line per row with its verdict in words. The line also names the setting if a method has
+ * several rows. */
 static void put_verdicts(const struct compared_row *rows, int count, struct buffer *text)
 {
     bool several = false;
@@ -92,6 +97,8 @@ static void put_verdicts(const struct compared_row *rows, int count, struct buff
     }
 }
 
+/* Says which two methods made the reference, unless errors are against the closed form or
+ * unknown. */
 static void put_reference(const struct comparison *first, struct buffer *text)
 {
     if (!first->reference[0])
@@ -102,7 +109,9 @@ static void put_reference(const struct comparison *first, struct buffer *text)
     buffer_put(text, first->reference_stored ? TEXT(", computed earlier\n") : TEXT("\n"));
 }
 
-/* `compared` are the `count` that were run; left_out more rows stand behind them. */
+/* Adds the table, notes and verdicts to the reply. The first `count` rows belong to the finished
+ * runs `compared`; left_out rows of methods that were not run follow them. If `brief`, verdicts
+ * that do not fit on the screen are left out. */
 static void reply_table(const struct session *session, const struct comparison *compared,
                         const struct compared_row *rows, int count, int left_out, bool brief,
                         struct arena *arena, struct reply *reply)
@@ -137,6 +146,8 @@ static void reply_table(const struct session *session, const struct comparison *
     buffer_free(&lines);
 }
 
+/* Stores the rows as the result "compare", for plots and files, and adds them to the reply as
+ * records. */
 static void reply_comparison(const struct session *session, const struct compared_row *rows,
                              int count, struct reply *reply)
 {
@@ -155,6 +166,8 @@ static void reply_comparison(const struct session *session, const struct compare
 
 /* ---- the command ---- */
 
+/* Returns the numbers of an argument as an array from the arena, with room for one more, or NULL if
+ * out of memory. */
 static double *values_of(const struct argument_value *args, struct arena *arena)
 {
     double *values = arena_array(arena, (size_t)args->count + 1, sizeof *values);
@@ -163,7 +176,8 @@ static double *values_of(const struct argument_value *args, struct arena *arena)
     return values;
 }
 
-/* The session takes the runs over; after a failure those that it has not taken are gone. */
+/* Moves the runs into the session. Returns false with an error if that fails; the runs that were
+ * not moved are freed then. */
 static bool keep_runs(struct session *session, struct comparison *rows, int count,
                       struct error *error)
 {
@@ -177,8 +191,8 @@ static bool keep_runs(struct session *session, struct comparison *rows, int coun
     return ok;
 }
 
-/* The panes show what was compared on the same axes: the last as the present run, those before it
- * over it. */
+/* Lets the panes draw the compared runs on the same axes: the last one is the current run, those
+ * before it become overlays. */
 static void overlay_runs(struct view *view, const struct comparison *rows, int count)
 {
     view->overlays = 0;
@@ -186,6 +200,8 @@ static void overlay_runs(struct view *view, const struct comparison *rows, int c
         view->overlay[view->overlays++] = rows[i].run->number;
 }
 
+/* Says under which numbers the runs were saved, and which commands show them, if the screen is wide
+ * enough. */
 static void reply_saved(const struct session *session, const struct comparison *rows, int count,
                         struct reply *reply)
 {
@@ -206,6 +222,7 @@ static void reply_saved(const struct session *session, const struct comparison *
     buffer_free(&numbers);
 }
 
+/* Returns true if tolerances are given and some method adapts its steps to them. */
 static bool choices_adapt(const struct compare_request *request)
 {
     for (int c = 0; c < request->choices && request->tols > 0; c++)
@@ -214,7 +231,7 @@ static bool choices_adapt(const struct compare_request *request)
     return false;
 }
 
-/* Says which times are not sound, and how busy the machine was. */
+/* Says which times are uncertain and how busy the machine was, or nothing. */
 static void reply_machine(const struct session *session, const struct comparison *rows, int count,
                           struct reply *reply)
 {
@@ -241,7 +258,9 @@ static void reply_machine(const struct session *session, const struct comparison
     buffer_free(&text);
 }
 
-/* Takes the methods that are named, or, without any, those of 'precision' that suit the scene. */
+/* Takes the methods that the statement names, without repetitions, or else the defaults of
+ * `precision` that suit the scene. Returns false with an error if the scene or a drag variant is
+ * invalid. */
 static bool choose_compared(const struct session *session, const struct arguments *args,
                             struct method_choice *choice, int *count, struct reply *reply,
                             struct error *error)
@@ -259,8 +278,8 @@ static bool choose_compared(const struct session *session, const struct argument
     return true;
 }
 
-/* Puts methods that alone would take too long behind the others, as rows that say so, if others
- * are left. Returns how many there are. */
+/* Removes the methods that would take too long from the request and fills in a row for each that
+ * says so. If that would leave none, all stay. Returns the number of removed methods. */
 static int leave_out_long(struct compare_request *request, struct method_choice *choice,
                           struct compared_row *row)
 {
@@ -282,7 +301,8 @@ static int leave_out_long(struct compare_request *request, struct method_choice 
     return omitted;
 }
 
-/* Answers with what was compared, and with what was left out behind it. */
+/* Replies with the compared runs and with the left_out rows behind them, and sets up overlays,
+ * warnings and hints. */
 static void reply_compared(struct session *session, const struct arguments *args,
                            const struct comparison *rows, int count, struct compared_row *compared,
                            int left_out, struct reply *reply)
@@ -311,7 +331,9 @@ HANDLER(compare)
     int choices = 0, count = 0;
     if (!choice || !dts || !tols)
         return error_memory(error);
-    const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
+    /* methods that can adapt use the tolerance that is set, if the statement gives neither dt nor
+     * tol */
+    const bool adapts = !tol->count && !dt->count && settings->tol > 0;
     if (dt->count == 0)
         dts[0] = settings->dt;
     if (tol->count && dt->count > 1)

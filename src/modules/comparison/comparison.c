@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module comparison: methods against each other, and against what is known of them. */
+/* The module comparison: its row, the part that it keeps in a session, and functions that several
+ * of its commands share. */
 #include <hooke/base/statement.h>
 #include <hooke/command/complete.h>
 #include <hooke/plot.h>
@@ -94,6 +95,7 @@ int drop_repeated(struct method_choice *choice, int count, struct reply *reply)
     return left;
 }
 
+/* Frees what the part of a session points to. */
 static void free_part(void *state)
 {
     struct comparison_part *part = state;
@@ -103,6 +105,8 @@ static void free_part(void *state)
     references_free(&part->references);
 }
 
+/* Returns true if a stored study or reference belongs to a scene with this typed model, which then
+ * must not be freed. */
 static bool part_uses(const void *state, const struct model *model)
 {
     const struct comparison_part *part = state;
@@ -112,7 +116,8 @@ static bool part_uses(const void *state, const struct model *model)
     return uses;
 }
 
-/* A reference that the next study would not have to compute. */
+/* Tells `plan` that the reference of the present scene is stored, so that the next study need not
+ * compute it. */
 static void comparison_plan(const struct session *session, struct buffer *text)
 {
     struct comparison_part *part = session_part_if_made(session, &comparison_module);
@@ -126,7 +131,8 @@ static void comparison_plan(const struct session *session, struct buffer *text)
     buffer_put(text, TEXT(": reference solution, shared by precision, compare and order\n"));
 }
 
-/* Offers methods behind the name of a study's plot, unless an option or a file is begun. */
+/* Offers methods behind the name of a plot that makes a study, as in `plot order`. Returns false,
+ * so that others complete, if it is another plot or if an option or a file was begun. */
 static bool complete_study_methods(struct completion *c, const struct command *command,
                                    struct text preceding)
 {

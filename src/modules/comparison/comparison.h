@@ -1,65 +1,75 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that the commands of comparison share, and the data that they keep. */
+/* Functions that the commands of the module comparison share, and the data that the module keeps in
+ * a session. */
 #pragma once
 
 #include <hooke/command/handler.h>
 #include "modules/comparison/compute/compare.h"
 
-extern const struct module comparison_module;
+extern const struct module comparison_module; /* row of the module (comparison.c) */
 
-/* Type of the argument of `stress` (stressed_type.c): methods, and the names of its cases. */
+/* Type of the argument METHOD|CASE of `stress`: names of methods and of cases (stressed_type.c). */
 extern const struct argument_type_row stressed_type;
 
-/* Data that the module keeps in a session. */
+/* Data that the module keeps in a session, from one command to the next. */
 struct comparison_part {
-    /* the latest study, for `plot precision`, or NULL if there is none */
+    /* the latest precision study, for `plot precision`, or NULL if there is none; owned */
     struct precision *precision;
-    struct references references; /* references of the scenes that were studied last */
+    struct references references; /* reference solutions of the scenes that were studied last */
 };
 
-/* Returns the references that are kept between studies, or NULL if out of memory: none are then. */
+/* Returns the references that are kept between studies. Returns NULL if out of memory: the study
+ * then computes its reference and does not store it. */
 struct references *session_references(const struct session *session);
-/* Returns the last precision study, or NULL if none was made. */
+/* Returns the last precision study, which the session owns, or NULL if none was made. */
 const struct precision *session_precision(const struct session *session);
 
-/*
- * Takes the methods that the statement names in the place of those in choice [*count], with the
- * drag `usual` where they know it. One drag= holds for all that know it, and for a method alone;
- * several hold for one method each.
- */
+/* Fills in the methods that the statement names, or keeps those in choice [*count] if it names
+ * none. Each gets the drag variant `usual` if it has that variant, otherwise its own. One drag=
+ * holds for all methods that know it, and for a method alone; several hold for one method each.
+ * choice has room for the named methods. Returns false with an error if the numbers of methods and
+ * variants differ. */
 bool choose_methods(const struct arguments *args, enum drag usual, struct method_choice *choice,
                     int *count, struct error *error);
-/* The same for a plot, where rows of methods are given, or with *count 0 the present one is taken.
- * Returns NULL if out of memory. */
+/* Makes the list of methods of a plot from rows of the method catalog, each with its own drag
+ * variant. If *count is 0, the list holds the session's method with its drag, and *count becomes 1.
+ * Memory is from the arena; returns NULL if out of memory. */
 struct method_choice *methods_choice(const struct session *session, const struct row *const *method,
                                      int *count, struct arena *arena);
 
-/* Drops choices that are made twice, and says so. Returns how many are left. */
+/* Drops methods that are named twice with the same drag, with a note in the reply. Returns how many
+ * are left. */
 int drop_repeated(struct method_choice *choice, int count, struct reply *reply);
 
-/* Moves lines to the text, those that are too wide on several. */
+/* Appends the lines of `lines` to `text`, those wider than `width` [cells] broken into several, and
+ * empties `lines`. Empty lines are dropped. */
 void put_folded_lines(struct buffer *lines, int width, struct buffer *text);
 
 /* ---- a precision study in text (precision_text.c, figure.c) ---- */
 
-/* Letter of a curve in tables and figure. */
+/* Returns the letter that stands for a curve in tables and in the diagram: a to z, then A to Z,
+ * then '?'. */
 char precision_letter(int curve);
-/* Error over time, both logarithmic (over evaluations where nothing was timed); memory from the
- * arena. */
+/* Draws the work-precision diagram into *figure: errors over times, both logarithmic, or over
+ * evaluations where nothing was timed. Memory is from the arena. Returns false with an error if out
+ * of memory. */
 bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
                       struct error *error);
-/* Appends one table per method, or that of `only` unless it is NULL; a wide table has more
- * columns. */
+/* Appends one table of points per method, or only that of the method `only` unless it is NULL. A
+ * width [cells] of 110 and more has more columns. Appends nothing if out of memory. */
 void precision_tables(const struct precision *precision, const struct method *only, int width,
                       struct arena *arena, struct buffer *output);
-/* Appends one line per method: its slope, and its cost at best. */
+/* Appends one line per method: its letter, name, number of settings and slope. */
 void precision_overview(const struct precision *precision, struct buffer *output);
-/* Appends the fastest methods for errors that are `step` decades apart. With `all`, also the
- * methods with the fewest evaluations, and those that are not ranked. */
+/* Appends a table with the fastest methods for errors that are `step` decades apart. With `all`, it
+ * also has the methods with the fewest evaluations and those that are not ranked. `width` is in
+ * cells; memory is from the arena. Appends nothing if out of memory. */
 void precision_winners(const struct precision *precision, int step, bool all, int width,
                        struct arena *arena, struct buffer *output);
-/* "a euler  b verlet …", in lines of that width. */
+/* Appends the letters of all curves with their methods, as in "a euler  b verlet", in lines of
+ * `width` [cells]. */
 void precision_legend(const struct precision *precision, int width, struct buffer *output);
-/* Records of points, and of the fastest for each error. */
+/* Adds to the reply the records of all points, and of the fastest method for each error, and stores
+ * the points as a result that `plot` and `list` find. Adds nothing if out of memory. */
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply);

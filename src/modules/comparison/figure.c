@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A precision study for the eye: error against work, both logarithmic. */
+/* Draws a precision study as a work-precision diagram: error against time or evaluations, both
+ * logarithmic. Each method is a curve; settings that failed are drawn in a row at the top. */
 #include <hooke/base/safe_text.h>
 #include <hooke/plot/drawing.h>
 #include "modules/comparison/comparison.h"
@@ -8,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* height at which an error of 0 is drawn: half an ulp of 1 */
+/* height at which an error of 0 is drawn, half an ulp of 1, as a logarithmic axis has no 0 */
 #define MIN_ERROR 1.1102230246251565e-16
 
 enum { LETTERS = 26, LEVEL_STEP = 3 /* [decade] between errors whose fastest method is named */ };
@@ -20,8 +21,8 @@ char precision_letter(int curve)
                                         : '?');
 }
 
-/* Returns the letter of the settings of a method that failed: its capital, if that names no other.
- */
+/* Returns the mark of the settings of a method that failed: its capital letter, or '!' if capitals
+ * are letters of other curves. */
 static char failure_letter(const struct precision *precision, int curve)
 {
     return precision->curves > LETTERS ? '!' : (char)('A' + curve);
@@ -29,6 +30,8 @@ static char failure_letter(const struct precision *precision, int curve)
 
 /* ---- where the marks are ---- */
 
+/* Returns true if the horizontal axis is time, false if it is evaluations because nothing was timed
+ * or the user asked for them. */
 static bool is_over_time(const struct precision *precision)
 {
     for (int i = 0; i < precision->points && !precision->by_evals; i++)
@@ -48,8 +51,9 @@ static double evaluation_seconds(const struct precision *precision, int curve)
     return least;
 }
 
-/* Returns what the point took [s or evaluations]; of a solve that was given up what all of it would
- * have taken. NAN if nobody knows. */
+/* Returns the horizontal position of a point: its time [s] or its number of evaluations. For a
+ * solve that was given up this is extrapolated to the whole duration. Returns NAN if it is
+ * unknown. */
 static double work_of(const struct precision *precision, const struct precision_point *point,
                       bool timed)
 {
@@ -63,7 +67,7 @@ static double work_of(const struct precision *precision, const struct precision_
     return work > 0 && isfinite(work) ? work : NAN;
 }
 
-/* The height at which failed settings are drawn: above everything else. */
+/* Returns the height at which failed settings are drawn: the power of ten above all errors. */
 static double top_of(const struct precision *precision)
 {
     double top = 0;
@@ -73,26 +77,29 @@ static double top_of(const struct precision *precision)
     return top > 0 ? pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0)) : 1;
 }
 
-/* Parts of a diagram. */
+/* A diagram while it is made. */
 struct diagram {
     const struct precision *precision;
     struct arena *arena;
-    bool timed;
-    double top;
-    double work[2], error[2]; /* the least and the largest that is drawn */
-    struct curve *curve;      /* [2 * curves] of each method, then of its failures */
+    bool timed;               /* the horizontal axis is time [s], otherwise evaluations */
+    double top;               /* height at which failed settings are drawn */
+    double work[2], error[2]; /* smallest and largest value on either axis */
+    /* [2 * curves] first those of the methods, then those of their failed settings */
+    struct curve *curve;
     struct figure_guide *guide;
     struct figure_label *label;
-    int guides, labels;
+    int guides, labels; /* number of entries of the arrays above */
 };
 
+/* Extends the range so that it holds the value. */
 static void widen(double range[2], double value)
 {
     range[0] = fmin(range[0], value);
     range[1] = fmax(range[1], value);
 }
 
-/* Makes the two curves of a method. */
+/* Makes the curve of method c and that of its failed settings, and extends the ranges of the axes.
+ * Returns false if out of memory. */
 static bool add_method(struct diagram *d, int c)
 {
     const struct precision *precision = d->precision;
@@ -130,7 +137,8 @@ static bool add_method(struct diagram *d, int c)
 
 /* ---- guides and labels ---- */
 
-/* Adds the line that the order of a method predicts, through the middle of its fitted points. */
+/* Adds the line of slope -order of a method, through the centre of its fitted points, unless
+ * nothing was fitted. */
 static void add_slope(struct diagram *d, int c)
 {
     const struct precision_curve *source = &d->precision->curve[c];
@@ -156,7 +164,9 @@ static void add_slope(struct diagram *d, int c)
     }
 }
 
-/* Names the fastest method for an error, with those that tie, and joins their times by a line. */
+/* Labels the fastest method for an error, with those that tie, at its time (or evaluations) and
+ * joins tied ones by a line. With `named`, labels have names instead of letters. Returns false if
+ * out of memory. */
 static bool add_fastest(struct diagram *d, double error, bool named)
 {
     const struct precision *precision = d->precision;
@@ -191,9 +201,11 @@ static bool add_fastest(struct diagram *d, double error, bool named)
     return d->label[d->labels - 1].text != NULL;
 }
 
+/* Allocates guides and labels and labels the fastest method of every third decade of error. Returns
+ * false if out of memory. */
 static bool add_labels(struct diagram *d, bool named)
 {
-    const int levels = 16 / LEVEL_STEP + 1;
+    const int levels = 16 / LEVEL_STEP + 1; /* no error is below 1e-16 */
     d->guide = arena_array(d->arena, (size_t)(d->precision->curves + levels + 1), sizeof *d->guide);
     d->label = arena_array(d->arena, (size_t)levels, sizeof *d->label);
     bool ok = d->guide && d->label;
@@ -202,10 +214,12 @@ static bool add_labels(struct diagram *d, bool named)
     return ok;
 }
 
-/* Moves the left end so far that every label has room: in a picture of the usual size, or on 80
- * columns. */
+/* Moves the left end of the time axis so far that every label has room, assuming a picture of the
+ * usual size (`named`) or a text figure of 80 columns. */
 static void make_room(struct diagram *d, bool named)
 {
+    /* Width of a letter as a fraction of the width of the figure, letters of space behind a label,
+     * and the largest fraction that a label may take. */
     const double letter = named ? 0.0105 : 1.0 / 66, margin = 2.5, part_max = 0.6;
     const double upper = log10(d->work[1]);
     double lower = log10(d->work[0]);
@@ -217,7 +231,8 @@ static void make_room(struct diagram *d, bool named)
     d->work[0] = pow(10, lower);
 }
 
-/* Shades what the reference does not resolve, and draws the slopes of the orders. */
+/* Adds the shaded band of errors below the accuracy of the reference, and the slopes of the orders
+ * where there is room for them. */
 static void add_guides(struct diagram *d, bool named)
 {
     const struct precision *precision = d->precision;
@@ -229,7 +244,8 @@ static void add_guides(struct diagram *d, bool named)
         add_slope(d, c);
 }
 
-/* Says what the shade and the marks at the top mean, in the words of the tables. */
+/* Returns the note below the diagram, which explains the marks at the top, the shade and the thin
+ * lines, or NULL if out of memory. */
 static const char *note_of(const struct diagram *d, bool named)
 {
     const struct precision *precision = d->precision;
@@ -256,7 +272,8 @@ static const char *note_of(const struct diagram *d, bool named)
     return note;
 }
 
-/* Says what the diagram shows: the fastest method for each error that is named in it. */
+/* Returns the diagram described in sentences for screen readers, with the fastest method for each
+ * labelled error, or NULL if out of memory. */
 static const char *words_of(const struct diagram *d)
 {
     const struct precision *precision = d->precision;
@@ -279,7 +296,8 @@ static const char *words_of(const struct diagram *d)
 
 /* ---- the figure ---- */
 
-/* Makes the diagram. If `named`, labels have names instead of letters, for pictures. */
+/* Draws the diagram into *figure, with memory from the arena. If `named`, labels have names of
+ * methods instead of letters, as pictures need. Returns false with an error if out of memory. */
 static bool make_diagram(const struct precision *precision, bool named, struct arena *arena,
                          struct figure *figure, struct error *error)
 {
@@ -298,7 +316,7 @@ static bool make_diagram(const struct precision *precision, bool named, struct a
         d.work[0] = d.work[1] = 1;
     if (d.error[1] == 0)
         d.error[0] = d.error[1] = d.top / 10;
-    const double air = fmax(log10(d.work[1] / d.work[0]), 1);
+    const double air = fmax(log10(d.work[1] / d.work[0]), 1); /* 3 % of the width on either side */
     d.work[0] /= pow(10, 0.03 * air);
     d.work[1] *= pow(10, 0.03 * air);
     d.error[0] = pow(10, floor(log10(d.error[0] * 1.001)));

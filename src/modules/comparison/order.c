@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* order, selftest */
+/* The commands `order`, which measures the order of methods on the scene, and `selftest`, which
+ * checks the claimed properties of all methods. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
@@ -12,6 +13,8 @@
 
 /* ---- order ---- */
 
+/* Appends the result for one method: a table of step sizes and errors, the fitted order beside the
+ * claimed one, and the reason if they differ. */
 static void put_order(const struct session *session, const struct order *order, struct arena *arena,
                       struct buffer *output)
 {
@@ -48,8 +51,9 @@ static void put_order(const struct session *session, const struct order *order, 
         buffer_format(output, "%s\n", order->words);
 }
 
-/* Measures each method in turn. Of several those that do not apply are left out with the reason;
- * what is measured before a failure is in orders [*count]. */
+/* Measures each method in turn into orders [*count]. If there are several, those that do not apply
+ * are skipped and appended to `absent` with the reason. Returns false with an error if nothing was
+ * measured or if cancelled; results before that are kept. */
 static bool measure_orders(struct session *session, const struct method_choice *choice, int choices,
                            const double dt[2], struct order *orders, int *count,
                            struct buffer *absent, struct error *error)
@@ -72,6 +76,8 @@ static bool measure_orders(struct session *session, const struct method_choice *
     return *count > 0;
 }
 
+/* Stores the points of all sweeps as the result "order", and adds a record per method to the reply.
+ * Returns false with an error if out of memory. */
 static bool reply_orders(const struct session *session, const struct order *orders, int count,
                          struct arena *arena, struct reply *reply, struct error *error)
 {
@@ -87,6 +93,8 @@ static bool reply_orders(const struct session *session, const struct order *orde
     return true;
 }
 
+/* Appends the result for several methods: a table with a line each, then their explanations and the
+ * methods that were left out. */
 static void put_orders(const struct session *session, const struct order *orders, int count,
                        const struct buffer *absent, struct arena *arena, struct buffer *text)
 {
@@ -161,6 +169,8 @@ HANDLER(order)
 
 /* ---- selftest ---- */
 
+/* Writes the result of one check: measured and wanted value, with an exclamation mark if it failed,
+ * or "-" if the check does not apply. */
 static void check_cell(struct text_table *table, const struct selftest_row *row,
                        enum selftest_check index)
 {
@@ -176,6 +186,7 @@ static void check_cell(struct text_table *table, const struct selftest_row *row,
         cell_format(table, "%.0e%s", fabs(check->value), mark);
 }
 
+/* Adds the line of one method to the table. */
 static void selftest_cells(const struct selftest_row *row, struct text_table *table)
 {
     cell_text(table, row->method->row.name);
@@ -184,6 +195,7 @@ static void selftest_cells(const struct selftest_row *row, struct text_table *ta
     cell_text(table, row->passed ? "ok" : "FAILED");
 }
 
+/* One check of a row of selftest, as an object in its record. */
 #define CHECK(name, index)                                                                         \
     {                                                                                              \
         name, .kind = COLUMN_OBJECT, .part = &check_columns,                                       \

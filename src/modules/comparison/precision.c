@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* precision */
+/* The command `precision`: has study_precision() sweep each method from coarse to fine steps, and
+ * shows errors against time as a diagram and in tables. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
@@ -10,7 +11,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Reasons mostly begin with the name. */
+/* Appends to the buffer `context` that a method was left out, with the reason, which mostly begins
+ * with the name of the method already. */
 static void note_absent(void *context, const char *method, const char *reason)
 {
     struct buffer *text = context;
@@ -20,6 +22,8 @@ static void note_absent(void *context, const char *method, const char *reason)
     buffer_format(text, "%s\n", reason);
 }
 
+/* Sets the two ends of a sweep from the argument dt= or tol=, or to NAN if the argument is not
+ * given. */
 static void take_range(const struct argument_value *range, double limits[2])
 {
     limits[0] = limits[1] = NAN;
@@ -27,6 +31,8 @@ static void take_range(const struct argument_value *range, double limits[2])
         limits[i] = range->item->range[i];
 }
 
+/* Returns false with an error, which shows `example`, if the argument is given and an end of it is
+ * not above 0. */
 static bool check_range(const struct argument_value *range, const char *example,
                         struct error *error)
 {
@@ -38,7 +44,8 @@ static bool check_range(const struct argument_value *range, const char *example,
     return error_at(error, range->where, "a sweep needs two ends above 0, as in %s", example);
 }
 
-/* Explains the marks in the tables; if `brief`, without those about the whole study. */
+/* Appends a line for each mark that occurs in the tables of the study. If `brief`, lines about how
+ * the study was timed are left out. */
 static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
 {
     const bool resolved = !precision->reference.dissenting_method[0];
@@ -74,6 +81,7 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         timing_put_machine(others, text);
 }
 
+/* Appends the diagram, `width` times `height` in cells, or nothing if out of memory. */
 static void put_figure(const struct session *session, const struct precision *precision, int width,
                        int height, struct arena *arena, struct buffer *text)
 {
@@ -83,7 +91,8 @@ static void put_figure(const struct session *session, const struct precision *pr
         figure_print(&figure, width, height, session_charset(session), false, text);
 }
 
-/* Describes the study: its subject, duration and reference. */
+/* Describes the study in a line: numbers of methods and settings, duration, computing time [s], and
+ * the reference. */
 static void put_subject(const struct session *session, const struct precision *precision,
                         double seconds, struct buffer *text)
 {
@@ -97,7 +106,7 @@ static void put_subject(const struct session *session, const struct precision *p
     buffer_put(text, precision->reference.stored ? TEXT(", computed earlier\n") : TEXT("\n"));
 }
 
-/* Returns true if some setting of the method is right. */
+/* Returns true if a setting of the method reached the end with an error below 1. */
 static bool has_result(const struct precision *precision, const struct precision_curve *curve)
 {
     for (int i = curve->first; i < curve->first + curve->count; i++)
@@ -106,7 +115,8 @@ static bool has_result(const struct precision *precision, const struct precision
     return false;
 }
 
-/* Names methods of which no setting is right, why, and what a solve would take. */
+/* Lists the methods of which no setting gave a result, with the reason and what a whole solve would
+ * take. */
 static void put_without_result(const struct precision *precision, struct buffer *text)
 {
     const size_t begin = text->len;
@@ -125,8 +135,9 @@ static void put_without_result(const struct precision *precision, struct buffer 
         buffer_char(text, '\n');
 }
 
-/* Puts the diagram, as high as the rest of the answer leaves room for, then the winners. Where
- * there is little room the letters are explained by the winners alone. */
+/* Appends the usual answer: the diagram, as high as the other lines leave room for, then the
+ * fastest methods. The legend of letters is left out where there is little room, as the table of
+ * the fastest methods names them, too. */
 static void put_short(const struct session *session, const struct precision *precision, int width,
                       double seconds, struct arena *arena, struct buffer *text)
 {
@@ -156,6 +167,8 @@ static void put_short(const struct session *session, const struct precision *pre
     buffer_free(&paragraph);
 }
 
+/* Adds the study to the reply as text: the short answer, or with --full everything. `absent` holds
+ * lines on methods that were left out; `seconds` is what the study took. */
 static void reply_study(const struct session *session, const struct arguments *args,
                         const struct precision *precision, const struct buffer *absent,
                         double seconds, struct reply *reply)
@@ -179,7 +192,8 @@ static void reply_study(const struct session *session, const struct arguments *a
     put_marks(text, precision, false);
 }
 
-/* The session takes it over; without memory the one before stays. */
+/* Moves the study into the session, where it replaces the one before. Out of memory, nothing
+ * changes and *precision still owns the study. */
 static void keep_precision(struct session *session, struct precision *precision)
 {
     struct comparison_part *part = session_part(session, &comparison_module);
@@ -194,7 +208,9 @@ static void keep_precision(struct session *session, struct precision *precision)
     part->precision = stored;
 }
 
-/* Shows the latest study: the slope of each method, or all values of the named methods. */
+/* Answers `precision table` from the latest study: the slope of each method, or all values of the
+ * named methods, or with --full of all. Returns false with an error if there is no study or a
+ * method was not part of it. */
 static bool reply_tables(const struct session *session, const struct arguments *args,
                          struct reply *reply, struct error *error)
 {

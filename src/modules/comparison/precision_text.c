@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A precision study for people and programs: tables, and what is fastest. */
+/* A precision study as text and as records: a table per method, and a ranking of the fastest
+ * methods for each error. */
 #include <hooke/base/safe_text.h>
 #include "modules/comparison/comparison.h"
 #include <hooke/report.h>
@@ -7,11 +8,12 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Width [cell] from which end, phase and amplitude errors are shown, too. */
+/* width [cell] from which tables also show errors at the end, of phase and of amplitude */
 #define WIDE_TABLE_CELLS 110
 
 /* ---- a method ---- */
 
+/* Appends the measured slope of a curve beside the claimed one, or the reason why there is none. */
 static void put_slope(const struct precision_curve *curve, struct buffer *output)
 {
     if (curve->fitted == 0) {
@@ -36,6 +38,7 @@ static void put_slope(const struct precision_curve *curve, struct buffer *output
     buffer_char(output, '\n');
 }
 
+/* Returns true if one of the points [first, first + count) was timed. */
 static bool is_timed(const struct precision *precision, int first, int count)
 {
     bool timed = false;
@@ -44,7 +47,8 @@ static bool is_timed(const struct precision *precision, int first, int count)
     return timed;
 }
 
-/* Returns true if some points are timed by other code than the others. */
+/* Returns true if some points ran specialised code and others general code, so that their times are
+ * not comparable. */
 static bool is_mixed(const struct precision *precision)
 {
     bool mixed = false;
@@ -108,16 +112,18 @@ void precision_legend(const struct precision *precision, int width, struct buffe
 
 #define PRECISION_LEVELS 13 /* errors of tables and records: 1e-1 down to 1e-13 */
 
-/* The ranking for one error. */
+/* The ranking of methods for one error. */
 struct fastest_row {
     double error;
-    const struct precision *precision;
-    struct precision_cost *cost; /* [curves] ranked, then others */
-    /* ranked curves, curves that follow, and the best of the ranked ones that tie */
+    const struct precision *precision; /* study that is ranked */
+    struct precision_cost *cost;       /* [curves] ranked, then others */
+    /* numbers of ranked curves, of curves that follow them unranked, and of the best ranked ones
+     * that tie, at least 1 */
     int ranked, others, tied;
-    int width; /* [cell] for their names */
+    int width; /* width for the names of tied methods [cell] */
 };
 
+/* Returns the name of the method at index i of the ranking. */
 static const char *precision_name_of(const struct fastest_row *row, int i)
 {
     return row->precision->curve[row->cost[i].curve].choice.method->row.name;
@@ -128,11 +134,14 @@ static const char *best_of(const void *row)
     return precision_name_of(row, 0);
 }
 
+/* Returns the time of the fastest method [s], or NAN if nothing was timed. */
 static double time_of(const void *row)
 {
     return ((const struct fastest_row *)row)->cost->minimum;
 }
 
+/* Adds the names of the methods that tie with the best, without the best, as an array of that
+ * key. */
 static void put_tied(struct reply *reply, const char *key, const void *row_data)
 {
     const struct fastest_row *row = row_data;
@@ -142,12 +151,15 @@ static void put_tied(struct reply *reply, const char *key, const void *row_data)
     reply_close(reply);
 }
 
+/* Returns the name of the best method that does not tie with the fastest, or NULL if all tie. */
 static const char *next_of(const void *row_data)
 {
     const struct fastest_row *row = row_data;
     return row->tied < row->ranked ? precision_name_of(row, row->tied) : NULL;
 }
 
+/* Returns how many times as long that method takes as the fastest, or how many times as many
+ * evaluations it needs if nothing was timed; NAN if all tie. */
 static double next_times(const void *row_data)
 {
     const struct fastest_row *row = row_data;
@@ -157,6 +169,7 @@ static double next_times(const void *row_data)
     return isnan(best->minimum) ? next->evals / best->evals : next->minimum / best->minimum;
 }
 
+/* Writes an error that is a power of ten, as in 1e-6. */
 static void error_cell(struct text_table *table, double error)
 {
     char text[16];
@@ -169,7 +182,8 @@ static const char *best_head(const void *row)
     return isnan(time_of(row)) ? "fewest evaluations" : "fastest";
 }
 
-/* Names of those that tie, as many as the width holds; without times the evaluations. */
+/* Writes the names of the tied methods, as many as the width holds, and the number of evaluations
+ * if nothing was timed. */
 static void best_cell(struct text_table *table, const void *row_data)
 {
     const struct fastest_row *row = row_data;
@@ -189,6 +203,7 @@ static void best_cell(struct text_table *table, const void *row_data)
     cell_take(table, &text);
 }
 
+/* Writes the next method and its ratio to the fastest, as in "verlet x 1.3". */
 static void next_cell(struct text_table *table, const void *row)
 {
     struct buffer text = {0};
@@ -197,6 +212,7 @@ static void next_cell(struct text_table *table, const void *row)
     cell_take(table, &text);
 }
 
+/* Writes the method with the fewest evaluations, ranked by time or not, and that number. */
 static void fewest_cell(struct text_table *table, const void *row_data)
 {
     const struct fastest_row *row = row_data;
@@ -233,8 +249,9 @@ static const struct result_column of_fastest[] = {
 
 static const struct result_columns fastest_columns = RESULT_COLUMNS(of_fastest, struct fastest_row);
 
-/* Rankings for errors that are `step` decades apart, those that a method reaches. NULL without
- * memory. */
+/* Ranks the methods for errors that are `step` decades apart, from 10^-step down to 1e-13. Errors
+ * that no method reaches are left out. `width` is that of a line [cell]. Returns [*count] rows from
+ * the arena, or NULL if out of memory. */
 static struct fastest_row *fastest_rows_rank(const struct precision *precision, int step, int width,
                                              struct arena *arena, size_t *count)
 {
@@ -259,7 +276,7 @@ static struct fastest_row *fastest_rows_rank(const struct precision *precision, 
     return row;
 }
 
-/* Names the methods that were left out of the rankings, with the reason. */
+/* Lists the methods that were not ranked because they ran general code, with that reason. */
 static void put_left_out(const struct precision *precision, const struct fastest_row *row,
                          size_t count, struct buffer *output)
 {

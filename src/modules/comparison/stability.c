@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stability */
+/* The command `stability`, which predicts and verifies growth per step and the longest stable step,
+ * and the plots of stability regions. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
@@ -14,6 +15,8 @@
 
 /* ---- one method in words ---- */
 
+/* Appends the predicted and measured growth per step at dt and on either side of the limit
+ * dt_max. */
 static void put_checks(struct buffer *output, const struct stability *s)
 {
     for (int i = 0; i < s->checks; i++) {
@@ -29,6 +32,8 @@ static void put_checks(struct buffer *output, const struct stability *s)
     }
 }
 
+/* Appends what is special about the limit: a step that the method refuses, growth so weak that it
+ * shows late, or a narrow resonance below which and above which steps are stable. */
 static void put_weakness(struct buffer *output, const struct stability *s)
 {
     if (s->refused)
@@ -50,6 +55,7 @@ static void put_weakness(struct buffer *output, const struct stability *s)
                       s->window[2]);
 }
 
+/* Appends the two eigenvalues of a linear scene that does not oscillate. */
 static void put_eigenvalues(struct buffer *output, const struct stability *s)
 {
     double re[2], im;
@@ -60,6 +66,8 @@ static void put_eigenvalues(struct buffer *output, const struct stability *s)
                   re[0], re[1]);
 }
 
+/* Describes the scene that was studied: its frequency and damping or rate, whether it grows by
+ * itself and, if it is not linear, how a run with this dt went. */
 static void put_scene(struct buffer *output, const struct session *session,
                       const struct stability *s)
 {
@@ -111,7 +119,9 @@ static void put_scene(struct buffer *output, const struct session *session,
 #define REGION_ROWS_MAX 17
 #define REGION_ROWS_MIN 7
 
-/* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
+/* Draws the region of stability into width times height cells: the upper half of the plane of z =
+ * lambda dt, whose lower half is its mirror image. Cells are # where |R(z)| <= 1 and o where an
+ * eigenvalue of the scene at the start lies. */
 static void put_region(struct buffer *output, const struct stability *s, int width, int height)
 {
     enum {
@@ -125,6 +135,7 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
                                                          : REGION_ROWS_MIN;
     const double real = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 1), 6),
                  high = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0), 0);
+    /* a margin around the limits on the axes, with some of the unstable right half */
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
         1.25 * fmax(fmax(high, real * 0.7),
@@ -163,7 +174,8 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
         buffer_put(output, TEXT("  z of this scene is outside the picture\n"));
 }
 
-/* Draws growth over omega dt, for methods that only apply to forces without velocity. */
+/* Draws growth per step over omega dt, undamped, for methods that only apply to forces without
+ * velocity and so have no region in the plane. Returns false if out of memory. */
 static bool put_growth_figure(struct buffer *output, const struct session *session,
                               const struct stability *s, int height, struct arena *arena)
 {
@@ -196,7 +208,8 @@ static bool put_growth_figure(struct buffer *output, const struct session *sessi
     return figure_print(&figure, width, height, session_charset(session), false, output);
 }
 
-/* Draws the picture in `height` rows, but at least 8. */
+/* Appends the region of stability, or growth over omega dt, `height` rows high, at least 8 for the
+ * latter. Returns false if out of memory. */
 static bool put_picture(struct buffer *output, const struct session *session,
                         const struct stability *s, int height, struct arena *arena)
 {
@@ -210,6 +223,7 @@ static bool put_picture(struct buffer *output, const struct session *session,
 
 /* ---- the table ---- */
 
+/* Appends the table with a line for each method. */
 static void stability_table_put(struct buffer *output, const struct stability *rows, int count,
                                 int width, struct arena *arena)
 {
@@ -220,8 +234,9 @@ static void stability_table_put(struct buffer *output, const struct stability *r
 
 /* ---- the command ---- */
 
-/* Studies each method. If there are several, those that do not apply are left out with the reason;
- * otherwise this is an error. */
+/* Studies the methods that the statement names, or the session's own, into rows [*count]. If there
+ * are several, those that do not apply are skipped and appended to `absent` with the reason.
+ * Returns false with an error if none is left or if cancelled. */
 static bool study_each(const struct session *session, const struct arguments *args,
                        struct stability *rows, int *count, struct buffer *absent,
                        struct error *error)
@@ -255,8 +270,9 @@ static bool study_each(const struct session *session, const struct arguments *ar
 
 /* ---- its plots ---- */
 
-/* Chooses what a plot without methods shows: those that were studied last, with their step, or the
- * present one. Returns NULL if out of memory. */
+/* Returns the methods of the latest `stability`, with their drag variants, and sets *dt to its step
+ * [s]; without such a study the session's own method. *count grows by their number. Memory is from
+ * the arena; returns NULL if out of memory. */
 static struct method_choice *last_studied(const struct session *session, int *count, double *dt,
                                           struct arena *arena)
 {
@@ -281,7 +297,9 @@ static struct method_choice *last_studied(const struct session *session, int *co
     return choice;
 }
 
-/* Studies each method, then traces the boundaries. */
+/* Studies each method into `studied`, traces their boundaries in the plane and stores them as a
+ * result. Methods of several that do not apply are left out with a note. Returns false with an
+ * error if none is left, if out of memory, or if cancelled. */
 static bool trace_regions(struct session *session, enum region_plane plane,
                           const struct method_choice *choice, int choices, double dt,
                           struct stability *studied, struct reply *reply, struct error *error)
@@ -310,6 +328,9 @@ static bool trace_regions(struct session *session, enum region_plane plane,
     return ok;
 }
 
+/* Makes the table of boundaries for a plot: of the given methods with the session's step, or if
+ * there are none, of those that were studied last. Returns false with an error as trace_regions()
+ * does. */
 static bool study_plane(struct session *session, enum region_plane plane,
                         const struct row *const *method, int methods, struct reply *reply,
                         struct error *error)
@@ -326,6 +347,7 @@ static bool study_plane(struct session *session, enum region_plane plane,
     return ok;
 }
 
+/* Defines the function that plots.h declares for the plot of one plane. */
 #define PLANE_STUDY(name, plane)                                                                   \
     bool name(struct session *session, const struct row *const *method, int methods,               \
               struct reply *reply, struct error *error)                                            \
@@ -336,7 +358,8 @@ PLANE_STUDY(boundary_study, REGION_Z)
 PLANE_STUDY(stars_study, REGION_STARS)
 PLANE_STUDY(region_study, REGION_DAMPED)
 
-/* Several are put without a picture. */
+/* Appends the table of all methods. One method is also described in words and, if `pictured`, with
+ * a picture in the remaining height; with --full all methods are described. */
 static void put_study(const struct session *session, const struct arguments *args,
                       const struct stability *rows, int count, bool pictured,
                       const struct buffer *absent, struct buffer *text)

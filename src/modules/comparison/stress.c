@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stress */
+/* The command `stress`: runs methods on stiff and extreme cases by study_stress(), and lists how
+ * many of their answers are right, reported as failures, or wrong without a message. */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/comparison.h"
@@ -14,6 +15,8 @@
 
 enum stress_class { CLASS_RIGHT, CLASS_SAID, CLASS_WRONG, CLASSES };
 
+/* Returns whether an answer with this verdict is right, a failure that the method or the program
+ * reports, or wrong without any message. */
 static enum stress_class class_of(enum stress_verdict verdict)
 {
     if (verdict == STRESS_EXACT || verdict == STRESS_ACCURATE)
@@ -23,21 +26,24 @@ static enum stress_class class_of(enum stress_verdict verdict)
     return wrong ? CLASS_WRONG : CLASS_SAID;
 }
 
+/* The answers of one method to all cases, as a line of the table. */
 struct stress_total {
     const struct method *method;
-    int count[CLASSES];
-    const struct stress *stress;
+    int count[CLASSES];          /* number of cases in each class */
+    const struct stress *stress; /* study that the line belongs to */
     /* slowest by time, else by steps, or NULL if nothing was finished */
     const struct stress_row *slowest;
 };
 
+/* Returns true if a row took longer than another, which may be NULL, or made more steps if nothing
+ * was timed. */
 static bool is_slower(const struct stress_row *row, const struct stress_row *other)
 {
     return !other ||
            (isnan(row->seconds) ? row->steps > other->steps : row->seconds > other->seconds);
 }
 
-/* Most wrong answers first; the order of the list among equals. */
+/* Orders lines for qsort(): most wrong answers first, then as in the list of methods. */
 static int compare_totals(const void *a, const void *b)
 {
     const struct stress_total *one = a, *other = b;
@@ -46,6 +52,8 @@ static int compare_totals(const void *a, const void *b)
     return (one->method > other->method) - (one->method < other->method);
 }
 
+/* Writes the name of the slowest case with its time, or its number of steps if nothing was
+ * timed. */
 static void slowest_cell(struct text_table *table, const void *row)
 {
     const struct stress_total *total = row;
@@ -75,7 +83,7 @@ static const struct result_column of_total[] = {
 
 static const struct result_columns total_columns = RESULT_COLUMNS(of_total, struct stress_total);
 
-/* Those that are never wrong. */
+/* Lists the methods that are wrong in no case. */
 static void put_right(const struct stress_total *total, int methods, int width,
                       struct buffer *output)
 {
@@ -91,7 +99,9 @@ static void put_right(const struct stress_total *total, int methods, int width,
     buffer_free(&line);
 }
 
-/* A line for each method that is wrong somewhere, as many as fit. */
+/* Appends a table with a line for each method that is wrong somewhere, the worst first, as many as
+ * fit into `rows`, then the names of the others. If no method is wrong, all have a line where they
+ * fit. */
 static void put_totals(const struct stress *stress, const struct method *const *method, int methods,
                        int width, int rows, struct arena *arena, struct buffer *output)
 {
@@ -130,8 +140,8 @@ static void put_totals(const struct stress *stress, const struct method *const *
 
 /* ---- verdict by verdict ---- */
 
-/* Names the rows of each verdict: the cases of one method, or the methods; with the first reason if
- * `reasons` is set. */
+/* Appends a line for each verdict that occurs among rows [begin, end), which lists methods if
+ * `by_method`, otherwise cases. With `reasons`, the first reason is added. */
 static void put_verdicts(const struct stress *stress, int begin, int end, bool by_method, int width,
                          bool reasons, struct buffer *output)
 {
@@ -161,6 +171,7 @@ static void put_verdicts(const struct stress *stress, int begin, int end, bool b
     buffer_free(&line);
 }
 
+/* Appends the numbers of methods and cases, and the computing time. */
 static void put_count(const struct stress *stress, int methods, int cases, struct buffer *output)
 {
     buffer_format(output, "%d method%s, %d case%s", methods, plural_s(methods), cases,
@@ -169,6 +180,8 @@ static void put_count(const struct stress *stress, int methods, int cases, struc
         buffer_format(output, ", %.1f s", stress->seconds);
 }
 
+/* Appends the answer to --full: the table of methods, each case with its verdicts and reasons, and
+ * how often each verdict was given. */
 static void put_full(const struct session *session, const struct stress *stress,
                      const struct method *const *method, int methods, struct arena *arena,
                      struct buffer *output)
@@ -193,6 +206,8 @@ static void put_full(const struct session *session, const struct stress *stress,
     put_count(stress, methods, finished, output);
 }
 
+/* Appends the usual answer: the table of methods that fits on the screen, or the verdicts if only
+ * one case or one method was asked for. */
 static void put_short(const struct session *session, const struct stress *stress,
                       const struct method *const *method, int methods, struct arena *arena,
                       struct buffer *output)
@@ -238,7 +253,9 @@ static const struct result_column of_stress[] = {
 
 static const struct result_columns stress_columns = RESULT_COLUMNS(of_stress, struct stress_row);
 
-/* Initial values, and what else acts, of the present scene. */
+/* Fills in *result from the session's scene: which parameters are initial values, and which of the
+ * others have an effect. Memory is from the arena. Returns false with an error if the scene is
+ * invalid or if out of memory. */
 static bool this_scene(const struct session *session, struct arena *arena,
                        struct stress_scene *result, struct error *error)
 {
@@ -260,8 +277,9 @@ static bool this_scene(const struct session *session, struct arena *arena,
     return true;
 }
 
-/* Lists the methods that are named, or all where none is, and the case. Returns their number; 0
- * with an error where two cases are named. */
+/* Sorts the words of the statement into methods and a case. Without methods, all but those of
+ * external libraries are listed. Sets *only to the name of the case, if any. Returns the number of
+ * methods, or 0 with an error if two cases are named. */
 static int list_stressed(const struct argument_value *wanted, const struct method **method,
                          struct text *only, struct error *error)
 {

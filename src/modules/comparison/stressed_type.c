@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* Reads a row of `choices`, which are methods, or the name of a case: then row is NULL. */
+/* Reads a word that is a method or a case: item->row is the method's row, or NULL for a case.
+ * Returns false with an error, which suggests a similar name, if it is neither. */
 static bool read_stressed(struct parser *parser, const struct argument *argument, const char *stops,
                           struct item *item, struct error *error)
 {
@@ -29,6 +30,7 @@ static bool read_stressed(struct parser *parser, const struct argument *argument
                           : error_hint(error, "use methods, and cases listed by 'stress --full'");
 }
 
+/* Offers the names of methods and of cases, except those that would have to be quoted. */
 static void complete_stressed(struct completion *c, const struct argument *argument,
                               struct text preceding)
 {

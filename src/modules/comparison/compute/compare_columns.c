@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of a comparison's rows, for programs, files and people. */
+/* Columns of the table of `compare`, for programs, files and people, and the functions that fill in
+ * its rows. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/compare.h"
@@ -47,6 +48,7 @@ void compared_too_long(struct compared_row *row, const struct method_choice *cho
              seconds);
 }
 
+/* Returns a row of the table as what it is. */
 static const struct compared_row *compared(const void *row)
 {
     return row;
@@ -59,12 +61,13 @@ static double step_ns(const void *row)
     return timing_step_ns(&compared(row)->comparison.time, compared(row)->steps);
 }
 
-/* An error this large, in amplitudes, is no lag or phase: the run has grown. */
+/* An error this large, in amplitudes, is not a lag of phase: the run has grown. */
 static const double grown_error = 10;
 /* A swing that shrinks is mostly gone at this error. */
 static const double shrunk_error = 0.5;
 
-/* Returns what became of the run in a word: why it stopped, or how it went wrong. */
+/* Returns what became of the run in one word: "ok", the reason why it stopped, or how its motion is
+ * wrong. */
 static const char *comparison_status(const void *row_data)
 {
     const struct compared_row *row = compared(row_data);
@@ -122,7 +125,7 @@ static void energy_cell(struct text_table *table, const void *row)
     cell_quantity(table, stop_is_failure(compared(row)->stop) ? NAN : error, QUANTITY_NUMBER, 3);
 }
 
-/* Names what the column holds: the energy balance where drag or a drive changes the energy. */
+/* Returns the heading: the energy balance is shown where drag or a drive changes the energy. */
 static const char *energy_head(const void *first)
 {
     return compared(first)->balanced ? "balance" : "|dE/E0|";
@@ -146,7 +149,8 @@ static void angle_cell(struct text_table *table, double radians)
     cell_take(table, &text);
 }
 
-/* Marked where the times of other rows are by other code. */
+/* Writes the time per step, with (!) if the row ran general code and other rows specialised
+ * code. */
 static void step_time_cell(struct text_table *table, const void *row)
 {
     const bool marked = compared(row)->mixed && compared(row)->comparison.path == KERNEL_GENERAL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost
- * and a verdict in words. */
+/* The study behind `compare`: the same scene integrated by several methods and step sizes, with
+ * errors, energy, cost and a verdict in words. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/compute/errors.h"
@@ -10,22 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Energy of one undriven linear oscillator as the method's one-step matrix (or growth factor)
- * predicts it. */
+/* Prediction from the method's one-step matrix, or its growth factor, for an undriven linear
+ * oscillator. */
 struct prediction {
+    /* false for other scenes and adaptive runs, and if the method has no growth factor */
     bool known;
-    double growth; /* spectral radius: amplitude factor a step */
-    /* ln of the amplitude factor after the run; the last step may be a shorter one */
+    double growth; /* amplitude factor per step (spectral radius) */
+    /* ln of the amplitude factor after the run, whose last step may be shorter */
     double amplitude;
-    double factor; /* E/E0 after the run: the energy is quadratic in the state */
-    double exact;  /* the same for the exact solution */
-    double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
+    double factor; /* E/E0 after the run, the square of the amplitude factor */
+    double exact;  /* E/E0 of the exact solution */
+    double swing;  /* largest |E - E0|/E0 that comes and goes within a period */
 };
 
-/*
- * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2
- * constant. The energy q^2 + p^2 then stays within the ratio of that form's eigenvalues.
- */
+/* Returns the largest relative deviation of the energy q^2 + p^2 if a matrix [a b; c d] of
+ * determinant 1 with complex eigenvalues is applied again and again: it keeps -c q^2 + (a - d) q p
+ * + b p^2 constant, so that the energy stays within the ratio of that form's eigenvalues. Returns
+ * NAN if the form is not definite. */
 static double ellipse_swing(const double matrix[4])
 {
     double p = -matrix[2];
@@ -36,15 +37,18 @@ static double ellipse_swing(const double matrix[4])
     return mean > half ? (mean + half) / (mean - half) - 1 : NAN;
 }
 
+/* Returns the Frobenius norm. */
 static double matrix_size(const double matrix[4])
 {
     return hypot(hypot(matrix[0], matrix[1]), hypot(matrix[2], matrix[3]));
 }
 
-/* A last step that is shorter than dt by this part of it is not just rounded. */
+/* A last step that is shorter than dt by more than this fraction is a shorter step, not a rounded
+ * one. */
 #define LAST_STEP_SHORTER 1e-6
 
-/* E/E0 of the exact solution where the run ends: with damping its energy falls in waves. */
+/* Returns E/E0 of the exact solution at the end of the run. With damping the energy falls in waves,
+ * so that exp(-2 zeta omega t) would not do. */
 static double exact_factor(const struct run *run, double omega)
 {
     const double *start = trace_state(run->trace, 0);
@@ -55,6 +59,8 @@ static double exact_factor(const struct run *run, double omega)
     return ratio * ratio;
 }
 
+/* Predicts growth and energy of a finished run. Returns known = false unless the scene is an
+ * undriven oscillator without gravity and the steps are fixed. */
 static struct prediction predict(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
@@ -97,7 +103,8 @@ static struct prediction predict(const struct run *run)
 /* A predicted factor over the whole run within this of 1 counts as bounded. */
 #define BOUNDED_GROWTH_MAX 0.02
 
-/* max |energy-error| over the last quarter of the rows / over the first; NAN if unknown. */
+/* Returns the largest energy error of the last quarter of the rows over that of the first, or NAN
+ * if the run has no energy or out of memory. */
 static double energy_trend(const struct run *run)
 {
     const struct observable *missing = observable_by_name(TEXT("energy-error"));
@@ -111,11 +118,13 @@ static double energy_trend(const struct run *run)
     return known ? max[3] / max[0] : NAN;
 }
 
-/* largest number for one method: in stiff scenes explicit ones take tiny steps */
+/* Largest number of steps of an adaptive run: in stiff scenes explicit methods take tiny ones. */
 #define ADAPTIVE_STEPS 2000000
 #define ENERGY_ROUNDING 1e-12 /* Energy errors below this are rounding. */
+/* Flags of methods whose energy error is bounded. */
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
-/* The trend of a steady drift is 4, that of a bounded error about 1. */
+/* energy_trend() above which the energy drifts: it is 4 for a steady drift, about 1 for a bounded
+ * error. */
 #define ENERGY_TREND_MAX 1.5
 
 /* Appends "within 0.01 of E0" or "off by 1700 times E0". */
@@ -124,7 +133,7 @@ static void put_energy_off(double error, struct buffer *output)
     buffer_format(output, error < 1 ? "within %.2g of E0" : "off by %.2g times E0", error);
 }
 
-/* Describes the observed energy, if nothing predicts it. */
+/* Appends a verdict from the observed energy alone, for runs without a prediction. */
 static void observe(const struct comparison *row, const char *span, struct buffer *output)
 {
     const struct run *run = row->run;
@@ -161,7 +170,8 @@ static void observe(const struct comparison *row, const char *span, struct buffe
     buffer_format(output, " in %s", span);
 }
 
-/* Compares the observed energy with the prediction of the method's matrix. */
+/* Appends the observed energy beside the predicted one and whether they agree; sets
+ * predicted_factor, grows and shrinks of the row. */
 static void confirm(struct comparison *row, const struct prediction *prediction, const char *span,
                     struct buffer *output)
 {
@@ -172,6 +182,7 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
     row->grows =
         prediction->growth > 1 && predicted > fmax(log(prediction->exact), 0) + BOUNDED_GROWTH_MAX;
     row->shrinks = predicted < log(prediction->exact) - log(10);
+    /* no growth is predicted: the energy error should stay within the swing */
     if (conservative && fabs(predicted) <= BOUNDED_GROWTH_MAX) {
         buffer_format(output, "energy bounded, %s: ",
                       row->ledger.error_max <= 1.001 * swing + BOUNDED_GROWTH_MAX
@@ -181,6 +192,7 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
         buffer_format(output, " in %s", span);
         return;
     }
+    /* the predicted exponent may be wrong by a tenth, as the energy at the end swings, too */
     const bool vanished = row->energy_factor == 0,
                agrees = vanished ? 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) +
                                                           swing + BOUNDED_GROWTH_MAX
@@ -197,6 +209,8 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
         buffer_format(output, " (exact: energy x %.4g)", prediction->exact);
 }
 
+/* Writes the verdict on a finished run: why it stopped, or how its energy behaved and how large its
+ * error is. */
 static void comparison_verdict(struct comparison *row)
 {
     const struct run *run = row->run;
@@ -226,8 +240,9 @@ static void comparison_verdict(struct comparison *row)
     buffer_free(&text);
 }
 
-/* Measures the error without a closed form: solves again on the common grid, against the
- * reference. */
+/* Sets end and max error of a row whose scene has no closed form: solves once more, on the common
+ * grid, and compares with the reference. Leaves them unchanged if out of memory or if the solve
+ * fails. */
 static void measure(struct comparison *row, const struct reference *reference,
                     const struct cancel *cancel)
 {
@@ -247,6 +262,9 @@ static void measure(struct comparison *row, const struct reference *reference,
     free(grid);
 }
 
+/* Runs one choice with one setting (tol 0 for fixed steps) and fills in the row with errors, energy
+ * and verdict. Returns false with an error if the run cannot be created. If cancelled it returns
+ * true with an incomplete row, whose run the caller destroys. */
 static bool compare_one(const struct compare_request *request, const struct method_choice *choice,
                         double dt, double tol, const struct reference *reference,
                         struct comparison *row, struct error *error)
@@ -271,11 +289,12 @@ static bool compare_one(const struct compare_request *request, const struct meth
                                       .steps = adapts ? ADAPTIVE_STEPS : -1};
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
-    /* nobody could say before how many it would take */
+    /* the limit on adaptive steps was reached before the end */
     if (row->run->stop == STOP_END && row->run->t != target.t)
         row->run->stop = STOP_GIVEN_UP;
     run_diagnose(row->run);
-    if (row->run->stop == STOP_END && !isnan(reference->singular.t)) { /* it jumped over */
+    /* the run stepped over the end of the solution */
+    if (row->run->stop == STOP_END && !isnan(reference->singular.t)) {
         row->run->stop = STOP_SINGULAR;
         row->run->singular = reference->singular;
     }
@@ -298,7 +317,8 @@ static bool compare_one(const struct compare_request *request, const struct meth
     return true;
 }
 
-/* Observed order between two rows of one method: error ~ dt^p. */
+/* Returns the order seen between two rows of one method, from error ~ dt^p, or NAN if one of them
+ * did not reach the end. */
 static double observed_order(const struct comparison *coarse, const struct comparison *fine)
 {
     double ratio = log(coarse->run->settings.dt / fine->run->settings.dt);
@@ -343,6 +363,8 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
     return true;
 }
 
+/* Runs all choices at all settings into rows [*count]. Returns false with an error if a run cannot
+ * be created or if cancelled; rows before that are complete. */
 static bool compare_all(const struct compare_request *request, const struct reference *reference,
                         struct comparison *rows, int *count, struct error *error)
 {
@@ -373,7 +395,8 @@ static bool compare_all(const struct compare_request *request, const struct refe
     return true;
 }
 
-/* Side by side, so that whatever disturbs the machine meets all of them alike. */
+/* Times the solves of all rows that reached the end, side by side, so that whatever disturbs the
+ * machine affects all of them alike. Returns false with an error if out of memory or cancelled. */
 static bool time_rows(const struct compare_request *request, struct comparison *rows, int count,
                       struct error *error)
 {
@@ -411,8 +434,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
                    struct error *error)
 {
     *count = 0;
-    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones
-     * before it. */
+    /* Settings that cannot be run are refused before any work. */
     double steps, seconds;
     struct system system;
     struct error none = {0};

@@ -20,12 +20,14 @@ struct phase_turn {
     double size, angle;
 };
 
+/* Returns amplitude and phase of a state of the linear oscillator, around its resting position. */
 static struct phase_turn turn_of(const struct oscillator *o, const double *y)
 {
     const double q = y[0] + o->gravity / o->stiffness, p = y[1] / sqrt(o->stiffness);
     return (struct phase_turn){hypot(q, p), atan2(-p, q)};
 }
 
+/* Returns the mechanical energy of a state. */
 static double energy(const struct system *system, const double *y)
 {
     return system_kinetic(system, y) + system_potential(system, y);
@@ -52,7 +54,8 @@ void grid_errors(const struct system *system, const struct reference *reference,
         }
         if (turns) {
             const struct phase_turn a = turn_of(o, y), b = turn_of(o, exact);
-            /* A motion that has vanished has no phase. */
+            /* A motion that has vanished has no phase. Otherwise the difference is followed across
+             * +-pi. */
             if (a.size == 0 && b.size > 0)
                 phase = NAN;
             phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);

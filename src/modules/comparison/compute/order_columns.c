@@ -21,6 +21,7 @@ static void order_cell(struct text_table *table, double order)
 
 #define AT(member) .offset = offsetof(struct order, member)
 
+/* Returns the points of a struct order, for its column "sweep". */
 static const void *list_points(const void *row, size_t *count)
 {
     *count = (size_t)((const struct order *)row)->points;
@@ -55,12 +56,14 @@ const struct result_columns order_columns = RESULT_COLUMNS(of_order, struct orde
 
 /* ---- a point ---- */
 
+/* Returns the word of the column "status": "refused" or why the solve ended. */
 static const char *status_of(const void *row)
 {
     const struct order_point *point = row;
     return point->refused ? "refused" : stop_name(point->stop);
 }
 
+/* Writes why a point has no error, or * if the line is fitted to it. */
 static void state_cell(struct text_table *table, const void *row)
 {
     const struct order_point *point = row;

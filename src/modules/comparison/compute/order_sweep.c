@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* order: fixed steps from coarse to fine, and the slope of the errors where it means something. */
+/* The study behind `order`: solves with fixed steps from coarse to fine, and fits the slope of the
+ * errors where it is constant. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include "modules/comparison/compute/verify.h"
@@ -7,27 +8,29 @@
 #include <float.h>
 #include <stdlib.h>
 
-#define ROUNDING_ERROR_MAX 1e-6 /* A slope near 0 above this error is not caused by rounding. */
-#define SLOPE_IDLE 0.3          /* A smaller step gains nothing below this slope. */
-#define ROUNDING_FACTOR 10      /* Errors below this many times the rounding bend the line. */
-/* Number of points in the fit; one more where the steps are closer together. */
+#define ROUNDING_ERROR_MAX 1e-6 /* largest error at which a slope near 0 is caused by rounding */
+#define SLOPE_IDLE 0.3          /* slope below which a smaller step gains nothing */
+#define ROUNDING_FACTOR 10      /* errors below this many times the rounding bend the line */
+/* Number of points in the fit, and one more for orders from FINE_SWEEP_ORDER on. */
 #define FIT_POINTS 4
 #define FIT_POINTS_MIN 3
-/* Orders are whole numbers, or halves: a slope so close is that order, or within this share of it,
- * as high orders come to rounding after few steps. */
+/* A slope agrees with the claimed order if it is nearer than ORDER_DISTANCE_MAX, as orders are
+ * whole numbers or halves, or than AGREES_SHARE of the order, as high orders come to rounding after
+ * few steps. */
 #define ORDER_DISTANCE_MAX 0.25
 #define AGREES_SHARE 0.05
-#define GUARD_MAX 0.3 /* A wider guard band does not distinguish an order from the next. */
-/* Slopes that come so much nearer to the claim within a window are on their way to it. */
+#define GUARD_MAX 0.3 /* a wider guard band does not distinguish an order from the next */
+/* Slopes that come this much nearer to the claim within a window are still approaching it. */
 #define SLOPE_APPROACH_MIN 0.03
-/* Traces of rounding may begin at this many times its level. */
+/* Errors may show traces of rounding below this many times its level. */
 #define ROUNDING_SUSPECT_FACTOR 300
-#define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
-#define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
+#define SETTLED_SPREAD 0.1    /* slopes that differ by less belong to one power of dt */
+#define SETTLED_CHANGE 0.35   /* largest last change of slopes that approach a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
-#define SLOPE_KINK 0.02       /* a change above that of slopes alike before is of rounding */
-#define COST_MAX 6e6          /* cost of one solve */
-/* Lowest order whose sweep has steps closer together. */
+#define SLOPE_KINK 0.02       /* a larger change after equal slopes is caused by rounding */
+#define COST_MAX 6e6          /* largest cost of one solve */
+/* Lowest order at which each step is 1/sqrt(2) of the one before instead of half, as its error
+ * falls fast. */
 #define FINE_SWEEP_ORDER 5
 
 static const struct row verdicts[] = {
@@ -63,6 +66,8 @@ static double state_distance(const struct sweep_target *target, int64_t steps, c
     return sqrt(sum / count);
 }
 
+/* Solves with the step of a point and fills in its error, which is NAN if the end was not reached.
+ * *cost is what it took. Returns false if out of memory. */
 static bool solve_point(const struct sweep_target *target, const struct method_choice *choice,
                         double *grid, struct order_point *point, int64_t *cost)
 {
@@ -89,8 +94,8 @@ static bool solve_point(const struct sweep_target *target, const struct method_c
     return true;
 }
 
-/* Sets the number of steps of point i: multiples of 4 by factors of 2, of sqrt 2 where an error
- * falls by 32 and more each time. Returns false beyond the range. */
+/* Sets the number of steps of point i of the sweep, from coarse to fine: multiples of 4 that grow
+ * by factors of 2, or of sqrt 2 for high orders. Returns false beyond the range. */
 static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
 {
     const double each = order >= FINE_SWEEP_ORDER ? sqrt(2) : 2, span = fabs(target->span);
@@ -103,12 +108,14 @@ static bool steps_at(const struct sweep_target *target, int order, int i, double
     return *steps >= 1 && *steps <= fmax(last, first) * (1 + 1e-9) + 2;
 }
 
+/* Returns the local order between two points. */
 static double log_slope(const struct order_point *coarse, const struct order_point *fine)
 {
     return log(coarse->error / fine->error) / log(coarse->dt / fine->dt);
 }
 
-/* Returns true if no step from point i on has an error far below that of the point before it. */
+/* Returns true if the error stops falling at point i by rounding: its slope is near 0 and no finer
+ * point has an error far below that of the point before. */
 static bool gains_nothing(const struct order *order, int i)
 {
     const double previous_error = order->point[i - 1].error;
@@ -118,9 +125,8 @@ static bool gains_nothing(const struct order *order, int i)
     return !gains;
 }
 
-/* Returns the index of the first point from which on a smaller step gains nothing, as rounding
- * grows with the number of steps; the number of points if there is none. A multistep method that
- * takes no step of its own, only those of its start, is no such point. */
+/* Returns the index of the last point before rounding stops the error from falling, or the number
+ * of points if none does. */
 static int rounding_begin(const struct order *order)
 {
     int i = 1;
@@ -129,8 +135,8 @@ static int rounding_begin(const struct order *order)
     return i < order->points ? i - 1 : order->points;
 }
 
-/* Errors below this have rounding in them: far above the level from which on a smaller step gains
- * nothing. */
+/* Returns the error below which rounding contributes: well above the errors where it stops the
+ * fall. */
 static double rounding_level(const struct order *order)
 {
     const double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
@@ -143,6 +149,7 @@ static double rounding_level(const struct order *order)
 
 /* ---- the fit ---- */
 
+/* A fitted line: its slope, the uncertainty of the slope, and R^2. */
 struct order_line {
     double slope, guard, r2;
 };
@@ -170,6 +177,7 @@ static struct order_line order_line_fit(const struct order_point *point, int n)
         hh += dh * dh;
         hy += dh * dy;
     }
+    /* determinant of the normal equations, and the slope without the last term */
     const double free = xx * hh - xh * xh, plain = xy / xx;
     const double bend = n > FIT_POINTS_MIN ? (hy * xx - xy * xh) / free : 0;
     struct order_line line = {.slope = (xy - bend * xh) / xx, .r2 = xy * xy / (xx * yy)};
@@ -183,16 +191,15 @@ static struct order_line order_line_fit(const struct order_point *point, int n)
     return line;
 }
 
-/* Relative error of a point's error: what the reference and rounding leave uncertain. */
+/* Returns the relative uncertainty of a point's error, caused by the reference and by rounding. */
 static double point_noise(const struct order *order, const struct order_point *point)
 {
     return fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor) / ORDER_ACCURACIES / point->error;
 }
 
-/*
- * Returns true if the slopes within a window of n points are alike, or approach a limit: each
- * change is smaller than the one before. *rest is how far the last slope may be from the limit.
- */
+/* Returns true if the slopes within a window of n points are equal within SETTLED_SPREAD, or
+ * approach a limit in ever smaller changes. *rest is how far the last slope may be from the
+ * limit. */
 static bool slopes_settle(const struct order *order, const struct order_point *point, int n,
                           double *rest)
 {
@@ -226,8 +233,9 @@ static int usable_points(const struct order *order, int *last)
     return count;
 }
 
-/* Fits a line through the `size` points that end with point `last`. Returns false if their slopes
- * have not settled. */
+/* Fits a line through the `size` points that end with point `last`, and stores it in the order.
+ * Returns false, with the order unchanged, if their slopes have not settled or the line is too
+ * uncertain. */
 static bool fit_window(struct order *order, int last, int size)
 {
     const struct order_point *first = &order->point[last + 1 - size], *finest = &order->point[last];
@@ -249,11 +257,9 @@ static bool fit_window(struct order *order, int last, int size)
     return true;
 }
 
-/*
- * Returns true if the slope changes at a point far more than at the one before it, as it does where
- * rounding is met. What rounding takes from the slope p grows as h^-p, and what a next term of the
- * error adds changes far more slowly.
- */
+/* Returns true if the slope changes at a point far more than at the one before it, as it does where
+ * rounding begins. The relative share of rounding in an error that falls as h^p grows as h^-p; a
+ * next term of the error changes the slope far more slowly. */
 static bool has_kink(const struct order_point *point)
 {
     const double change = fabs(point[0].slope - point[-1].slope),
@@ -270,11 +276,10 @@ static double suspect_level(const struct order *order, const struct order_point 
            fmax(rounding_level(order), DBL_EPSILON * (double)point->steps);
 }
 
-/*
- * Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
- * Methods differ in what rounding does to them: points next to its level may be left out. Returns
- * false if some were left out that are not where rounding bends the line.
- */
+/* Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
+ * Points near the level of rounding may be left out, as methods differ in how rounding affects
+ * them. Returns false if the finest usable points were left out for another reason than a kink by
+ * rounding. */
 static bool choose_window(struct order *order, int size)
 {
     int last;
@@ -295,10 +300,8 @@ static bool choose_window(struct order *order, int size)
     return only_kinks;
 }
 
-/*
- * Returns true if the slopes of the window approach the claimed order from one point to the next:
- * the leading term of the error, whose power is the order, does not yet dominate.
- */
+/* Returns true if the slopes of the window approach the claimed order from one point to the next,
+ * so that the leading term of the error, whose power is the order, does not yet dominate. */
 static bool slopes_approach_claim(const struct order *order)
 {
     const struct order_point *first = order->point;
@@ -310,6 +313,7 @@ static bool slopes_approach_claim(const struct order *order)
            SLOPE_APPROACH_MIN + 2 * point_noise(order, &first[order->fitted - 1]);
 }
 
+/* Removes the fitted line, so that the order counts as erratic. */
 static void forget_window(struct order *order)
 {
     order->unsettled = true;
@@ -319,8 +323,9 @@ static void forget_window(struct order *order)
         order->point[i].fitted = false;
 }
 
-/* A window that is not `finest` above rounding, or has few points, may confirm the claim, but not
- * refute it. */
+/* Compares the fitted slope with the claimed order. A window that is not the finest above rounding,
+ * has few points, or whose slopes still approach the claim, may confirm it but not refute it: its
+ * line is removed then. */
 static enum order_verdict order_judge(struct order *order, bool finest)
 {
     bool exact = order->points > 0;
@@ -338,8 +343,9 @@ static enum order_verdict order_judge(struct order *order, bool finest)
     return order->slope < order->claimed ? ORDER_LOWER : ORDER_HIGHER;
 }
 
-/* Solves with ever smaller steps until rounding, the budget or the range ends it. grid
- * [STUDY_TIMES][n] is for the states. */
+/* Solves with ever smaller steps and appends points, until rounding, the budget or the range ends
+ * it. grid [STUDY_TIMES][n] is memory for states. Returns false with an error if out of memory or
+ * cancelled. */
 static bool sweep_steps(const struct sweep_target *target, double *grid, struct order *order,
                         struct error *error)
 {
@@ -364,6 +370,7 @@ static bool sweep_steps(const struct sweep_target *target, double *grid, struct 
         const bool instead = previous && !wanted && isnan(previous->error) && isnan(point.error);
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;
+        /* number of points whose errors are rounding */
         low += point.error <= fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
         if (!wanted && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
             break;

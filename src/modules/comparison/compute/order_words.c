@@ -5,11 +5,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#define PLATEAU_SPREAD 0.1 /* slopes as close as that belong to one power, */
-#define PLATEAU_SLOPES 3   /* so many are a range of their own, */
-#define PLATEAU_APART 0.5  /* and as far from the claim as that another order */
+#define PLATEAU_SPREAD 0.1 /* slopes that differ by less belong to one power of dt, */
+#define PLATEAU_SLOPES 3   /* this many equal slopes are a range of their own, */
+#define PLATEAU_APART 0.5  /* and if they differ by more from the claim, another order */
 
-/* Fastest rate at the start [1/s]. */
+/* Returns the fastest rate of the scene at its start, |lambda| of the Jacobian [1/s]. */
 static double fastest(const struct system *system)
 {
     struct mode mode[STABILITY_MODES];
@@ -23,8 +23,8 @@ static double fastest(const struct system *system)
     return max;
 }
 
-/* Returns what turning points and switches do to the order, or NULL if nothing. `misses` is true if
- * another order was found, or none. */
+/* Returns how turning points and switches affect the order, or NULL if they do not. `misses` is
+ * true if another order than claimed was found, or none. */
 static const char *explain_jumps(const struct system *system, const struct order *order,
                                  bool misses)
 {
@@ -51,7 +51,8 @@ static const char *explain_jumps(const struct system *system, const struct order
     return NULL;
 }
 
-/* Explains another order, or none, by the sizes of steps and errors. */
+/* Writes why another order was found, or none, as far as the sizes of steps and errors show it:
+ * stiffness, no affordable step, slopes that still change, or a scene that is not smooth. */
 static void explain_sizes(const struct system *system, struct order *order)
 {
     const bool none = order->verdict == ORDER_NO_RANGE,
@@ -60,6 +61,8 @@ static void explain_sizes(const struct system *system, struct order *order)
                  last = order->points ? order->point[order->points - 1].dt : NAN;
     double dt = NAN, best = HUGE_VAL;
     for (int i = 0; i < order->points; i++) {
+        /* the step to judge is the finest one in the fit; without a fit the finest that is
+         * asymptotic */
         if (order->point[i].fitted || (!order->fitted && order->point[i].error < ORDER_ERROR_MAX) ||
             isnan(dt))
             dt = order->point[i].dt;
@@ -89,8 +92,8 @@ static void explain_sizes(const struct system *system, struct order *order)
             "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
 }
 
-/* Finds the longest run of slopes that are alike among steps that are coarser than those of the
- * fit. Returns the number of slopes; *first is the index of the first point. */
+/* Finds the longest range of equal slopes among points coarser than those of the fit. Returns its
+ * number of slopes; *first is the index of its first point. */
 static int find_plateau(const struct order *order, int *first)
 {
     int longest = 0;
@@ -108,7 +111,8 @@ static int find_plateau(const struct order *order, int *first)
     return longest;
 }
 
-/* Tells where a stiff scene takes order from a method whose finest steps have all of it. */
+/* Writes where a stiff scene reduces the order of a method, though its finest steps have the
+ * claimed order; leaves the words empty if it does not. */
 static void explain_plateau(const struct system *system, struct order *order)
 {
     int first = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Boundaries of stability, as rows of a table. */
+/* Boundaries of the regions in which methods are stable, as rows of a table for plots: call
+ * region_trace(), read the rows by region_columns(), call region_free(). */
 #pragma once
 
 #include <math.h>
@@ -13,28 +14,33 @@ enum region_plane {
     REGION_DAMPED, /* zeta and omega dt of a damped oscillator */
 };
 
-/* A point of the plane; of one part and curve they follow each other, with a gap, both NAN, behind
- * each line. */
+/* A point of the plane. Points of one line follow each other; a row with x and y NAN ends a
+ * line. */
 struct region_row {
     const char *part;  /* "boundary", "scene" (its eigenvalues times dt), "limit" (times dt_max) */
     const char *curve; /* name of the method, or what the point is */
-    double x, y;       /* Re z and Im z; zeta and omega dt */
-    double dt_max;     /* [s] of the method on this scene, NAN where it is of no method */
+    double x, y;       /* Re z and Im z, or zeta and omega dt */
+    /* [s] longest stable step of the method on this scene, or NAN if the row belongs to no
+     * method */
+    double dt_max;
 };
 
 struct region {
-    struct region_row *row; /* [rows] owned: region_free() */
+    struct region_row *row; /* [rows] owned, release with region_free() */
     size_t rows, capacity;
 };
 
-extern const struct catalog region_catalog; /* kinds of tables, at the enum's place */
-/* Columns of struct region_row in each plane. */
+extern const struct catalog
+    region_catalog; /* names and explanations of the planes, indexed by enum region_plane */
+/* Returns the columns of struct region_row in that plane. */
 const struct result_columns *region_columns(enum region_plane plane);
 
-/* Traces the boundaries of methods, and places the eigenvalues of the scene at dt. Returns false if
- * out of memory or cancelled. */
+/* Appends the boundaries of the studied methods, the eigenvalues of the scene times dt and those
+ * times dt_max. The region is zeroed at first. Returns false with an error if out of memory or
+ * cancelled; region_free() must be called in any case. */
 bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error);
+/* Frees the rows and zeroes the structure. */
 void region_free(struct region *region);
 
 /* Returns the limit if it is positive and finite, and otherwise the other value. */
