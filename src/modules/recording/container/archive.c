@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Archives in memory, by libarchive, which is loaded when one is met. */
+/* Unpacks archives in memory by libarchive, which is loaded when an archive is met. */
 #include <hooke/base/library.h>
 #include <hooke/base/safe_text.h>
 #include "modules/recording/container/container.h"
@@ -29,6 +29,7 @@ const struct buffer *archive_content_find(const struct archive_content *content,
 #include <archive_entry.h>
 
 #define ARCHIVE_LIBRARY "libarchive.so.13"
+/* Bytes that are unpacked between two checks. */
 #define PIECE_BYTES 65536u
 
 #define ARCHIVE_FUNCTIONS(X)                                                                       \
@@ -45,6 +46,7 @@ const struct buffer *archive_content_find(const struct archive_content *content,
     X(archive_filter_bytes)                                                                        \
     X(archive_error_string)
 
+/* The loaded library and its functions. */
 struct archive_api {
 #define MEMBER(name) __typeof__(name) *name;
     ARCHIVE_FUNCTIONS(MEMBER)
@@ -52,6 +54,7 @@ struct archive_api {
     struct library library;
 };
 
+/* Loads libarchive. Returns false with the error and a hint if it is not installed. */
 static bool load_archive_library(struct archive_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
@@ -67,16 +70,18 @@ static bool load_archive_library(struct archive_api *api, const char *shown, str
     return error_hint(error, "install libarchive13, or unpack the file first");
 }
 
+/* An archive that is being unpacked. */
 struct unpacking {
     const struct archive_api *api;
     struct archive *archive;
     const char *shown;
     struct intake *intake; /* may be NULL */
-    size_t unpacked;       /* [byte] that came out so far */
-    size_t max;            /* [byte] that may come out */
+    size_t unpacked;       /* [byte] unpacked so far */
+    size_t max;            /* [byte] limit of that */
     const struct cancel *cancel;
 };
 
+/* Sets the error of a damaged archive with libarchive's message. Returns false. */
 static bool damaged(const struct unpacking *u, struct error *error)
 {
     struct buffer why = {0};
@@ -88,8 +93,8 @@ static bool damaged(const struct unpacking *u, struct error *error)
     return error_hint(error, "transfer the file again, or export the data as CSV");
 }
 
-/* Returns true if `more` further bytes are too many for what was taken in so far, so that unbounded
- * expansion is detected at once. */
+/* Returns true if `more` further bytes are too many in relation to the packed bytes that were read
+ * so far; unbounded expansion is thus detected early. */
 static bool is_bomb(const struct unpacking *u, size_t more)
 {
     const int64_t packed = u->api->archive_filter_bytes(u->archive, -1);
@@ -97,6 +102,7 @@ static bool is_bomb(const struct unpacking *u, size_t more)
     return u->unpacked + more > u->max || u->unpacked + more > grown;
 }
 
+/* Sets the error of an archive that expands too much. Returns false. */
 static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *error)
 {
     if (u->unpacked + more > u->max)
@@ -108,6 +114,7 @@ static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *er
     return error_hint(error, "unpack it yourself if you trust it");
 }
 
+/* Unpacks the current entry into bytes, piece by piece. Returns false with the error. */
 static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *error)
 {
     char piece[PIECE_BYTES];
@@ -129,6 +136,7 @@ static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *
     return !bytes->failed || error_memory(error);
 }
 
+/* Unpacks the entries that are wanted, all if `wanted` is NULL. Returns false with the error. */
 static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path),
                          struct archive_content *content, struct error *error)
 {

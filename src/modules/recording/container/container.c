@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Converts the bytes of a file to text: kinds of containers, and UTF-16. */
+/* Converts a file's bytes to parts of text: dispatches by kind of container, and decodes UTF-16. */
 #include <hooke/base/safe_text.h>
 #include "modules/recording/container/container.h"
 
@@ -42,7 +42,8 @@ void put_cell(struct buffer *text, struct text cell)
         buffer_char(text, strchr("\t\r\n", cell.data[i]) ? ' ' : cell.data[i]);
 }
 
-/* Hinnant 2013, chrono-compatible low-level date algorithms: civil_from_days. */
+/* Converts days since 1970-01-01 to a date (Hinnant 2013, chrono-compatible low-level date
+ * algorithms: civil_from_days). */
 static void civil(int64_t day, int64_t *year, int *month, int *date)
 {
     day += 719468;
@@ -74,6 +75,8 @@ void put_stamp(struct buffer *text, double days, bool with_date)
 
 /* ---- UTF-16 ---- */
 
+/* Converts UTF-16, without its byte order mark, to UTF-8. big tells the byte order. Returns false
+ * with the error if cancelled or out of memory. */
 static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
                        struct buffer *output, struct error *error)
 {
@@ -97,11 +100,9 @@ static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
     return !output->failed || error_memory(error);
 }
 
-/*
- * Returns the offset at which numbers with one byte per character begin after UTF-16 text, as when
- * a program appends to a file of another, or bytes.len if they do not. Such numbers are more
- * consecutive units than any script has, in which both bytes are characters of numbers.
- */
+/* Returns the offset at which numbers with one byte per character begin after UTF-16 text, as when
+ * one program appends to the file of another, or bytes.len if there are none. They are recognised
+ * by more consecutive units, both of whose bytes are characters of numbers, than any script has. */
 static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
 {
     enum { UNITS = 16 };
@@ -117,7 +118,8 @@ static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
     return bytes.len;
 }
 
-/* One part that is the text itself. `bytes` is given away. */
+/* Adds a part with this text, converted to UTF-8. It takes over the memory of `bytes` unless it
+ * converts. Returns false with the error. */
 static bool add_text(struct contents *contents, struct text name, struct buffer *bytes,
                      struct error *error)
 {
@@ -142,6 +144,7 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
 
 /* ---- zip ---- */
 
+/* Returns true if the path has one of the blank-separated endings, in any case. */
 static bool ends_in(const char *path, const char *endings)
 {
     const char *dot = strrchr(path, '.');
@@ -152,8 +155,8 @@ static bool ends_in(const char *path, const char *endings)
     return false;
 }
 
-/* Tables of text: not what an app says about itself (phyphox' meta folder), not a Mac's shadow
- * files. */
+/* Returns true for tables of text, but not for what an app writes about itself (phyphox' meta
+ * folder) or for a Mac's shadow files. */
 static bool is_table_entry(const char *path)
 {
     return ends_in(path, "csv txt tsv dat asc lvm") && strncmp(path, "meta/", 5) != 0 &&
@@ -172,8 +175,8 @@ static struct text entry_name(const char *path)
     return (struct text){name, dot && dot > name ? (size_t)(dot - name) : strlen(name)};
 }
 
-/* An archive ends in its directory, the end of which has at most 65535 bytes of remarks behind it
- * (APPNOTE 4.3.16). */
+/* Returns true if a zip archive is complete: it ends in its directory, the end record of which may
+ * be followed by at most 65535 bytes of comment (APPNOTE 4.3.16). */
 static bool has_directory(struct text bytes)
 {
     enum { END = 22, REMARKS = 65535 };
@@ -188,6 +191,8 @@ static bool has_directory(struct text bytes)
     return false;
 }
 
+/* Adds the tables of a zip archive, or the sheets of an .xlsx workbook, as parts. Returns false
+ * with the error if there are none. */
 static bool from_zip(struct text bytes, const char *shown, struct contents *contents,
                      struct error *error)
 {
@@ -224,7 +229,7 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
     return done;
 }
 
-/* A table as export writes it, as text. */
+/* Adds a table that `export` wrote as JSON, converted to CSV. */
 static bool from_json(struct text bytes, struct contents *contents, struct error *error)
 {
     struct arena arena = {0};
@@ -255,6 +260,7 @@ static bool is_archive(struct text bytes)
     return packing == PACKING_GZIP || packing == PACKING_ZIP || packing == PACKING_XLS;
 }
 
+/* Unpacks a gzip file and adds its content as parts. Returns false with the error. */
 static bool from_gzip(const char *path, const struct intake *intake, struct text bytes,
                       struct contents *contents, struct error *error)
 {
@@ -279,7 +285,8 @@ static bool from_gzip(const char *path, const struct intake *intake, struct text
     return done;
 }
 
-/* `bytes` is given away where it is the text itself. */
+/* Adds the content of `bytes`, the file at `path`, as parts. It takes over the memory of `bytes` if
+ * they are the text itself. Returns false with the error. */
 static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
                    struct contents *contents, struct error *error)
 {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Looks at a file while it is read, so that one without a table is refused from its beginning: the
- * cost of a refusal does not grow with the size that a hostile or mistaken file claims.
- */
+/* Examines a file while it is read, so that one without a table is refused from its beginning: the
+ * cost of a refusal does not grow with the size that a hostile or mistaken file claims. */
 #include "modules/recording/container/container.h"
 #include <hooke/base/file.h>
 #include <hooke/base/fields.h>
@@ -11,9 +9,9 @@
 #include <string.h>
 
 #define BYTE_ORDER_MARK TEXT("\xEF\xBB\xBF")
-#define LINE_BYTES (16u << 20)        /* a longer line is no row */
-#define PATIENCE_NS 2000000000        /* [ns] time that a slow pipe has to reach its end */
-#define ENOUGH_BYTES (2 * HEAD_BYTES) /* bytes within which the table has to begin */
+#define LINE_BYTES (16u << 20)        /* [byte] a longer line cannot be a row */
+#define PATIENCE_NS 2000000000        /* [ns] time in which a slow pipe must reach its end */
+#define ENOUGH_BYTES (2 * HEAD_BYTES) /* [byte] the table has to begin within these */
 
 /* ---- kinds of files ---- */
 
@@ -27,7 +25,7 @@ static bool is_xml(struct text text)
 }
 
 enum {
-    /* [byte] that tell what a file is: blanks may stand before a document's first element */
+    /* [byte] read to recognise the kind; blanks may precede a document's first element */
     HEAD = 512
 };
 
@@ -58,6 +56,7 @@ static const struct {
     {"{\\rtf", "a rich text document (.rtf)"},
 };
 
+/* Returns false with the error if the text begins like a known kind of binary file. */
 static bool refuse_known(struct text text, const char *name, struct error *error)
 {
     for (size_t i = 0; i < COUNT_OF(binaries); i++)
@@ -69,6 +68,7 @@ static bool refuse_known(struct text text, const char *name, struct error *error
     return true;
 }
 
+/* Sets the error of a NUL byte at offset nul, with its line and column. Returns false. */
 static bool refuse_nul(struct text text, size_t nul, const char *name, struct error *error)
 {
     struct text rest = {text.data, nul + 1}, line = {0};
@@ -80,8 +80,8 @@ static bool refuse_nul(struct text text, size_t nul, const char *name, struct er
     return error_hint(error, "export the data as CSV text");
 }
 
-/* Refuses binary files of known kinds and files with a NUL byte at or after byte `offset`. Returns
- * false with the error if the file is refused. */
+/* Returns false with the error for binary files of known kinds, and for a NUL byte at or after
+ * `offset`. */
 static bool refuse_binary_from(struct text text, size_t offset, const char *name,
                                struct error *error)
 {
@@ -99,6 +99,7 @@ bool refuse_binary(struct text text, const char *name, struct error *error)
 
 /* ---- while it is read ---- */
 
+/* Returns false with the error if UTF-16 text has a NUL character at or after byte `offset`. */
 static bool refuse_wide_nul(struct text bytes, size_t offset, const char *name, struct error *error)
 {
     for (size_t i = offset - offset % 2; i + 1 < bytes.len; i += 2)
@@ -111,6 +112,7 @@ static bool refuse_wide_nul(struct text bytes, size_t offset, const char *name, 
     return true;
 }
 
+/* Returns false with the error if a container is larger than PACKED_MAX. */
 static bool refuse_large(const struct intake *intake, uintmax_t size, struct error *error)
 {
     if (size <= PACKED_MAX)
@@ -121,7 +123,8 @@ static bool refuse_large(const struct intake *intake, uintmax_t size, struct err
     return error_hint(error, "unpack it, or export the data as CSV");
 }
 
-/* The line at hand, which began somewhere before. */
+/* Returns false with the error if the current line is too long. `offset` is where the new bytes
+ * begin; updates intake->line. */
 static bool refuse_endless_line(struct intake *intake, struct text text, size_t offset,
                                 struct error *error)
 {
@@ -176,6 +179,7 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, 
     }
     intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;
     intake->grew = watch.grew && intake->packing == PACKING_NONE;
+    /* Cuts the incomplete last line off. */
     for (bool whole = !intake->grew; !whole && bytes->len > 0;
          whole = whole || bytes->data[bytes->len - 1] == '\n')
         bytes->data[--bytes->len] = '\0';

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Text files of Octave (save -text) that hold their columns as vectors, one below the other. Those
- * of equal length become a table. A single matrix is a table already and is left to others.
- */
+/* Text files of Octave (save -text) that store columns as vectors, one after the other: vectors of
+ * equal length become a table. A single matrix is a table already and is read as ordinary text. */
 #include "modules/recording/container/container.h"
 
 #include <hooke/base/number.h>
@@ -13,12 +11,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Largest number of variables that are read from a file. */
 enum { VARIABLES_MAX = 256 };
 
+/* A variable of the file; its texts point into the file's text. */
 struct octave_variable {
     struct text name, body; /* the body has its numbers, separated by white space */
-    double rows, columns;   /* 0 of what is no array of real numbers */
-    bool is_range;          /* the body has base, limit, increment */
+    double rows, columns;   /* 0 unless it is an array of real numbers */
+    bool is_range;          /* the body is base, limit, increment */
     double base, increment;
 };
 
@@ -41,6 +41,7 @@ static struct text next_word(struct text *rest)
     return word;
 }
 
+/* Returns true if the line begins with the label; sets *value to the text after it. */
 static bool has_label(struct text line, const char *label, struct text *value)
 {
     if (!text_starts(line, text_of(label)))
@@ -49,6 +50,7 @@ static bool has_label(struct text line, const char *label, struct text *value)
     return true;
 }
 
+/* Reads a range (base:increment:limit) as a vector; a faulty one stays empty. */
 static void read_range(struct octave_variable *v)
 {
     struct text rest = v->body;
@@ -61,6 +63,7 @@ static void read_range(struct octave_variable *v)
     }
 }
 
+/* Collects the variables of the file, up to VARIABLES_MAX. */
 static void read_variables(struct text text, struct octave_file *file)
 {
     struct text line, value;
@@ -92,8 +95,8 @@ static void read_variables(struct text text, struct octave_file *file)
         read_range(v);
 }
 
-/* Returns the number of values of a vector, 0 of anything else, and of one that claims more values
- * than its text can hold. */
+/* Returns the number of values of a vector, or 0 for anything else and for a vector that claims
+ * more values than its text can hold. */
 static double vector_length(const struct octave_variable *v)
 {
     static const double range_max = 1e7;
@@ -102,7 +105,7 @@ static double vector_length(const struct octave_variable *v)
     return (v->rows == 1 || v->columns == 1) && length >= 2 && length <= max ? length : 0;
 }
 
-/* Returns the length of the longest vectors below `limit`, 0 if there is none. */
+/* Returns the length of the longest vectors shorter than `limit`, or 0 if there are none. */
 static double longest_vectors(const struct octave_file *file, double limit)
 {
     double longest = 0;
@@ -113,7 +116,8 @@ static double longest_vectors(const struct octave_file *file, double limit)
     return longest;
 }
 
-/* Puts the vectors of one length into one table, unless there is only one of them. */
+/* Adds a part with all vectors of that length side by side, unless there is only one of them.
+ * Returns false with the error. */
 static bool add_table(struct octave_file *file, double length, struct contents *contents,
                       struct error *error)
 {
@@ -145,7 +149,7 @@ static bool add_table(struct octave_file *file, double length, struct contents *
     return !part->text.failed || error_memory(error);
 }
 
-/* Returns true if there is a matrix of rows and columns. */
+/* Returns true if a variable has several rows and several columns. */
 static bool has_matrix(const struct octave_file *file)
 {
     for (size_t i = 0; i < file->variables; i++)
@@ -154,6 +158,7 @@ static bool has_matrix(const struct octave_file *file)
     return false;
 }
 
+/* Returns false with the error if there are two vectors, which then differ in length. */
 static bool refuse_lengths(const struct octave_file *file, const char *shown, struct error *error)
 {
     const struct octave_variable *a = NULL, *b = NULL;

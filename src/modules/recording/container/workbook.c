@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The sheets of an .xlsx workbook (ECMA-376, part 1, chapter 18) as tables of text. Dates and
- * times, which are numbers with a format, become stamps; of formulas the stored values are read.
- */
+/* The sheets of an .xlsx workbook (ECMA-376, part 1, chapter 18) as tables of text. Dates and
+ * times, which are numbers with a format, become stamps; formulas are represented by their stored
+ * values. The XML documents of the workbook are parsed in turn: list of sheets, their paths,
+ * formats, shared strings, sheets. */
 #include <hooke/base/number.h>
 #include "modules/recording/container/container.h"
 
@@ -11,50 +11,55 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Formats and styles of cells that are used at most. */
 #define STYLES_MAX 4096
 #define EPOCH_1900 25569.0 /* [day] 1970-01-01 in Excel's count */
-#define EPOCH_1904 24107.0 /* … in that of old Macintosh files */
+#define EPOCH_1904 24107.0 /* [day] the same in the count of old Macintosh files */
+/* Cells of a sheet at most. */
 #define CELLS_MAX 20000000
 #define WORDS_MAX (1u << 21) /* shared strings: twice the rows that a sheet may have */
-/* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
+/* A workbook's text may have this many times the size of its XML, plus EXPANSION_FREE bytes. */
 #define GROWTH_MAX 4
 
+/* Meaning of a number by its format: number, date, or time of day. */
 enum cell_style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
 
+/* A workbook that is being read. */
 struct workbook {
     const struct archive_content *content;
     const char *shown;
     struct error *error;
     struct arena arena;
-    struct { /* sheets in the order of the workbook */
+    /* sheets in the workbook's order; name, identifier of the relation, path in the archive */
+    struct {
         char *name, *relation, *path;
     } sheet[PARTS_MAX];
     int sheets;
-    double epoch;
-    struct { /* formats of numbers of the workbook's own */
+    double epoch; /* [day] 1970-01-01 in the workbook's count */
+    struct {      /* number formats that the workbook defines */
         long id;
         enum cell_style style;
     } format[STYLES_MAX];
     int formats;
-    unsigned char style[STYLES_MAX]; /* styles of cells */
+    unsigned char style[STYLES_MAX]; /* [styles] enum cell_style of each cell style */
     int styles;
-    bool in_cell_styles;
-    struct text *word; /* shared strings */
+    bool in_cell_styles; /* the parser is inside the list of cell styles */
+    struct text *word;   /* [words] shared strings */
     size_t words, capacity;
     struct buffer text; /* text of the current element */
-    bool keep;          /* text is wanted */
-    /* one sheet */
+    bool keep;          /* the text of the current element is collected */
+    /* State of the sheet that is being read. */
     struct buffer *output;
-    int column, filled; /* column of the current cell; number of cells written in this row */
-    char type[16];
+    int column, filled; /* column of the current cell; cells written in this row */
+    char type[16];      /* type of the current cell: n, s (shared string), str, e (error) … */
     enum cell_style cell_style;
-    size_t cells;
-    size_t left; /* [byte] text that all sheets may still become */
+    size_t cells; /* cells read so far */
+    size_t left;  /* [byte] that the text of the remaining sheets may have */
 };
 
 bool workbook_wanted(const char *path)
 {
-    /* whatever the writer calls a sheet; their relations lie in a folder of their own */
+    /* A sheet may have any name; the relations of sheets are in a folder of their own. */
     const size_t len = strlen(path);
     const bool sheet = strncmp(path, "xl/worksheets/", 14) == 0 && !strchr(path + 14, '/') &&
                        strcmp(path + len - 4, ".xml") == 0;
@@ -63,6 +68,7 @@ bool workbook_wanted(const char *path)
            strcmp(path, "xl/sharedStrings.xml") == 0 || strcmp(path, "xl/styles.xml") == 0;
 }
 
+/* Handles text: collects it if it belongs to a wanted element. */
 static bool keep_text(void *context, struct text text)
 {
     struct workbook *book = context;
@@ -77,6 +83,7 @@ static void begin_text(struct workbook *book)
     book->keep = true;
 }
 
+/* Handles the end of an element by doing nothing. */
 static bool no_end(void *context, const char *name)
 {
     (void)context, (void)name;
@@ -85,6 +92,7 @@ static bool no_end(void *context, const char *name)
 
 /* ---- which sheets there are ---- */
 
+/* Handles an element of the document xl/workbook, collecting the sheets and the epoch of dates. */
 static bool workbook_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -104,6 +112,7 @@ static bool workbook_start(void *context, const char *name, const char **attribu
            error_memory(book->error);
 }
 
+/* Handles an element of the relations: sets the path of each sheet. */
 static bool relation_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -123,7 +132,8 @@ static bool relation_start(void *context, const char *name, const char **attribu
 
 /* ---- formats: which numbers are dates ---- */
 
-/* A number format's code: letters of dates outside of quotes, brackets and escapes. */
+/* Returns the meaning of a number format by the letters of dates and times outside of quotes,
+ * brackets and escapes. */
 static enum cell_style style_of_code(const char *code)
 {
     bool date = false, time = false, quoted = false, bracket = false;
@@ -142,7 +152,8 @@ static enum cell_style style_of_code(const char *code)
     return time ? STYLE_TIME : STYLE_NUMBER;
 }
 
-/* ECMA-376, 18.8.30: 14 to 17 and 22 are dates, 18 to 21 and 45 to 47 times. */
+/* Returns the meaning of a number format: one that the workbook defines or a built-in one
+ * (ECMA-376, 18.8.30: 14 to 17 and 22 are dates, 18 to 21 and 45 to 47 times). */
 static enum cell_style style_of_id(const struct workbook *book, long id)
 {
     for (int i = 0; i < book->formats; i++)
@@ -153,6 +164,7 @@ static enum cell_style style_of_id(const struct workbook *book, long id)
     return (id >= 18 && id <= 21) || (id >= 45 && id <= 47) ? STYLE_TIME : STYLE_NUMBER;
 }
 
+/* Handles the start of an element of the styles, collecting number formats and cell styles. */
 static bool style_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -178,6 +190,7 @@ static bool style_end(void *context, const char *name)
 
 /* ---- shared strings ---- */
 
+/* Handles the start of an element of the shared strings. */
 static bool word_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -188,6 +201,7 @@ static bool word_start(void *context, const char *name, const char **attributes)
     return true;
 }
 
+/* Handles the end of an element of the shared strings; adds a string that is complete. */
 static bool word_end(void *context, const char *name)
 {
     struct workbook *book = context;
@@ -223,6 +237,8 @@ static int column_of(const char *reference)
     return column - 1;
 }
 
+/* Begins a cell: sets its column, type and style. Returns false with the error if there are too
+ * many columns or cells. */
 static bool cell_start(struct workbook *book, const char **attributes)
 {
     const char *reference = xml_attribute(attributes, "r"), *type = xml_attribute(attributes, "t"),
@@ -240,6 +256,7 @@ static bool cell_start(struct workbook *book, const char **attributes)
     return true;
 }
 
+/* Handles the start of an element of a sheet: row, cell, value or text. */
 static bool sheet_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -250,12 +267,14 @@ static bool sheet_start(void *context, const char *name, const char **attributes
         return cell_start(book, attributes);
     } else if (strcmp(name, "v") == 0) {
         begin_text(book);
-    } else if (strcmp(name, "t") == 0) { /* a text in several fonts comes in several pieces */
+    } else if (strcmp(name, "t") == 0) { /* text with several fonts has several pieces */
         book->keep = true;
     }
     return true;
 }
 
+/* Appends the value of the current cell: a shared string, a stamp, or its text; errors stay
+ * empty. */
 static void put_value(struct workbook *book)
 {
     const struct text value = text_trim(buffer_text(&book->text));
@@ -271,8 +290,8 @@ static void put_value(struct workbook *book)
     }
 }
 
-/* Words that many cells share, sheets that are named again, and columns left empty make much of
- * little. */
+/* Returns false with the error if the text is too large. Shared strings, sheets that are listed
+ * twice and empty columns can make much text of little XML. */
 static bool bounded(struct workbook *book)
 {
     if (book->output->failed)
@@ -285,6 +304,7 @@ static bool bounded(struct workbook *book)
     return error_hint(book->error, "save the sheet with the data as CSV");
 }
 
+/* Handles the end of an element of a sheet: a cell is written, a row ended. */
 static bool sheet_end(void *context, const char *name)
 {
     struct workbook *book = context;
@@ -301,6 +321,7 @@ static bool sheet_end(void *context, const char *name)
     return !book->output->failed || error_memory(book->error);
 }
 
+/* Adds sheet i as a part, unless it has none in the archive or was read under another name. */
 static bool read_sheet(struct workbook *book, int i, struct contents *contents)
 {
     const struct xml_reader reader = {book, book->content->cancel, sheet_start, sheet_end,
@@ -322,7 +343,7 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
     return done;
 }
 
-/* A document of the archive, if it is there. */
+/* Parses a document of the archive with these handlers, if it exists. */
 static bool read_document(struct workbook *book, const char *path,
                           bool (*start)(void *context, const char *name, const char **attributes),
                           bool (*end)(void *context, const char *name))

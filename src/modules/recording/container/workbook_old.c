@@ -18,6 +18,7 @@
     X(freexl_worksheet_dimensions)                                                                 \
     X(freexl_get_cell_value)
 
+/* The loaded library and its functions. */
 struct freexl_api {
 #define MEMBER(name) __typeof__(name) *name;
     FREEXL_FUNCTIONS(MEMBER)
@@ -25,6 +26,7 @@ struct freexl_api {
     struct library library;
 };
 
+/* Loads FreeXL. Returns false with the error and a hint if it is not installed. */
 static bool load_freexl_library(struct freexl_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
@@ -41,6 +43,7 @@ static bool load_freexl_library(struct freexl_api *api, const char *shown, struc
     return error_hint(error, "install libfreexl1, or save it as .xlsx or CSV");
 }
 
+/* Appends the value of a cell. */
 static void cell_value_put(struct buffer *output, const FreeXL_CellValue *cell)
 {
     switch (cell->type) {
@@ -62,6 +65,7 @@ static void cell_value_put(struct buffer *output, const FreeXL_CellValue *cell)
     }
 }
 
+/* Adds the sheet with that index as a part. Returns false with the error if it is damaged. */
 static bool read_sheet(const struct freexl_api *api, const void *book, unsigned short index,
                        const char *shown, struct contents *contents, struct error *error)
 {

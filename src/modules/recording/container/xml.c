@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * XML documents, by expat, which is loaded when one is met. A document that declares
- * its type, and so could declare entities, is refused.
- */
+/* Parses XML documents by expat, which is loaded when one is met. A document that declares its
+ * type, and so could declare entities, is refused. */
 #include <hooke/base/library.h>
 #include "modules/recording/container/container.h"
 
@@ -20,9 +18,9 @@ const char *xml_attribute(const char **attributes, const char *name)
 #include <expat.h>
 
 #define EXPAT_LIBRARY "libexpat.so.1"
-#define PIECE_BYTES (1u << 20) /* [byte] parsed at a time */
-#define TOKEN_MAX (8u << 20)   /* [byte] of a name or an attribute */
-#define DEPTH_MAX 200          /* elements in elements: an instrument nests fewer than twenty */
+#define PIECE_BYTES (1u << 20) /* [byte] parsed at once */
+#define TOKEN_MAX (8u << 20)   /* [byte] longest name or attribute */
+#define DEPTH_MAX 200          /* depth of nested elements; an instrument has fewer than twenty */
 
 #define EXPAT_FUNCTIONS(X)                                                                         \
     X(XML_ParserCreate)                                                                            \
@@ -37,6 +35,7 @@ const char *xml_attribute(const char **attributes, const char *name)
     X(XML_ErrorString)                                                                             \
     X(XML_GetCurrentLineNumber)
 
+/* The loaded library and its functions. */
 struct expat_api {
 #define MEMBER(name) __typeof__(name) *name;
     EXPAT_FUNCTIONS(MEMBER)
@@ -44,6 +43,7 @@ struct expat_api {
     struct library library;
 };
 
+/* Loads expat. Returns false with the error and a hint if it is not installed. */
 static bool load_expat_library(struct expat_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
@@ -59,21 +59,24 @@ static bool load_expat_library(struct expat_api *api, const char *shown, struct 
     return error_hint(error, "install libexpat1, or export the data as CSV");
 }
 
+/* A document that is being parsed, the context of expat's handlers. */
 struct parsing {
     struct expat_api api;
     XML_Parser parser;
     const struct xml_reader *reader;
     int depth;
-    size_t events; /* elements and pieces of text so far */
-    bool stopped, typed;
+    size_t events;       /* elements and pieces of text so far */
+    bool stopped, typed; /* a handler ended it; it declares its document type */
 };
 
+/* Ends the parsing; expat may still call handlers, which then do nothing. */
 static void parsing_stop(struct parsing *p)
 {
     p->stopped = true;
     p->api.XML_StopParser(p->parser, XML_FALSE);
 }
 
+/* Passes the start of an element to the reader, unless it is nested too deeply. */
 static void on_start(void *data, const XML_Char *name, const XML_Char **attributes)
 {
     struct parsing *p = data;
@@ -83,6 +86,7 @@ static void on_start(void *data, const XML_Char *name, const XML_Char **attribut
         parsing_stop(p);
 }
 
+/* Passes the end of an element to the reader. */
 static void on_end(void *data, const XML_Char *name)
 {
     struct parsing *p = data;
@@ -92,6 +96,7 @@ static void on_end(void *data, const XML_Char *name)
         parsing_stop(p);
 }
 
+/* Passes text to the reader. */
 static void on_text(void *data, const XML_Char *text, int len)
 {
     struct parsing *p = data;
@@ -100,6 +105,7 @@ static void on_text(void *data, const XML_Char *text, int len)
         parsing_stop(p);
 }
 
+/* Refuses a document type declaration. */
 static void on_type(void *data, const XML_Char *name, const XML_Char *system,
                     const XML_Char *public, int internal)
 {
@@ -109,10 +115,12 @@ static void on_type(void *data, const XML_Char *name, const XML_Char *system,
     parsing_stop(p);
 }
 
+/* Parses the document piece by piece. Returns false with the error if it is invalid, suspicious or
+ * cancelled. */
 static bool parse(struct parsing *p, struct text document, const char *shown, struct error *error)
 {
     bool done = true;
-    size_t events = 0, silent_bytes = 0; /* [byte] since the last of them */
+    size_t events = 0, silent_bytes = 0; /* silent_bytes: [byte] since the last event */
     for (size_t offset = 0; done && offset <= document.len; offset += PIECE_BYTES) {
         const size_t len =
             document.len - offset < PIECE_BYTES ? document.len - offset : PIECE_BYTES;

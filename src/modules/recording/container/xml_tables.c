@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Instruments' XML documents as tables of text: Logger Pro's .cmbl (DataSet, in it DataColumns with
- * a name, a unit and a block of numbers, one a line, Z where there is none) and CASSY Lab 2's .labx
- * (channels, in them channels with quantity, symbol, unit and a list of values). Each set of
- * columns becomes a part.
- */
+/* XML documents of instruments as tables of text: Logger Pro's .cmbl (DataSet with DataColumns that
+ * have a name, a unit and a block of numbers, one a line, Z for a missing one) and CASSY Lab 2's
+ * .labx (channels with quantity, symbol, unit and a list of values). Each set of columns becomes a
+ * part. */
 #include "modules/recording/container/container.h"
 
 #include "modules/recording/table/table.h"
@@ -14,28 +12,33 @@
 #include <string.h>
 
 enum {
+    /* Columns of a data set at most. */
     COLUMNS_MAX = 256,
-    STRANGE_MAX = 20000 /* elements before the first of a table: an instrument has a few hundred */
+    /* Elements before the first one of a table; an instrument has a few hundred. */
+    STRANGE_MAX = 20000
 };
 
+/* A column that is being read. */
 struct xml_column {
-    struct buffer name, unit, cells; /* one cell a line */
+    struct buffer name, unit, cells; /* cells has one cell a line */
 };
 
+/* A document that is being read, the context of the handlers. */
 struct tables {
     struct contents *contents;
     struct error *error;
     const char *shown;
-    bool known; /* the document is one of the two */
-    bool cassy;
-    int strange;           /* elements that belong to neither so far */
-    struct buffer *target; /* receives text, may be NULL */
-    struct buffer set;     /* name of the data set */
+    bool known;            /* the document is of one of the two programs */
+    bool cassy;            /* it is CASSY Lab's */
+    int strange;           /* elements so far that belong to neither */
+    struct buffer *target; /* receives the text of the current element, or NULL */
+    struct buffer set;     /* name of the current data set */
     struct xml_column *column;
     size_t columns;
-    int sets;
+    int sets; /* data sets so far, for their names */
 };
 
+/* Returns true if the name is one of the blank-separated names. */
 static bool is_one_of(const char *name, const char *names)
 {
     struct text rest = text_of(names), one;
@@ -45,6 +48,7 @@ static bool is_one_of(const char *name, const char *names)
     return false;
 }
 
+/* Empties the current data set. */
 static void clear_columns(struct tables *tables)
 {
     for (size_t i = 0; i < tables->columns; i++) {
@@ -56,12 +60,13 @@ static void clear_columns(struct tables *tables)
     buffer_clear(&tables->set);
 }
 
+/* Returns the column that is being read, or NULL. */
 static struct xml_column *newest(struct tables *tables)
 {
     return tables->columns > 0 ? &tables->column[tables->columns - 1] : NULL;
 }
 
-/* Returns the destination of the text of this element. */
+/* Returns the buffer for the text of an element, or NULL if it is not used. */
 static struct buffer *target_of(struct tables *tables, const char *name)
 {
     struct xml_column *column = newest(tables);
@@ -78,6 +83,7 @@ static struct buffer *target_of(struct tables *tables, const char *name)
     return NULL;
 }
 
+/* Sets the error of a document of neither program. Returns false. */
 static bool refuse_strange(const struct tables *tables)
 {
     error_set(tables->error, ERROR_IO,
@@ -86,6 +92,7 @@ static bool refuse_strange(const struct tables *tables)
     return error_hint(tables->error, "open it in the program that made it and export it as CSV");
 }
 
+/* Handles the start of an element: begins a set or a column, and directs its text. */
 static bool start(void *context, const char *name, const char **attributes)
 {
     struct tables *tables = context;
@@ -107,7 +114,8 @@ static bool start(void *context, const char *name, const char **attributes)
     return true;
 }
 
-/* The longest column's numbers, side by side. */
+/* Appends the columns side by side, up to the length of the longest. Returns false with the
+ * error. */
 static bool write_rows(struct tables *tables, struct buffer *output)
 {
     struct text rest[COLUMNS_MAX], cell;
@@ -138,6 +146,7 @@ static bool write_rows(struct tables *tables, struct buffer *output)
     return !output->failed || error_memory(tables->error);
 }
 
+/* Adds the current data set as a part, with a line of names and units, unless it is empty. */
 static bool finish_set(struct tables *tables)
 {
     char name[32];
@@ -165,6 +174,7 @@ static bool finish_set(struct tables *tables)
     return write_rows(tables, &part->text);
 }
 
+/* Handles the end of an element; each <value> of CASSY becomes a line. */
 static bool element_end(void *context, const char *name)
 {
     struct tables *tables = context;
@@ -174,6 +184,7 @@ static bool element_end(void *context, const char *name)
     return !is_one_of(name, tables->cassy ? "channels" : "DataSet") || finish_set(tables);
 }
 
+/* Handles text: appends it to the current target. */
 static bool element_text(void *context, struct text text)
 {
     struct tables *tables = context;

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Parametric bootstrap (Efron & Tibshirani 1993, chapter 6.5): the fitted curve with new normal
- * noise of the residuals' size and lag-1 autocorrelation is fitted again and again; the 2.5 %
- * and 97.5 % quantiles are the interval.
- */
+/* Parametric bootstrap (Efron & Tibshirani 1993, chapter 6.5) of curve_fit(): the fitted curve with
+ * new normal noise of the residuals' size and lag-1 autocorrelation is fitted repeatedly; the 2.5 %
+ * and 97.5 % quantiles of the fitted values are the interval. */
 #include "modules/recording/fit/curve_problem.h"
 
-static double normal(uint64_t *state) /* Box & Muller 1958 */
+/* Returns a standard normal random number (Box & Muller 1958) and advances *state. */
+static double normal(uint64_t *state)
 {
     double u = 1 - random_fraction(state), v = random_fraction(state);
     return sqrt(-2 * log(u)) * cos(TWO_PI * v);
 }
 
-/* Returns the standard deviation of the noise to simulate. Simulated values have no outliers: after
- * a robust fit the noise is that of the samples with weight. */
+/* Returns the standard deviation of the noise to simulate. Simulated samples have no outliers, so
+ * after a robust fit only samples with weight count. */
 static double noise_of(const struct curve_problem *p, const struct curve_fit *fit)
 {
     double square = 0, weight = 0;
@@ -49,6 +48,8 @@ bool fit_bootstrap(const struct curve_problem *p, const struct series *series,
         struct arena scratch = {0};
         struct curve_fit again;
         struct series imagined = *series;
+        /* New samples: curve + first-order autoregressive noise with the residuals' correlation
+         * rho. */
         double noise = normal(&state);
         for (size_t i = 0; i < p->n; i++) {
             y[i] = model[i] + sigma * noise;
@@ -63,6 +64,7 @@ bool fit_bootstrap(const struct curve_problem *p, const struct series *series,
             found[j * rounds + fit->bootstrapped] = again.value[j].value;
         fit->bootstrapped += again.converged;
     }
+    /* The 2.5 % quantile of fewer than 40 values would only be the smallest one. */
     for (int j = 0; j < count && fit->bootstrapped >= 40; j++) {
         size_t n = (size_t)fit->bootstrapped;
         fit->interval[j][0] = values_quantile(found + j * rounds, n, 0.025);

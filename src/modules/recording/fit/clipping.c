@@ -1,34 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise.
- * Samples at which the model lies beyond the level are censored, whatever they read themselves:
- * were they judged by their reading, those that noise carries one way would be kept and the others
- * dropped, and amplitude and decay would be wrong by many standard deviations.
- */
+/* Finds samples with clipped tops (a nearer object echoes, or the sensor's range ends) and leaves
+ * them out: y = min(level, model) + noise. Samples at which the model lies beyond the level are
+ * censored, whatever they read. If they were judged by their reading, those that noise carries one
+ * way would be used and the others dropped, and amplitude and decay would be wrong by many standard
+ * deviations. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
+    /* Smallest number of censored samples from which a level can be computed. */
     CENSORED_MIN = 6,
+    /* Largest number of iterations between level and sine. */
     ROUNDS = 25,
-    ROWS_A_CHANGE = 1 << 14, /* one in this number of rows may still change sides at the end */
+    /* The level has settled if at most one in this number of samples changes sides. */
+    ROWS_A_CHANGE = 1 << 14,
 };
 
-/* standard deviations of the second or third harmonic that make it worth a look */
+/* Standard deviations by which a second or third harmonic must stand out of the noise. */
 #define HARMONIC_CLEAR_SIGMAS 2.5
-#define GAIN_MIN 9.0 /* chi-square by which a ceiling must explain the samples better */
-/* Values that vary by fewer steps of the recording are rounded, not clipped. */
+/* Chi-square by which a ceiling must explain the samples better than none (3 standard
+ * deviations). */
+#define GAIN_MIN 9.0
+/* Values that vary by fewer resolution steps of the recording are rounded, not clipped. */
 #define FLAT_RESOLVED_STEPS 1.5
-/* standard deviations of the noise by which readings of a flat top may scatter, */
+/* Readings of a flat top scatter by at most this number of standard deviations of the noise, plus
+ * this share of what the model does there. */
 #define FLAT_NOISE_RATIO_MAX 3.0
-#define FLAT_SHARE 0.02 /* or by this share of what the model does there */
+#define FLAT_SHARE 0.02
 /* Largest slope of the readings against the model beyond the level: it is 0 for a flat top, 1
  * without clipping. */
 #define SLOPE_MAX 0.35
 
-/* A flat top has harmonics; noise has none at all. */
+/* Returns true if the residuals contain a second or third harmonic of the oscillation, as a flat
+ * top makes and noise does not. */
 static bool has_harmonics(const struct motion *m)
 {
     const struct harmonic *h = &m->harmonic;
@@ -49,8 +55,8 @@ static bool has_harmonics(const struct motion *m)
     return sum[0] * sum[0] > min * norm[0] || sum[1] * sum[1] > min * norm[1];
 }
 
-/* Returns true if the residuals are too small for a flat top that is_flat() could tell from
- * rounding: those of its samples are about as large as the model goes beyond it. */
+/* Returns true if all residuals are so small that is_flat() could not tell a flat top from
+ * rounding: at a flat top, residuals are about as large as the model's excess over the level. */
 static bool is_rounding(const struct motion *m)
 {
     static const double amplitude_share = 1e-5;
@@ -62,10 +68,11 @@ static bool is_rounding(const struct motion *m)
     return true;
 }
 
-/* Returns true if the sine leaves more, beside noise, than even a square wave does: a quarter of
- * its own power. Then no flat tops explain it. */
+/* Returns true if the sine leaves more power, beside noise, than it leaves of a square wave: a
+ * quarter of its own power. Flat tops then do not explain the misfit. */
 static bool is_no_sine(const struct motion *m)
 {
+    /* a quarter, with a margin */
     static const double left_max = 0.3;
     double power = 0, left = 0;
     for (size_t i = 0; i < m->samples.n; i++)
@@ -77,18 +84,23 @@ static bool is_no_sine(const struct motion *m)
     return left > left_max * power;
 }
 
+/* A trial level on one side, the sine fitted to the samples that are not beyond it, and its
+ * quality. */
 struct censoring {
     struct harmonic harmonic;
-    unsigned char *use; /* [n] without the censored ones */
-    double *residual;   /* [n] */
+    unsigned char *use; /* [n] 1 for samples that are used, without the censored ones */
+    double *residual;   /* [n] data minus sine */
+    /* Reading of the flat top, sum of squares, and slope of the readings against the model beyond
+     * it. */
     double level, rss, slope;
-    double excess;  /* distance of the model beyond the level */
-    double scatter; /* standard deviation of the censored readings about the level */
-    size_t censored;
+    double excess;   /* largest distance of the model beyond the level */
+    double scatter;  /* standard deviation of the censored readings about the level */
+    size_t censored; /* number of samples beyond the level */
 };
 
-/* Iterates from a first level and sine: censors samples beyond the level, fits the others, and
- * reads the level again from the censored ones. */
+/* Iterates from a first level (c->level) and a first sine: censors samples beyond the level, fits
+ * the others, and computes the level as the mean of the censored readings. side is 1 for tops and
+ * -1 for bottoms. Fills c. Returns false if too few samples are censored or the fit fails. */
 static bool settle_level(const struct motion *m, int side, const struct harmonic *start,
                          struct censoring *c)
 {
@@ -122,6 +134,7 @@ static bool settle_level(const struct motion *m, int side, const struct harmonic
                                               unseen * m->overview.noise / sqrt(counted)))
             break;
     }
+    /* Statistics of the censored readings: scatter about the level, and slope against the model. */
     c->excess = 0;
     double square = 0, xx = 0, xy = 0, mean_x = 0, mean_y = 0, counted = 0;
     for (size_t i = 0; i < x.n; i++) {
@@ -143,8 +156,8 @@ static bool settle_level(const struct motion *m, int side, const struct harmonic
     return true;
 }
 
-/* A wave with a wide trough is no flat top: its readings change there, by more than noise and
- * rounding do. */
+/* Returns true if the censored readings are level. The wide trough of another wave form is not: its
+ * readings vary with the model, by more than noise and rounding do. */
 static bool is_flat(const struct motion *m, const struct censoring *c)
 {
     return fabs(c->slope) < SLOPE_MAX && c->excess > FLAT_RESOLVED_STEPS * m->quantum &&
@@ -152,8 +165,8 @@ static bool is_flat(const struct motion *m, const struct censoring *c)
                              FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->excess;
 }
 
-/* Sets a motion of every few rows of a long one, in which ceilings are looked for first; of all of
- * a short one. Returns false if out of memory. */
+/* Sets *some to a motion of every k-th sample of a long one, in which ceilings are searched for
+ * first; a short one is copied. Returns false if out of memory. */
 static bool some_rows(const struct motion *m, struct arena *arena, struct motion *some)
 {
     enum { ROWS_MIN = 4096, ROWS_A_PERIOD = 6 };
@@ -186,8 +199,9 @@ static bool some_rows(const struct motion *m, struct arena *arena, struct motion
     return true;
 }
 
-/* Looks for the best ceiling on one side, in some rows first. Returns false if none explains the
- * samples better. */
+/* Searches the best level on one side: from several heights in the thinned motion, then once in all
+ * samples. Returns true with the best in *best if it explains the samples better than no ceiling;
+ * *trial is work space. */
 static bool find_ceiling(const struct motion *m, const struct motion *some, int side,
                          struct censoring *best, struct censoring *trial)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period from the autocorrelation: the shifts at which a series looks most like itself, against
- * their number. */
+/* The period from the autocorrelation: the lags of its peaks, that is the shifts at which a series
+ * resembles itself most, against their number. Also the autocorrelation as a table, for plots. */
 #include "modules/recording/series/internal.h"
 
 #include <hooke/base/cancel.h>
@@ -10,28 +10,34 @@
 #include <string.h>
 
 enum {
+    /* Number of peaks (periods of lag) used at most. */
     PEAKS_MAX = 8,
-    SAMPLES_A_PERIOD = 32, /* smallest number of samples per period; more are averaged */
+    /* Smallest number of samples per period; finer samples are averaged. */
+    SAMPLES_A_PERIOD = 32,
+    /* A long recording is represented by this number of blocks, */
     BLOCKS = 4,
+    /* each with at least this number of samples and */
     BLOCK_MIN = 1024,
+    /* and with no fewer periods than this. */
     PERIODS_IN_BLOCK = 4 * PEAKS_MAX,
 };
 
-/* Parts of a recording on an even grid, its mean taken off: all of it, or of a long one some all
- * along it. */
+/* A recording on an even time grid with its mean subtracted: one block with all of it or, if it is
+ * long, several blocks spread over it. */
 struct blocks {
-    double *y;
+    double *y; /* [count][length] */
     size_t count, length;
-    size_t begin;  /* the sample of each from which on the correlation sums */
+    size_t begin;  /* first sample of each block that the correlation sums */
     double step;   /* [s] between samples */
     double period; /* [samples] */
-    /* [samples] of whole periods that the correlation sums over; 0 takes as many as fit */
+    /* [samples] length over which the correlation sums, a multiple of the period; 0 takes as many
+     * periods as fit. */
     double whole;
     const struct cancel *cancel;
 };
 
-/* Sets block[length] to means of `each` neighbours on the even grid, from the mean of that number
- * on. work [each]. Returns their sum. */
+/* Sets block[length] to means of `each` neighbouring samples on the even grid, starting with the
+ * mean that has index `first`. work [each] is scratch space. Returns the sum of the means. */
 static double fill_block(const struct series *s, const struct even_times *even, size_t each,
                          size_t first, size_t length, double *work, double *block)
 {
@@ -53,7 +59,8 @@ static double fill_block(const struct series *s, const struct even_times *even, 
     return sum;
 }
 
-/* period [s]. Returns false if out of memory. */
+/* Fills *b with averaged samples of the series on its even time grid; period is the known one [s].
+ * Returns false if out of memory. */
 static bool fill_blocks(const struct series *s, const struct even_times *even, double period,
                         struct arena *arena, struct blocks *b)
 {
@@ -85,7 +92,7 @@ static bool fill_blocks(const struct series *s, const struct even_times *even, d
 
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* Adds the weighted sums of x y, x x and y y. */
+/* Adds the sums of x y, x x and y y over n samples, times weight, to sum[0], sum[1] and sum[2]. */
 CLONES static void add_products(const double *x, const double *y, size_t n, double weight,
                                 double sum[3])
 {
@@ -108,10 +115,9 @@ CLONES static void add_products(const double *x, const double *y, size_t n, doub
     sum[2] += weight * ((yy[0] + yy[1]) + (yy[2] + yy[3]));
 }
 
-/*
- * Sums over whole periods, as a remaining part of one would shift the peaks. The last sample counts
- * by the part of it that belongs to them.
- */
+/* Returns the correlation coefficient of the blocks with themselves, shifted by that number of
+ * samples. It sums over whole periods, because a fraction of a period would shift the peaks; the
+ * last sample is weighted by its share in them. */
 static double correlation(const struct blocks *b, size_t shift)
 {
     const double most = (double)(b->length - 1 - shift),
@@ -127,8 +133,9 @@ static double correlation(const struct blocks *b, size_t shift)
     return sum[0] / sqrt(sum[1] * sum[2]);
 }
 
-/* Goes uphill from a shift between low and high. Returns true with the three correlations about the
- * top, false if that is at the border. */
+/* Climbs from *shift to the next maximum of the correlation. Returns true with the correlations one
+ * sample before, at and after the maximum in v; returns false if it reaches the limits low or high,
+ * or if cancelled. */
 static bool climb(const struct blocks *b, size_t low, size_t high, size_t *shift, double v[3])
 {
     for (size_t k = 0; k < 3; k++)
@@ -144,8 +151,9 @@ static bool climb(const struct blocks *b, size_t low, size_t high, size_t *shift
     return true;
 }
 
-/* Returns how far the top lies from the middle one of three correlations [samples]: that of a
- * cosine. Sets *doubt to how far off the top of a parabola is. */
+/* Returns the distance [samples] of the maximum from the middle one of three neighbouring
+ * correlations, by interpolation with a cosine. Sets *doubt to the distance to a parabola's
+ * maximum. */
 static double top_between(const double value[3], double period, double *doubt)
 {
     const double angle = TWO_PI / period,
@@ -155,11 +163,9 @@ static double top_between(const double value[3], double period, double *doubt)
     return cosine;
 }
 
-/*
- * Returns the shift of the highest correlation within a quarter of a period, uphill from where it
- * is expected, or NAN if that is at the border. Between the samples the peak of a cosine is taken;
- * *doubt is how far off the peak of a parabola is.
- */
+/* Returns the shift [samples] of the correlation's maximum within a quarter of a period of the
+ * expected shift, or NAN if it lies on the border. Sets *doubt to an estimate of the interpolation
+ * error. */
 static double peak_about(struct blocks *b, double shift, double *doubt)
 {
     const size_t low = (size_t)fmax(shift - 0.25 * b->period, 1),
@@ -168,7 +174,7 @@ static double peak_about(struct blocks *b, double shift, double *doubt)
     if (low + 2 > high)
         return NAN;
     size_t top = (size_t)fmin(fmax(nearbyint(shift), (double)low + 1), (double)high - 1);
-    /* the same samples at neighbouring shifts */
+    /* Neighbouring shifts are compared over the same samples. */
     b->whole = floor(((double)b->length - 1 - shift - 0.5 * b->period) / b->period) * b->period;
     b->begin = 0;
     if (!climb(b, low, high, &top, value))
@@ -186,12 +192,10 @@ static double peak_about(struct blocks *b, double shift, double *doubt)
     return (double)top + 0.5 * (cosine + later);
 }
 
-/*
- * Variance of the period from the peaks over that of the line through all phases. In noise n about
- * y the shift of peak k is off by the sum of n y' over the first k periods less that over the last
- * ones: what lies between cancels. Peaks share these samples, blocks do not. `samples` counts those
- * of the whole recording.
- */
+/* Returns the variance of the period from the peaks, relative to that from a straight line through
+ * all phases. In white noise n about y, the lag of peak k is off by the sum of n y' over the first
+ * k periods minus that over the last k: everything between cancels. Peaks share these samples,
+ * blocks do not. `samples` is the number of samples of the whole recording. */
 static double variance_of_peaks(const struct blocks *b, double samples, int peaks)
 {
     const double length = (double)b->length, period = b->period,
@@ -233,6 +237,7 @@ bool series_correlation_period(const struct series *series, const struct period 
     period->value = kt / kk;
     for (int k = 0; k < peaks; k++)
         square += (lags[k] - (k + 1) * period->value) * (lags[k] - (k + 1) * period->value);
+    /* Three independent contributions: scatter of the lags, noise, and interpolation. */
     const double scatter = sqrt(square / (peaks - 1) / kk),
                  noise = known->period.uncertainty *
                          sqrt(variance_of_peaks(&blocks, span / blocks.step, peaks));
@@ -276,11 +281,9 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
     return true;
 }
 
-/*
- * Sets out [n] to the normalised correlations of y [n] with itself at all shifts: the transform of
- * the power of y (Wiener 1930, Khinchin 1934), followed by as many zeros. Returns false if out of
- * memory or cancelled.
- */
+/* Sets result [n] to the normalised autocorrelation of y [n] at all lags, as the Fourier transform
+ * of its power spectrum (Wiener 1930, Khinchin 1934). Zeros are appended so that ends do not
+ * overlap. Returns false if out of memory or cancelled. */
 static bool tabulate(const double *y, size_t n, const struct cancel *cancel, struct arena *arena,
                      double *result)
 {
@@ -304,7 +307,7 @@ static bool tabulate(const double *y, size_t n, const struct cancel *cancel, str
         first += y[i] * y[i];
     second = first;
     for (size_t i = 0; i < n; i++) {
-        const double power = fmax(first, 0) * fmax(second, 0); /* but for rounding */
+        const double power = fmax(first, 0) * fmax(second, 0); /* rounding can make them negative */
         result[i] = power > 0 ? data[i] / (double)all / sqrt(power) : 0;
         second -= y[i] * y[i];
         first -= y[n - 1 - i] * y[n - 1 - i];
@@ -326,6 +329,7 @@ double *series_correlations(const struct series *series, struct arena *arena, do
         moment += ((double)i - middle) * (y[i] - mean);
         square += ((double)i - middle) * ((double)i - middle);
     }
+    /* The regression line is subtracted, as a drift would correlate at all lags. */
     for (size_t i = 0; i < n; i++)
         y[i] -= mean + moment / square * ((double)i - middle);
     *grid = y;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Least squares for any curve; robust loss by weights that are set anew between the steps (Holland
- * & Welsch 1977). */
+/* Least squares for any curve (curve_fit()). Robust fits set weights anew between the steps
+ * (Holland & Welsch 1977). The descent itself is in least_squares.c, uncertainties are in
+ * judgement.c. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include "modules/recording/fit/curve_problem.h"
@@ -8,20 +9,27 @@
 #include <math.h>
 #include <string.h>
 
+/* Default number of iterations; rounds of new weights at most, the first of them with soft-L1
+ * weights; and the number of samples from which on a thinned series provides the start. */
 enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY };
 
+/* Tuning constant of the soft-L1 weights, in robust standard deviations. */
 #define SOFT_L1 1.345
-#define WEIGHTS_STAY 1e-3 /* change of a weight below which the weights are frozen */
-/* Step, relative to the value or the uncertainty, below which steps are no longer refined. */
+/* Largest change of a weight with which the weights count as settled. */
+#define WEIGHTS_STAY 1e-3
+/* Steps are refined to this length, relative to the value or the uncertainty; costly curves
+ * less. */
 #define LENGTH_EXACT 1e-14
 #define LENGTH_COSTLY 1e-10
-#define TRUST_ROUGH 1e-8 /* variances that the last step of a rough fit may promise */
+/* Largest gain, in variances of a residual, that the last step of a rough fit may promise. */
+#define TRUST_ROUGH 1e-8
+/* Levenberg-Marquardt damping of the first step. */
 #define DAMPING_FIRST 3e-3
 
 /* ---- the problem ---- */
 
-/* Computes residuals and derivatives at x, in the curve's order. Returns false if the curve has no
- * value there. */
+/* Computes residuals and derivatives at x, in the curve's order, unless they are those of x
+ * already. Returns false if the curve has no finite value or derivative there. */
 static bool evaluate(struct curve_problem *p, const double *x)
 {
     const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
@@ -40,20 +48,22 @@ static bool evaluate(struct curve_problem *p, const double *x)
     return p->known = true;
 }
 
-/* Converts from the model's order to the curve's, and back. */
+/* Converts parameters from the model's order to the curve's. */
 static void to_curve(const struct curve_problem *p, const double *model, double *curve)
 {
     for (int j = 0; j < p->curve->parameters; j++)
         curve[p->order[j]] = model[j];
 }
 
+/* Converts parameters from the curve's order to the model's. */
 static void to_model(const struct curve_problem *p, const double *curve, double *model)
 {
     for (int j = 0; j < p->curve->parameters; j++)
         model[j] = curve[p->order[j]];
 }
 
-/* The derivatives by the model's first parameters and `right` [n], weighted, as a triangle. */
+/* Sets *t to the triangle of the weighted derivatives by the model's first `columns` parameters,
+ * with `right` [n] as the last column. Returns false if cancelled. */
 static bool triangle_fold(const struct curve_problem *p, int columns, const double *right,
                           struct triangle *t)
 {
@@ -79,6 +89,7 @@ static bool triangle_fold(const struct curve_problem *p, int columns, const doub
     return true;
 }
 
+/* Fills the triangle of the first `columns` parameters at x (see struct least_squares). */
 static bool linearise(void *context, const double *x, int columns, struct triangle *t)
 {
     struct curve_problem *p = context;
@@ -87,6 +98,8 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     return evaluate(p, place) && triangle_fold(p, columns, p->residual, t);
 }
 
+/* Fills the triangle with the second derivative of the residuals along `step`, by a finite
+ * difference (see struct least_squares). */
 static bool curvature(void *context, const double *x, const double *step, struct triangle *t)
 {
     static const double part = 0.02; /* fraction of the step over which the difference is taken */
@@ -107,7 +120,7 @@ static bool curvature(void *context, const double *x, const double *step, struct
     return triangle_fold(p, p->model.parameters, p->scratch, t);
 }
 
-/* The linear parameters first; none is, if linear is NULL. */
+/* Sets the model's order of parameters: those marked in `linear` first. NULL marks none. */
 static void set_order(struct curve_problem *p, const bool *linear)
 {
     int others = 0;
@@ -159,10 +172,13 @@ double curve_solve_linears(struct curve_problem *p, double *x)
 
 /* ---- the minimum ---- */
 
+/* Manners of descent: to 1e-8 variances; to the last digits; the same with geodesic acceleration;
+ * and with damping scaled by the present columns. */
 enum manner { ROUGHLY, EXACTLY, ACCELERATED, RESCALED, MANNERS };
 
-/* Descends from x to the minimum, or to its last digits. Returns false if there is no value at x,
- * or if cancelled. */
+/* Descends from x, in the curve's order, to the minimum in the given manner with at most `max`
+ * steps, and adds their number to *iterations. Returns false if the curve has no value at x, or if
+ * cancelled. */
 static bool go_down(struct curve_problem *p, double *x, enum manner manner, int max,
                     int *iterations)
 {
@@ -178,7 +194,9 @@ static bool go_down(struct curve_problem *p, double *x, enum manner manner, int 
                                             .iterations = max,
                                             .cancel = p->cancel};
     to_model(p, x, d.x);
-    if (p->model.linears > 0) { /* slopes by the others need the linear ones */
+    /* The derivatives by the nonlinear parameters depend on the linear ones, so these are solved
+     * first. */
+    if (p->model.linears > 0) {
         struct triangle t = {.n = p->model.linears};
         if (!isfinite(solve_linears(&p->model, d.x, &t)))
             return false;
@@ -190,7 +208,8 @@ static bool go_down(struct curve_problem *p, double *x, enum manner manner, int 
     return done;
 }
 
-/* Robust standard deviation of the residuals [from, to) about `middle`. */
+/* Returns the robust standard deviation (from the median) of the residuals begin to end - 1 about
+ * `middle`. */
 static double robust_scale(struct curve_problem *p, double middle, size_t begin, size_t end)
 {
     for (size_t i = begin; i < end; i++)
@@ -198,8 +217,8 @@ static double robust_scale(struct curve_problem *p, double middle, size_t begin,
     return MAD_TO_SIGMA * values_quantile(p->scratch + begin, end - begin, 0.5);
 }
 
-/* Sets the weights of the residuals in robust standard deviations. Returns the largest change, or
- * INFINITY if stopped. */
+/* Sets the weights from the residuals in robust standard deviations: soft-L1 or bisquare. Returns
+ * the largest change of a weight, or INFINITY if cancelled. */
 static double set_weights(struct curve_problem *p, bool soft)
 {
     const size_t stretches = p->stretch > 0 && p->n >= 2 * p->stretch ? p->n / p->stretch : 1;
@@ -223,7 +242,8 @@ static double set_weights(struct curve_problem *p, bool soft)
     return cancelled(p->cancel) ? INFINITY : change;
 }
 
-/* Weights and steps by turns, until the weights stay. *settles: they did. */
+/* Alternates between new weights and single steps from x until the weights settle; *settles tells
+ * whether they did. Returns false if the curve has no value or the search was cancelled. */
 static bool find_weights(struct curve_problem *p, double *x, int *iterations, bool *settles)
 {
     for (int round = 0; round < ROBUST_ROUNDS; round++) {
@@ -240,7 +260,9 @@ static bool find_weights(struct curve_problem *p, double *x, int *iterations, bo
     return true;
 }
 
-/* Begins with variable projection if the curve is linear in some parameters. */
+/* Finds the minimum from x and judges it. It begins with variable projection if the curve is linear
+ * in some parameters, then bounds and weights are applied to all, and the manners of descent are
+ * tried until one converges. Returns false if the curve has no value at x, or if cancelled. */
 static bool minimise(struct curve_problem *p, double *x, const struct curve_options *o,
                      struct curve_fit *fit)
 {
@@ -283,6 +305,7 @@ static bool minimise(struct curve_problem *p, double *x, const struct curve_opti
     return !cancelled(p->cancel);
 }
 
+/* Sets the error of a curve without a finite value or derivative at the start. Returns false. */
 static bool fit_error_set(const struct fit_curve *curve, const double *start, struct error *error)
 {
     struct buffer where = {0};
@@ -296,6 +319,8 @@ static bool fit_error_set(const struct fit_curve *curve, const double *start, st
     return error_hint(error, "give other starts");
 }
 
+/* Sets the size of each parameter by which is judged if it lies on a bound: its distance from a
+ * bound, or from 0 without bounds. */
 static void set_units(struct curve_problem *p, const struct curve_options *o, const double *start)
 {
     const double *low = o->low, *high = o->high;
@@ -307,10 +332,9 @@ static void set_units(struct curve_problem *p, const struct curve_options *o, co
     }
 }
 
-/*
- * Takes the start of a fit of very many samples from a fit of a regular selection of them. Returns
- * false if there is no memory for these; a fit of them that fails leaves the start unchanged.
- */
+/* Replaces the start x of a fit of very many samples by the answer of a fit to a thinned series.
+ * Returns false if out of memory for the thinned series. If that fit fails, the start stays
+ * unchanged; the error is set if it was cancelled. */
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)
 {

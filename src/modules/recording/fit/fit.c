@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fits that need no guess: damped and plain sine, with what they are worth. */
+/* Fits of fit_catalog that need no guess (damped and plain sine, laws), from the harmonic fit of a
+ * struct motion to values with uncertainties. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include "modules/recording/fit/least_squares.h"
@@ -8,7 +9,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Covariance of two linear combinations of the parameters. */
+/* Returns the covariance of two linear combinations a and b of the harmonic's parameters, in units
+ * of the variance of a residual. */
 static double covariance(const struct harmonic *h, const double *a, const double *b)
 {
     return quadratic_form(HARMONIC_PARAMETERS, HARMONIC_PARAMETERS, a, &h->inverse[0][0], b);
@@ -24,7 +26,9 @@ void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncer
     }
 }
 
-/* gradient [SINE_PARAMETERS], each with the deviation of a residual that counts for it. */
+/* Fills the covariances of amplitude, phase, omega and gamma. gradient[i] has the derivatives of
+ * value i by the harmonic's parameters, and deviation[i] is the standard deviation of a residual as
+ * it acts on value i. */
 static void cover(const struct harmonic *h, const double *const gradient[],
                   const double deviation[], struct fit_covariance *result)
 {
@@ -35,13 +39,11 @@ static void cover(const struct harmonic *h, const double *const gradient[],
                 deviation[i] * deviation[j] * covariance(h, gradient[i], gradient[j]);
 }
 
-/*
- * Converts the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi),
- * with t counted from t0, A >= 0 and phi in (-pi, pi]. Uncertainties are the covariance of the
- * least-squares problem times the variance of the residuals, widened for what the residuals have in
- * common with each parameter (sway, drift). The caller adds the difference between the halves.
- * Other errors of the model are not included (see the warnings).
- */
+/* Converts the harmonic's parameters to those of y = c + A exp(-gamma t/2) cos(omega t + phi), with
+ * t counted from t0, A >= 0 and phi in (-pi, pi], and stores them in fit. Uncertainties come from
+ * the covariance of the least-squares problem, widened for what the residuals have in common with
+ * each parameter (sway, drift). The caller adds the difference between the halves; other errors of
+ * the model are not included (see the warnings). */
 static void report(const struct samples *x, const double *residual, const struct harmonic *h,
                    int unknowns, double t0, struct fit *fit)
 {
@@ -75,8 +77,8 @@ static void report(const struct samples *x, const double *residual, const struct
     cover(h, gradient, deviation, &fit->covariance);
 }
 
-/* One half of the samples on its own, from the whole's frequency and damping on. NAN where it
- * determines nothing. */
+/* Fits one half of the samples, begin to end - 1, starting from the whole's frequency and damping,
+ * and stores gamma and period as half i. Leaves them NAN where the half does not determine them. */
 static void fit_half(const struct motion *m, size_t begin, size_t end, int i, struct fit *fit)
 {
     struct samples part = samples_part(&m->samples, begin, end);
@@ -94,8 +96,8 @@ static void fit_half(const struct motion *m, size_t begin, size_t end, int i, st
     }
 }
 
-/* Halves that differ by more than chance: the one number for the whole is only as good as half
- * their difference. */
+/* Widens the uncertainty of *whole to half the difference of its halves if they differ by more than
+ * chance: one value for the whole is then not more certain than that. */
 static void widen_by_halves(const struct measured half[2], struct measured *whole)
 {
     double difference = fabs(half[0].value - half[1].value),
@@ -105,10 +107,11 @@ static void widen_by_halves(const struct measured half[2], struct measured *whol
     }
 }
 
+/* Size of the text of say_left_out(). */
 enum { LEFT_OUT_SIZE = 120 };
 
-/* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)"
- */
+/* Writes how many samples a fit would leave out, as ": it would leave out 205 of 600 samples, 200
+ * of them at flat tops (clipped)", or an empty text if none. */
 static void say_left_out(const struct motion *m, char output[LEFT_OUT_SIZE])
 {
     char flat[64] = "";
@@ -120,7 +123,8 @@ static void say_left_out(const struct motion *m, char output[LEFT_OUT_SIZE])
                  m->samples.n, flat);
 }
 
-/* Names the window that one damped sine describes, where there is one. Returns false. */
+/* Adds a hint to the error: the window that one damped sine describes, if one exists. Returns
+ * false. */
 static bool hint_swing(const struct motion *m, const struct series *series, struct error *error)
 {
     static const double same_period_log = 0.2;
@@ -134,6 +138,8 @@ static bool hint_swing(const struct motion *m, const struct series *series, stru
                       "fit a shorter window; 'measure period' also works when the period changes");
 }
 
+/* Sets the error of a series that oscillates but is described by no law of damping. Returns
+ * false. */
 static bool refuse_laws(const struct motion *m, const struct series *series, struct fit *fit,
                         struct error *error)
 {
@@ -146,9 +152,13 @@ static bool refuse_laws(const struct motion *m, const struct series *series, str
     return hint_swing(m, series, error);
 }
 
-/* Laws that are integrated beside the sine: none, laws of damping, those and restoring forces. */
+/* Laws that are integrated beside the sine: none, laws of damping, or these and restoring
+ * forces. */
 enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
 
+/* Fits a damped or plain sine to the series and, if asked for, laws; this is the common body of the
+ * catalog's rows. Fills *fit. Returns false with the error if the series does not oscillate, the
+ * fit does not converge, or it was cancelled. */
 static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws,
                          const struct series *series, struct arena *arena,
                          const struct cancel *cancel, struct fit *fit, struct error *error)
@@ -161,6 +171,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     if (!motion_require(&m, series, arena, cancel, error)) {
         return false;
     }
+    /* The motion was fitted with damping; a plain sine is fitted again without. */
     if (unknowns == FREE_OMEGA) {
         m.harmonic.gamma = 0;
         m.harmonic.a = m.harmonic.b = m.harmonic.d = 0;
@@ -172,6 +183,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     if (cancelled(cancel)) {
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
     }
+    /* The answer of the sine, which is also the start of the laws. */
     fit->t0 = fit->window[0] = series->t[0];
     fit->window[1] = series->t[series->n - 1];
     fit->rms = sqrt(m.harmonic.rss / (double)m.harmonic.used);
@@ -181,6 +193,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     fit->iterations = m.harmonic.iterations;
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
+    /* One sine does not fit. Laws get their chance; otherwise the error names two frequencies or a
+     * better window. */
     if (m.tracked && !fit->converged && !drag) {
         char left_out[LEFT_OUT_SIZE];
         say_left_out(&m, left_out);
@@ -225,6 +239,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         if (drag && fit_discards_much(m.rejected, m.samples.n))
             return refuse_laws(&m, series, fit, error);
     }
+    /* The uncertainty of the recording's clock comes last: it is common to all times. */
     if (m.samples.pace > 0) {
         fit->period = measured_at_pace(fit->period, m.samples.pace);
         fit->omega = measured_at_pace(fit->omega, m.samples.pace);

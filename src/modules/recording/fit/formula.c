@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formulas in t as curves: which names are parameters, and their values and derivatives. */
+/* Formulas in t as curves: compiles a formula, with unknown names as its parameters, and evaluates
+ * its values and derivatives. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include <hooke/scene/formula.h>
@@ -7,26 +8,33 @@
 
 #include <string.h>
 
-/* Numbering of the variables: the columns (t last), the parameters, the known names. */
+/* Names that are met while a formula is compiled. Their slots are numbered: columns (t last),
+ * parameters, known names. */
 struct formula_names {
     struct formula *formula;
     const struct expr_scope *known;
     struct arena *arena;
-    double *constant; /* [LIMIT_TOKENS] values of known names */
+    double *constant; /* [CONSTANTS_MAX] values of known names */
     int constants;
+    /* The reason for which the compiler stopped, if it was not the text: too many parameters, or
+     * memory. */
     enum { NAMES_FINE, NAMES_MANY, NAMES_MEMORY } state;
 };
 
 enum {
+    /* Slots of the first parameter and of the first known name, and the number of known names at
+     * most. */
     FIRST_PARAMETER = 64,
     FIRST_CONSTANT = FIRST_PARAMETER + CURVE_PARAMETERS,
     CONSTANTS_MAX = 256
 };
 
+/* Context of the compiler's scope, const for it; the names behind it grow. */
 struct scope_context {
     struct formula_names *names;
 };
 
+/* Returns the index of the parameter with that name, or -1 if there is none. */
 static int find_parameter(const struct formula *f, struct text name)
 {
     for (int j = 0; j < f->parameters; j++)
@@ -35,6 +43,8 @@ static int find_parameter(const struct formula *f, struct text name)
     return -1;
 }
 
+/* Finds a known name, stores its present value as a constant, and sets *slot. Returns false if the
+ * name is unknown or there are too many. */
 static bool find_constant(struct formula_names *n, struct text name, int *slot)
 {
     int known;
@@ -46,7 +56,8 @@ static bool find_constant(struct formula_names *n, struct text name, int *slot)
     return true;
 }
 
-/* Names with a hyphen are only what is known so: b1-b2 is a difference. */
+/* Finds the slot of a name for the compiler; an unknown name becomes a new parameter. Returns false
+ * if it cannot be one. Only known names may contain a hyphen: b1-b2 is a difference. */
 static bool formula_name_find(const void *context, struct text name, int *slot)
 {
     struct formula_names *n = ((const struct scope_context *)context)->names;
@@ -82,7 +93,8 @@ static bool formula_name_find(const void *context, struct text name, int *slot)
     return true;
 }
 
-/* As many parameters as the formula is linear in together, the first ones first. */
+/* Marks the parameters in which the formula is linear together. Where this leaves a choice, the
+ * first ones win. */
 static void mark_linear(struct formula *f)
 {
     int chosen[CURVE_PARAMETERS], count = 0;
@@ -121,6 +133,8 @@ bool formula_compile(struct text text, const struct expr_scope *known,
     return true;
 }
 
+/* Returns the index of a parameter, or -1 with an error and a suggestion if the formula has none of
+ * that name. */
 static int require_parameter(const struct formula *f, struct text name, struct error *error)
 {
     int j = find_parameter(f, name);
@@ -147,13 +161,18 @@ bool formula_start(struct formula *f, struct text name, double start, struct err
 
 /* ---- evaluation ---- */
 
+/* Number of all slots. */
 enum { NAMES = FIRST_CONSTANT + CONSTANTS_MAX };
 
+/* A formula translated for evaluation, with its input by slot, output (value, then derivatives) and
+ * frames of work space. */
 struct formula_program {
-    struct program *value, *all; /* the value; with its derivatives by the parameters */
+    struct program *value, *all; /* computes the value; the value and all derivatives */
     double *input, *output, *frame[2];
 };
 
+/* Translates the formula and its derivatives by all parameters into programs, with memory of the
+ * arena. Returns false with the error if out of memory or a derivative does not exist. */
 static bool make_programs(struct formula *f, struct equations *e, struct arena *arena,
                           struct error *error)
 {

@@ -1,27 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Fitting a formula, with starts that are looked for: what it is linear in is projected out, the
- * rest is tried on the scales of the series; the best trials are refined.
- */
+/* Fits a formula (formula_fit()), with a search for starts that are not given: linear parameters
+ * are solved for, the others are tried on the scales of the series, and the best trials are
+ * refined. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/fit/formula.h"
 #include "modules/recording/fit/curve_problem.h"
 
 #include <string.h>
 
+/* Samples of the thinned series; random starts; starts that are refined; scales at most. */
 enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
 
+/* State of the search for starts. */
 struct formula_search {
     struct formula formula; /* the formula, with its columns thinned like the series */
-    struct series thin;
+    struct series thin;     /* the thinned series */
     struct fit_curve curve;
     struct curve_problem problem;            /* least-squares problem of the thinned series */
     int unknown[CURVE_PARAMETERS], unknowns; /* parameters that are neither linear nor given */
-    double scale[SCALES_MAX];
+    double scale[SCALES_MAX];                /* sizes that parameters may have */
     int scales;
-    uint64_t state;
+    uint64_t state; /* state of the random numbers */
 };
 
+/* A trial start and its sum of squares on the thinned series. */
 struct formula_trial {
     double x[CURVE_PARAMETERS], rss;
 };
@@ -31,8 +33,9 @@ static double uniform(struct formula_search *s)
     return random_fraction(&s->state);
 }
 
-/* Takes one sample of each `each`, at an uneven place, so that no frequency is hidden between
- * them. */
+/* Thins the series and the formula's columns to THIN samples, at random places within even
+ * intervals so that no frequency is hidden by aliasing, and sets up their least-squares problem.
+ * Returns false if out of memory. */
 static bool thin_out(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     size_t n = series->n < THIN ? series->n : THIN, columns = (size_t)s->formula.columns;
@@ -60,7 +63,8 @@ static bool thin_out(struct formula_search *s, const struct series *series, stru
     return curve_problem_init(&s->problem, &s->curve, s->formula.linear, &s->thin, arena);
 }
 
-/* Sizes that parameters of curves through these samples tend to have. */
+/* Collects sizes that parameters of a curve through these samples tend to have: frequencies, spans,
+ * ranges, and plain numbers. */
 static void find_scales(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
@@ -98,7 +102,8 @@ static void find_scales(struct formula_search *s, const struct series *series, s
             s->scale[s->scales++] = sizes[i];
 }
 
-/* A value to try: a scale of the series or any size, of either sign. */
+/* Returns a random value to try: a scale of the series or a size between 1e-5 and 1e3, of either
+ * sign. */
 static double start_value_pick(struct formula_search *s)
 {
     const double size =
@@ -106,7 +111,8 @@ static double start_value_pick(struct formula_search *s)
     return uniform(s) < 0.3 ? -size : size;
 }
 
-/* The best trials, the best first. Returns how many there are. */
+/* Tries random starts; `started` has the values of the given parameters. Fills best, sorted by sum
+ * of squares, and returns the number of entries. */
 static int try_scales(struct formula_search *s, const struct cancel *cancel, const double *started,
                       struct formula_trial *best)
 {
@@ -122,6 +128,7 @@ static int try_scales(struct formula_search *s, const struct cancel *cancel, con
         int position = candidates;
         while (position > 0 && best[position - 1].rss > trial.rss)
             position--;
+        /* The same minimum was found before, with other values of redundant parameters. */
         bool twin = position > 0 && best[position - 1].rss >= trial.rss * (1 - 1e-9);
         if (position == REFINED || twin)
             continue;
@@ -133,24 +140,27 @@ static int try_scales(struct formula_search *s, const struct cancel *cancel, con
     return candidates;
 }
 
-/* A converged answer before one that is not, then the smaller sum of squares. */
+/* Returns true if a is the better answer: converged before not converged, then the smaller sum of
+ * squares. */
 static bool better(const struct curve_fit *a, const struct curve_fit *b)
 {
     return a->converged != b->converged ? a->converged : a->rss < b->rss;
 }
 
+/* Refinement of starts by full fits; `fit` is the best answer so far. */
 struct refining {
     const struct formula *formula;
     const struct series *series;
     const struct curve_options *options;
     struct arena *arena;
     struct curve_fit *fit;
-    bool found; /* fit holds an answer */
-    /* reason if nothing is found; also set if cancelled or out of memory, which ends the search */
+    bool found; /* true if fit holds an answer */
+    /* Set if nothing is found; also if cancelled or out of memory, which ends the search. */
     struct error *error;
 };
 
-/* Copies the result into the memory of the answer. Returns false if out of memory. */
+/* Copies a trial, which lives in a temporary arena, into the memory of the answer. Returns false if
+ * out of memory. */
 static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
 {
     const size_t n = r->series->n;
@@ -167,8 +177,9 @@ static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
     return true;
 }
 
-/* A fit from x, where the linear parameters do not matter if projected; kept if it is better than
- * what there is. Returns false if everything ends. */
+/* Fits the whole series from x and keeps the answer if it is the best so far. If `projected` is
+ * true, linear parameters are solved for first and their start does not matter. Returns false if
+ * the search has to end (cancelled, out of memory). */
 static bool refine(struct refining *r, const double *x, bool projected)
 {
     struct arena own = {0};
@@ -189,6 +200,8 @@ static bool refine(struct refining *r, const double *x, bool projected)
     return goes_on;
 }
 
+/* Fits a formula that is ready (formula_ready()): from the given starts if there are all, else from
+ * the best of a search. Returns false with the error if there is no answer. */
 static bool fit_ready(const struct formula *formula, const struct series *series,
                       const struct curve_options *options, struct arena *arena,
                       struct curve_fit *fit, struct error *error)
@@ -225,6 +238,7 @@ static bool fit_ready(const struct formula *formula, const struct series *series
                   "no start values were found for which the formula is finite everywhere");
     if (!r.found)
         return error_hint(error, "give starts: fit 'a*exp(-b*t)' a=5 b=0.1");
+    /* The bootstrap is run once, for the answer only. */
     *error = (struct error){0};
     if (!options || options->bootstrap <= 0 || !fit->converged)
         return true;

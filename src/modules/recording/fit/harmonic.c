@@ -19,25 +19,27 @@
 #include <math.h>
 #include <string.h>
 
+/* Samples that are summed at once, columns of the problem, and iterations at most. */
 enum { CHUNK = 64, COLUMNS = HARMONIC_PARAMETERS + 1, PASSES = 40 };
 
 #define PIVOT_MIN 1e-10 /* squared sine of the angle between a column and those before it */
 
 typedef double four __attribute__((vector_size(32)));
 
+/* Values of one chunk of samples, as numbers and as vectors. */
 union block {
     double d[CHUNK];
     four p[CHUNK / 4];
 };
 
-/* exp((-gamma/2 + i omega) k dt): a chunk starts from an exact phase, so no error accumulates along
- * the series. */
+/* exp((-gamma/2 + i omega) k dt) for the samples k of a chunk. Each chunk starts from an exact
+ * phase, so that no error accumulates along the series. */
 struct phase_table {
     double re[CHUNK], im[CHUNK];
 };
 
-/* Eight accumulators, so that additions overlap; the order of the sums is fixed, whatever the
- * compiler makes of it. */
+/* Returns the scalar product of two blocks. Eight accumulators let additions overlap; the order of
+ * the sums is fixed, so that every compiler gives the same bits. */
 static inline double block_dot(const union block *x, const union block *y)
 {
     four a = {0, 0, 0, 0}, b = a;
@@ -48,6 +50,7 @@ static inline double block_dot(const union block *x, const union block *y)
     return ((a[0] + a[2]) + (b[0] + b[2])) + ((a[1] + a[3]) + (b[1] + b[3]));
 }
 
+/* Fills the phase table for samples that are dt apart. */
 static void turn_init(struct phase_table *turn, const struct harmonic *h, double dt)
 {
     double e = exp(-0.5 * h->gamma * dt), re = e * cos(h->omega * dt), im = e * sin(h->omega * dt);
@@ -59,9 +62,8 @@ static void turn_init(struct phase_table *turn, const struct harmonic *h, double
     }
 }
 
-/* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `first` on; `count` of them
- * exist.
- */
+/* Fills u + i v = exp((-gamma/2 + i omega) s) and s = t - origin for the chunk of samples from
+ * `first` on, of which `count` exist. */
 static inline void fill_basis(const struct samples *x, size_t first, int count,
                               const struct harmonic *h, const struct phase_table *turn,
                               union block *u, union block *v, union block *s)
@@ -85,8 +87,9 @@ static inline void fill_basis(const struct samples *x, size_t first, int count,
     }
 }
 
-/* Products of the model's first `unknowns` columns and of the residual (the last column). Returns
- * the number of samples used. */
+/* Computes the products of the model's first `unknowns` columns and of the residual (the last
+ * column) over all samples in use, and unless NULL the residuals. Returns the number of samples
+ * used, or 0 if cancelled. */
 CLONES static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
                               double gram[COLUMNS][COLUMNS], double *residual)
 {
@@ -144,12 +147,14 @@ bool harmonic_residuals(const struct samples *x, const struct harmonic *harmonic
     return products(x, 0, harmonic, (double[COLUMNS][COLUMNS]){{0}}, residual) > 0;
 }
 
+/* Context of the least-squares problem of one damped sine. */
 struct harmonic_problem {
     const struct samples *samples;
     const struct harmonic *start; /* origin, and whether it drifts */
     double span;                  /* [s] */
 };
 
+/* Returns the harmonic with the parameters x, and origin and drift as in `start`. */
 static struct harmonic harmonic_at(const struct harmonic *start, const double *x)
 {
     struct harmonic h = *start;
@@ -162,11 +167,14 @@ static struct harmonic harmonic_at(const struct harmonic *start, const double *x
     return h;
 }
 
+/* Fills the triangle of the first `columns` parameters at x (see struct least_squares). Returns
+ * false for parameters that are not physical, or where the columns are not independent. */
 static bool linearise(void *context, const double *x, int columns, struct triangle *t)
 {
     const struct harmonic_problem *p = context;
     const struct harmonic h = harmonic_at(p->start, x);
     double gram[COLUMNS][COLUMNS];
+    /* exp(600) is near the largest double */
     if (!(h.omega > 0) || !(fabs(h.gamma) * p->span < 600))
         return false;
     t->rows = products(p->samples, columns, &h, gram, NULL);
@@ -174,7 +182,8 @@ static bool linearise(void *context, const double *x, int columns, struct triang
            triangle_of_products(t, columns, COLUMNS, &gram[0][0], PIVOT_MIN);
 }
 
-/* Solves for the linear parameters alone. */
+/* Solves for the linear parameters a, b, c, d alone, at given omega and gamma. Returns false if
+ * they are not determined. */
 static bool fit_linear(struct harmonic_problem *p, struct descent *d)
 {
     const struct least_squares model = {
@@ -188,8 +197,8 @@ static bool fit_linear(struct harmonic_problem *p, struct descent *d)
 bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *result,
                   double *residual)
 {
-    /* A step of less than a thousandth of a standard deviation, or one that only stirs rounding
-     * noise, is none. */
+    /* A step of less than a thousandth of a standard deviation, or one that only changes rounding
+     * errors, is the last. */
     static const double trust = 1e-6, rounding = 1e-26;
     const int unknowns = (int)wanted;
     const bool linear = wanted == FREE_LINEAR, cold = result->a == 0 && result->b == 0;
@@ -200,7 +209,8 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         .x = {result->a, result->b, result->c, result->d, result->omega, result->gamma}};
     if (cold)
         d.x[LINEAR_C] = x->y[0];
-    /* no start: work around a first answer, so that rounding is that of the residuals */
+    /* If there is no start, a linear fit is made first: later residuals are then small, and so is
+     * their rounding. */
     if ((cold && !fit_linear(&p, &d)) || (linear && !(cold && !residual) && !fit_linear(&p, &d)))
         return false;
     const double size = d.x[LINEAR_A] * d.x[LINEAR_A] + d.x[LINEAR_B] * d.x[LINEAR_B] +
@@ -255,6 +265,8 @@ double autocorrelation_factor(double rho)
 double line_correlation_factor(double rho, double n)
 {
     /* The variance of a random walk about a line is n/15 of that of a step. */
+    /* A correlation below two standard deviations is chance; one near that of a random walk is
+     * treated as one. The variance of a random walk about a line is n/15 of that of a step. */
     static const double chance = 2, walk_factor = 1.5;
     const double walk = 1 - 7.5 / n;
     if (!(rho > chance / sqrt(n)))

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Levenberg-Marquardt steps (More's scaling) from the triangle of each point; linear parameters are
- * projected out (Golub & Pereyra 2003, Inverse Problems 19 R1; derivatives in Kaufman's form, BIT
- * 15, 1975): the rows of the triangle below theirs are the problem in the others.
- */
+/* Levenberg-Marquardt steps (with Moré's scaling) from the triangle of each point. Linear
+ * parameters are projected out (Golub & Pereyra 2003, Inverse Problems 19 R1; derivatives in
+ * Kaufman's form, BIT 15, 1975): the rows of the triangle below theirs are the problem in the
+ * others. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 #include "modules/recording/fit/least_squares.h"
@@ -12,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Spacing of doubles at 1. */
 static const double epsilon = 2.220446049250313e-16;
 
 /* ---- the triangle ---- */
@@ -73,6 +73,7 @@ double triangle_squares(const struct triangle *t, int solved)
 
 bool triangle_inverse(const struct triangle *t, int width, double *inverse)
 {
+    /* R^-1 by back substitution; the inverse of R^T R is then R^-1 R^-T. */
     double turned[CURVE_PARAMETERS][CURVE_PARAMETERS] = {{0}};
     for (int j = 0; j < t->n; j++) {
         if (t->r[j][j] == 0)
@@ -105,6 +106,7 @@ double quadratic_form(int n, int width, const double *a, const double *matrix, c
 
 /* ---- the linear problem ---- */
 
+/* Returns the Euclidean norm of column j. */
 static double column_length(const struct triangle *t, int j)
 {
     double length = 0;
@@ -134,8 +136,8 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
     gsl_matrix_view u = gsl_matrix_view_array(a, (size_t)rows, (size_t)m),
                     v = gsl_matrix_view_array(p->v, (size_t)m, (size_t)m);
     gsl_vector_view s = gsl_vector_view_array(p->s, (size_t)m);
-    /* The other algorithm of GSL allocates inside, and does not check whether that succeeded;
-     * one-sided rotations (Jacobi) do not. */
+    /* The other algorithm of GSL allocates memory and does not check for failure; one-sided
+     * rotations (Jacobi) do not allocate. */
     gsl_linalg_SV_decomp_jacobi(&u.matrix, &v.matrix, &s.vector);
     for (int k = 0; k < m; k++)
         for (int i = 0; i < rows; i++)
@@ -189,14 +191,17 @@ double solve_linears(const struct least_squares *m, double *x, struct triangle *
     return rss;
 }
 
+/* Work of a descent at its present point. */
 struct walk {
     const struct least_squares *model;
-    bool forgets; /* scale is that of the present columns, else the largest so far */
+    bool forgets; /* scale is that of the present columns, instead of the largest so far */
     double scale[CURVE_PARAMETERS];
     bool held[CURVE_PARAMETERS]; /* parameters held on their bounds */
     struct linear_problem problem;
 };
 
+/* Prepares the linear problem at the present point: holds parameters that are on a bound and pulled
+ * outward, and updates the scales. */
 static void evaluate_model(struct walk *w, const struct descent *d)
 {
     const struct least_squares *m = w->model;
@@ -214,7 +219,8 @@ static void evaluate_model(struct walk *w, const struct descent *d)
     linear_problem_of(t, m->linears, w->held, w->scale, &w->problem);
 }
 
-/* Returns the length of the step relative to what it changes, or to its uncertainty. */
+/* Moves the free parameters of x by step, within the bounds. Returns the largest component of the
+ * step, relative to the value or its uncertainty. */
 static double least_squares_move(const struct least_squares *m, const struct linear_problem *p,
                                  const double *step, double variance, double *x)
 {
@@ -234,6 +240,7 @@ static double least_squares_move(const struct least_squares *m, const struct lin
     return length;
 }
 
+/* Returns the length of a step with each component scaled as in the damping. */
 static double scaled_length(const struct walk *w, const double *step)
 {
     double length = 0;
@@ -242,8 +249,8 @@ static double scaled_length(const struct walk *w, const double *step)
     return length;
 }
 
-/* Adds the geodesic acceleration to the step (Transtrum & Sethna 2012). Returns false if it is too
- * large beside it. */
+/* Adds half the geodesic acceleration to the step (Transtrum & Sethna 2012). Returns false if the
+ * model has no value or the acceleration is too large beside the step. */
 static bool accelerate(const struct walk *w, const double *x, double damping, double *step)
 {
     static const double ratio_max = 0.75;
@@ -262,7 +269,7 @@ static bool accelerate(const struct walk *w, const double *x, double damping, do
     return true;
 }
 
-/* Returns by what the damping is multiplied after a step that gained so much of what it promised
+/* Returns the factor of the damping after a successful step; ratio is actual over predicted gain
  * (Nielsen 1999, IMM-REP-1999-05). */
 static double relaxation(double ratio)
 {
@@ -289,6 +296,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
     while (d->iterations < o->iterations && damping <= damping_max) {
         struct descent trial = *d;
         double full[CURVE_PARAMETERS] = {0}, step[CURVE_PARAMETERS] = {0};
+        /* unit is the variance of a residual, left the gain that the full step promises. */
         const double unit = d->rss / (double)d->triangle.rows,
                      left = linear_problem_step(&w.problem, 0, full);
         const bool exact = o->exact > 0,
@@ -309,6 +317,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
             break;
         trial.rss = bends ? NAN : solve_linears(m, trial.x, &trial.triangle);
         const double gained = d->rss - trial.rss;
+        /* Accept the step if it gains; near the end, if it loses no more than rounding. */
         if (gained >= (ends ? -(o->rounding + 1e-12 * d->rss) : 0)) {
             small = gained < 0.01 * unit ? small + 1 : 0;
             shortest = ends ? length : INFINITY;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The straight line through measured points. */
+/* The straight line through measured points (line_fit(), declared in internal.h of series). */
 #include "modules/recording/series/analysis.h"
 
 #include <math.h>

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rejection of missed echoes and of clipped samples around a least-squares fit. Nothing is dropped
- * without being counted. */
+/* Rejection of missed echoes around a least-squares fit, segment by segment. Every rejected sample
+ * is counted. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define REJECT_AT 5.0 /* robust standard deviations */
-/* Smaller deviations, relative to the amplitude, are due to the model and not to the instrument. */
+/* Deviation, in robust standard deviations, from which on a sample is rejected. */
+#define REJECT_AT 5.0
+/* Smaller deviations, relative to the amplitude, are errors of the model and reject nothing. */
 #define EXACT_AMPLITUDE_FRACTION 1e-7
 
-/* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b,
- * c and rejects nothing. */
+/* Fits a, b, c of the harmonic to one segment, with the whole's frequency and damping, and sets
+ * residuals, scale and rms of the segment. Slow changes (sway, another law of drag, drift) go into
+ * a, b, c and reject nothing. */
 static void fit_segment(struct motion *m, struct swing_segment *s)
 {
     struct samples part = samples_part(&m->samples, s->begin, s->end);
@@ -20,14 +22,14 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     s->settled = true;
     if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->begin)) {
-        /* too few good samples to judge the others */
+        /* Too few good samples are left to judge the others. */
         memset(m->residual + s->begin, 0, part.n * sizeof(double));
         return;
     }
     s->a = h.a;
     s->b = h.b;
     s->c = h.c;
-    /* Errors of the model are proportional to the amplitude: the scale is that in the middle. */
+    /* Errors of the model are proportional to the amplitude, so the scale refers to the middle. */
     double square = 0,
            growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
     double weight = exp(0.5 * h.gamma * (part.t[0] - h.origin));
@@ -40,7 +42,8 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
     s->rms = sqrt(square / (double)part.n);
 }
 
-/* Returns how many samples changed sides. */
+/* Marks the samples to use: those whose residual is within REJECT_AT of the segment's scale or the
+ * typical one. Counts the rejected. Returns the number of samples that changed. */
 static size_t update_mask(struct motion *m, double typical)
 {
     size_t changed = 0;
@@ -89,8 +92,6 @@ bool reject_outliers(struct motion *m, struct arena *arena)
             m->scratch[k] = m->segment[k].scale;
         }
         typical = fmax(values_quantile(m->scratch, m->segments, 0.5), rounding);
-        /* Wild echoes raise the noise between neighbours, what the model misses raises the scale.
-         */
         if (update_mask(m, typical) == 0) {
             break;
         }

@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Computes how much less the real residuals tell about each parameter than independent ones.
- * Amplitude and decay are read from what is in phase with the oscillation, phase and frequency from
- * what is a quarter period off, the offset from what is slow: sway spoils the first, a wandering
- * offset the last, and neither the others.
- */
+/* Computes by how much correlated residuals are less informative about each parameter than
+ * independent ones. Amplitude and decay depend on residuals in phase with the oscillation, phase
+ * and frequency on those a quarter period off, the offset on slow ones: sway affects only the
+ * first, a wandering offset only the last. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 
+/* Length of a window in periods, and the smallest number of windows that is judged. */
 enum { PERIODS = 2, WINDOWS_MIN = 8 };
 
-/* One of the two directions: the residuals' part along it, window by window, scaled to the variance
- * of one sample. */
+/* Sums over windows of the residuals' component in one of the two directions (in phase or in
+ * quadrature), scaled to the variance of one sample. */
 struct window_sums {
+    /* Sums of squares, of products of neighbours, of norms; and the component in the previous
+     * window. */
     double square, product, norm, previous;
 };
 
+/* Adds one window, given the sum of residual times direction and the squared norm of the
+ * direction. */
 static void add_window(struct window_sums *d, double sum, double norm)
 {
     double z = sum / sqrt(norm);
@@ -26,8 +29,8 @@ static void add_window(struct window_sums *d, double sum, double norm)
     d->previous = z;
 }
 
-/* The windows' variance against that of the samples, and their correlation, where they are more
- * than chance. */
+/* Returns the factor of the variance: that of the windows relative to the samples, enlarged by the
+ * correlation of neighbouring windows; 1 if it exceeds 1 by no more than chance. */
 static double factor_of(const struct window_sums *d, double windows, double variance, int fitted)
 {
     double ratio = d->square / d->norm / variance * windows / fmax(windows - fitted, 1);

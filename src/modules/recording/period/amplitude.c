@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Amplitudes read at single times: local harmonic fits. */
+/* Amplitudes at single times, from local harmonic fits. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
@@ -28,8 +28,9 @@ bool local_amplitude(const struct motion *m, size_t begin, size_t end, struct re
     return true;
 }
 
-/* The logarithm of the amplitude of one window. Returns false if too few samples are in it, or its
- * amplitude is lost in the noise. */
+/* Sets *t and *log_a to the middle of the window of `width` from t_begin on and to the logarithm of
+ * its amplitude. Returns false if the window has too few samples, is outside of the series, or if
+ * the amplitude is lost in noise. */
 static bool log_amplitude(const struct motion *m, double t_begin, double width, double *t,
                           struct measured *log_a)
 {
@@ -46,12 +47,9 @@ static bool log_amplitude(const struct motion *m, double t_begin, double width, 
     return true;
 }
 
-/*
- * Carries the amplitude of the window [from, from + width] to the time `t_reading` beyond its
- * middle. The damping of the whole does so where the next windows inside agree with it; else the
- * line, or the parabola, through the logarithms of two or three windows, as where drag grows with
- * speed.
- */
+/* Extrapolates the amplitude of the window that begins at t_begin to the time t_reading, which lies
+ * beyond its middle. The damping of the whole is used if the next windows inside agree with it;
+ * else the straight line or parabola through the logarithms of two or three windows. */
 static void carry_amplitude(const struct motion *m, double t_begin, double width, double t_reading,
                             struct measured *amplitude)
 {
@@ -88,10 +86,8 @@ static void carry_amplitude(const struct motion *m, double t_begin, double width
     amplitude->uncertainty = amplitude->value * relative;
 }
 
-/*
- * Adds by how much the amplitude of half the window differs: where the envelope bends within the
- * window, what is read is its mean, which is off by 4/3 of that.
- */
+/* Adds the difference to the amplitude in half the window to the uncertainty: if the envelope bends
+ * within the window, the mean is read, which is off by 4/3 of that. */
 static void widen_by_bend(const struct motion *m, double t_begin, double width,
                           const struct reading *whole, struct measured *amplitude)
 {

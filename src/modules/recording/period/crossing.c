@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Crossings of a level. */
+/* Crossings of a level, placed by interpolation or by local fits. */
 #include "modules/recording/series/internal.h"
 
 #include <hooke/scene.h>
@@ -7,18 +7,20 @@
 #include <float.h>
 #include <math.h>
 
-#define HALF_WIDTH 0.1 /* [periods] samples on each side of a crossing that place it */
-/* Change of the swing's shape in the window by decay and drift, relative to the swing. */
+/* [periods] Half width of the window whose samples place a crossing. */
+#define HALF_WIDTH 0.1
+/* Change of the wave's shape within the window by decay and drift, relative to the swing. */
 #define SHAPE_CHANGE_FRACTION 0.01
-/* noise relative to the amplitude below which interpolation is better than averaging */
+/* Noise relative to the amplitude below which interpolation is better than averaging. */
 #define NOISE_FREE 1e-6
 
+/* The series and the settings for all its crossings. */
 struct context {
     const struct series *series;
     double level, mean, noise;
-    double omega; /* [rad/s] 0 if unknown */
-    double half;  /* [s] samples used on each side */
-    bool exact;
+    double omega; /* [rad/s] frequency, 0 if unknown */
+    double half;  /* [s] half width of the window around a crossing */
+    bool exact;   /* the series has no noise */
 };
 
 bool overview_is_exact(const struct overview *o)
@@ -26,7 +28,8 @@ bool overview_is_exact(const struct overview *o)
     return o->noise <= NOISE_FREE * 0.5 * (o->high - o->low);
 }
 
-/* Value at t of the polynomial through the `count` samples from `first` on (Neville). */
+/* Returns the value at t of the polynomial through the `count` (at most 6) samples from `first` on
+ * (Neville's algorithm). */
 static double interpolate(const struct series *s, size_t first, size_t count, double t)
 {
     double p[6] = {0};
@@ -42,18 +45,21 @@ static double interpolate(const struct series *s, size_t first, size_t count, do
     return p[0];
 }
 
+/* Context of above_level(): the samples of the polynomial. */
 struct polynomial {
     const struct context *context;
     size_t first, count;
 };
 
+/* Returns by how much the polynomial exceeds the level at t. */
 static double above_level(void *context, double t)
 {
     const struct polynomial *p = context;
     return interpolate(p->context->series, p->first, p->count, t) - p->context->level;
 }
 
-/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i]. */
+/* Places a crossing without noise: the root between samples i - 1 and i of the quintic through the
+ * six samples around them. Returns false if there is none. */
 static bool place_exact(const struct context *c, size_t i, struct crossing *crossing)
 {
     const struct series *s = c->series;
@@ -67,12 +73,10 @@ static bool place_exact(const struct context *c, size_t i, struct crossing *cros
     return isfinite(crossing->t);
 }
 
-/*
- * Two-parameter fit y - mean = p cos(omega s) + q sin(omega s)/omega, s = t - centre, to the
- * samples within `half` of the centre: a line that knows how a sine bends (a plain line where omega
- * is unknown), so the window may be wide. Samples five sigma off (missed echoes) are left out in
- * the end.
- */
+/* Places a crossing in noise near `centre`: fits y - mean = p cos(omega s) + q sin(omega s)/omega,
+ * s = t - centre, to the samples within `half`, and moves to its crossing. Such a line has the bend
+ * of a sine (a plain line if omega is unknown), so that the window may be wide. The later passes
+ * leave out samples five sigma off (missed echoes). Returns false if there are too few. */
 static bool place_fit(const struct context *c, double centre, struct crossing *crossing)
 {
     const struct series *s = c->series;
@@ -114,8 +118,7 @@ static bool place_fit(const struct context *c, double centre, struct crossing *c
         }
         centre += x;
         crossing->uncertainty = c->noise * sqrt(ss / det) / fabs(q);
-        /* p, q move with the centre: as seen from the new one the value is the target and the slope
-         * q' */
+        /* p and q at the new centre: the value there is the target, the slope is computed. */
         double slope = q * cos(c->omega * x) - p * c->omega * sin(c->omega * x);
         p = target;
         q = slope;

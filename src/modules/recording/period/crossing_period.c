@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period from crossings of a level: the line through their times against their number. */
+/* The period from crossings of a level: the straight line through their times against their
+ * number. */
 #include "modules/recording/period/cycle.h"
 
 #include <math.h>
 #include <stdio.h>
 
+/* Largest number of crossings of a wave, of crossings in a pattern; and smallest number of
+ * crossings after a wave became regular. */
 enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
 
-/* Samples a period from which on a quintic places crossings to rounding. */
+/* Samples a period from which on a quintic interpolates crossings to rounding. */
 static const double smooth_samples = 20;
 
-/*
- * Adds half the difference between the period of the rising and of the falling edges: where the
- * amplitude changes, a level is passed later and later on one of them, and earlier on the other.
- */
+/* Adds half the difference between the periods of rising and of falling edges: if the amplitude
+ * changes, a level is passed progressively later on one edge, and earlier on the other. */
 static void widen_by_falling_edges(const struct crossing *all, size_t count, struct period *period)
 {
     double first = NAN, last = NAN; /* [s] how long the level is passed for */
@@ -28,7 +29,7 @@ static void widen_by_falling_edges(const struct crossing *all, size_t count, str
             hypot(period->period.uncertainty, 0.5 * (last - first) / period->periods);
 }
 
-/* Copies the rising crossings, perhaps into the same array. Returns how many. */
+/* Copies the rising crossings, possibly within the same array. Returns their number. */
 static size_t keep_rising(const struct crossing *all, size_t count, struct crossing *rising)
 {
     size_t rising_count = 0;
@@ -38,7 +39,7 @@ static size_t keep_rising(const struct crossing *all, size_t count, struct cross
     return rising_count;
 }
 
-/* Finds the up-crossings of a level, the first `capacity` of them. Returns how many. */
+/* Finds the first `capacity` up-crossings of a level. Returns their number. */
 static size_t up_crossings(const struct series *series, const struct overview *o, double level,
                            struct crossing *crossing, size_t capacity)
 {
@@ -46,11 +47,9 @@ static size_t up_crossings(const struct series *series, const struct overview *o
     return keep_rising(crossing, count < capacity ? count : capacity, crossing);
 }
 
-/*
- * Returns the uncertainty of a crossing [s] that lies in an edge: somewhere between two samples, as
- * much of the swing is passed between them, or only a step of the sensor. 0 if the series passes
- * the level smoothly.
- */
+/* Returns the uncertainty [s] of a crossing at t that lies in an edge, that is somewhere between
+ * two samples, because a large part of the swing or a step of the sensor (quantum) lies between
+ * them. Returns 0 if the series passes the level smoothly. */
 static double edge_uncertainty(const struct series *s, const struct overview *o, double quantum,
                                double t)
 {
@@ -66,7 +65,8 @@ static double edge_uncertainty(const struct series *s, const struct overview *o,
     return quantum > 0 ? width * fmin(quantum / jump, 1) : 0; /* jump may be 0 */
 }
 
-/* Adds what equal errors of all edges do to the period, as they do not show in their scatter. */
+/* Adds the effect of equal errors of all edges on the period, as they do not show in the
+ * scatter. */
 static void widen_by_edges(const struct series *s, const struct overview *o, struct period *period)
 {
     const double quantum = samples_quantum(&(struct samples){.y = s->y, .n = s->n}),
@@ -75,11 +75,9 @@ static void widen_by_edges(const struct series *s, const struct overview *o, str
         hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
 }
 
-/*
- * Crossings of a series without noise are as good as the interpolation between its samples, which
- * two or three of them do not show by their scatter. With every second sample the period is off by
- * 2^6 as much: the interpolation is of the fifth degree. NAN where these samples are too few.
- */
+/* Returns the error of the period by interpolation, which two or three crossings do not show in
+ * their scatter, or NAN if there are too few. With every second sample, interpolation of the fifth
+ * degree is off by 2^6 times as much. */
 static double interpolation_error(const struct series *series, const struct overview *o,
                                   struct arena *arena, double period)
 {
@@ -128,8 +126,9 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
     return error_hint(error, "'measure spectrum' lists the lines of such a signal");
 }
 
-/* Returns true if the times between crossings repeat after `pattern` of them, to a part of the time
- * between two: a longer pattern may not hide what one of its crossings is off. */
+/* Returns true if the times between crossings repeat after `pattern` of them, to the share
+ * `regular` of the time between two. For longer patterns the tolerance shrinks, as one crossing
+ * could be off. */
 static bool repeats_after(const struct crossing *rising, size_t count, size_t pattern,
                           double regular)
 {
@@ -144,20 +143,21 @@ static bool repeats_after(const struct crossing *rising, size_t count, size_t pa
     return true;
 }
 
-/* The regularity that times between crossings need to be a pattern. */
+/* Regularity that the times between crossings must have. */
 struct regularity {
-    double difference; /* relative, at most */
-    size_t longest;    /* crossings in a pattern: noise crosses, too, and many repeat by chance */
+    double difference; /* largest relative difference */
+    size_t longest;    /* longest pattern [crossings]: with noise, many repeat by chance */
     size_t crossings_min;
-    bool may_settle; /* later crossings may show it alone */
+    bool may_settle; /* the wave may become regular only later */
 };
 
+/* Requirements by kind of wave. */
 static const struct regularity regularities[] = {
     [WAVE_EXACT] = {.difference = 0.01, .longest = PATTERN_MAX, .may_settle = true},
     [WAVE_NOISY] = {.difference = 1e-4, .longest = 1, .crossings_min = 7},
     [WAVE_FEW] = {.difference = 1e-4, .longest = 1}};
 
-/* Returns after how many crossings their times repeat, 0 if after none. */
+/* Returns the number of crossings after which their times repeat, or 0 if they do not. */
 static size_t crossing_pattern(const struct crossing *rising, size_t count,
                                const struct regularity *r)
 {
@@ -167,10 +167,9 @@ static size_t crossing_pattern(const struct crossing *rising, size_t count,
     return 0;
 }
 
-/*
- * Reads the period from the up-crossings of a level (the middle between the extremes if it is NAN)
- * whose times repeat, from the first crossing on or, if it may settle, from a later one.
- */
+/* Reads the period from the up-crossings of a level (the middle between the extremes, if it is NAN)
+ * whose times repeat, from the first crossing on or, if the wave may settle, from a later one.
+ * Returns false if they do not repeat. */
 static bool regular_period(const struct series *series, double level, const struct regularity *r,
                            size_t capacity, struct arena *arena, struct period *period)
 {

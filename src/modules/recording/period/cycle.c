@@ -8,12 +8,13 @@
 #include <string.h>
 
 enum {
-    BINS_MIN = 16, /* bins of the mean cycle */
+    /* Bins of the mean cycle, and iterations between mean and positions. */
+    BINS_MIN = 16,
     BINS_MAX = 256,
     ALIGN_PASSES = 4,
 };
 
-/* Returns the index of the first sample at or after t, looking from a sample nearby. */
+/* Returns the index of the first sample at or after t, searching from the sample `index` nearby. */
 static size_t index_near(const struct samples *x, double t, size_t index)
 {
     while (index > 0 && x->t[index - 1] >= t)
@@ -23,8 +24,9 @@ static size_t index_near(const struct samples *x, double t, size_t index)
     return index;
 }
 
-/* Least squares of one cycle against the mean cycle, begun at t, near the sample *row, which
- * becomes its first one. Returns the correlation. */
+/* Fits the mean cycle to the samples of one cycle that begins at t, by least squares, and fills
+ * *result. *row is a sample near t and becomes the cycle's first one. Returns the correlation, or
+ * -1 if there are too few samples. */
 static double fit_cycle(const struct cycles *c, double t, size_t *row, struct cycle *result)
 {
     const struct samples *x = c->samples;
@@ -64,8 +66,8 @@ static double fit_cycle(const struct cycles *c, double t, size_t *row, struct cy
     return sfy / sqrt(sff * syy);
 }
 
-/* Places one cycle within `reach` periods of the time where it is expected. Returns false if none
- * is like the mean cycle. */
+/* Places one cycle within `reach` periods of the expected time. Returns false if no position
+ * resembles the mean cycle. */
 static bool place_cycle(const struct cycles *c, double expected, double reach, struct cycle *result)
 {
     enum { PLACES = 2 * (BINS_MAX / 8) + 3 };
@@ -88,7 +90,8 @@ static bool place_cycle(const struct cycles *c, double expected, double reach, s
     return fit_cycle(c, t, &row, result) > 0 && result->height > 0;
 }
 
-/* Sets the shape to the mean over cycles [from, to), each less its mean and over its height. */
+/* Sets the shape to the mean of cycles begin to end - 1, each less its mean and divided by its
+ * height. Returns false if a bin stays empty. */
 static bool mean_shape(struct cycles *c, size_t begin, size_t end)
 {
     const struct samples *x = c->samples;
@@ -127,7 +130,8 @@ static bool mean_shape(struct cycles *c, size_t begin, size_t end)
     return used > 0;
 }
 
-/* Places all cycles, from the middle one outwards, each where those before it lead. */
+/* Places all cycles, from the middle one outwards, each one period after or before its neighbour,
+ * within `reach` periods. Returns false if cancelled. */
 static bool place_cycles(struct cycles *c, double reach)
 {
     const size_t middle = c->count / 2;
@@ -148,9 +152,9 @@ static bool place_cycles(struct cycles *c, double reach)
     return true;
 }
 
-/* Chooses where the first cycle begins [periods after the first sample], up to `spare`: where the
- * series changes least, so that no pulse is cut in two. Sets *much to how much more it changes
- * there than where it does least of all. */
+/* Returns where the first cycle should begin [periods after the first sample], at most `spare`:
+ * where the series changes least, so that no pulse is cut. Sets *much to the change there relative
+ * to the least change anywhere. */
 static double quiet_begin(const struct samples *x, double period, double spare, double *much)
 {
     enum { PLACES = 16 };
@@ -173,12 +177,14 @@ static double quiet_begin(const struct samples *x, double period, double spare, 
     return begin;
 }
 
+/* Divides the series into cycles of `guess` [s]. Returns false if they or their samples are too
+ * few, or if out of memory. */
 static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
                         struct arena *arena)
 {
     const double span = x->t[x->n - 1] - x->t[0], samples = guess / (span / (double)(x->n - 1));
-    /* A cut that changes by more than change_max times as much as the quietest is worth the loss of
-     * a cycle, if more than CYCLES_LEFT_MIN are left. */
+    /* If the cut changes more than change_max times as much as the quietest position, one cycle is
+     * given up for a better cut, provided that CYCLES_LEFT_MIN remain. */
     static const double change_max = 2;
     enum { CYCLES_LEFT_MIN = 5 };
     *c = (struct cycles){.samples = x, .period = guess, .count = (size_t)(span / guess + 0.02)};
@@ -230,7 +236,8 @@ double cycles_share_needed(size_t cycles)
 bool cycles_find(struct cycles *c, const struct samples *x, double guess, double share_min,
                  struct arena *arena)
 {
-    /* part of share_min below which better positions of the cycles do not help */
+    /* Better positions of the cycles do not help if they explain less than this part of
+     * share_min. */
     static const double hopeless = 0.75;
     static const double gain_min = 1e-3;
     double previous_share = 0;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The fine stage of a period: the line through the times of its cycles against their numbers. What
- * disturbs the times (noise of any colour, jitter, a baseline that wanders) shows in their scatter,
- * which is what the uncertainty is taken from.
- */
+/* The period as the slope of the line through the times of cycles against their numbers. Whatever
+ * disturbs the times (coloured noise, jitter, a wandering baseline) shows in their scatter, from
+ * which the uncertainty is taken. */
 #include "modules/recording/period/cycle.h"
 
 #include <float.h>
@@ -12,9 +10,11 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Largest number of powers and of steps after gaps in a line. */
 enum { POWERS_MAX = 3, GAPS_MAX = 6, TERMS_MAX = POWERS_MAX + GAPS_MAX };
 
-static const double far_off = 6; /* robust standard deviations */
+/* Times farther off the line, in robust standard deviations, are left out. */
+static const double far_off = 6;
 
 bool cycle_times_init(struct cycle_times *x, size_t capacity, struct arena *arena)
 {
@@ -38,23 +38,26 @@ void cycle_times_add(struct cycle_times *x, double t, double sigma, double numbe
     x->number[x->n++] = number;
 }
 
-/* t = sum of value[k] u^k, u = (number - middle)/half, and a step after each gap. */
+/* A line through times: t = sum of value[k] u^k, u = (number - middle)/half, plus a step after each
+ * gap. */
 struct times_line {
     int powers, gaps;
-    size_t gap[GAPS_MAX]; /* the first time after each */
-    double middle, half;  /* numbers */
+    size_t gap[GAPS_MAX]; /* index of the first time after each gap */
+    double middle, half;  /* middle and half range of the numbers, for scaling */
     double value[TERMS_MAX], sigma[TERMS_MAX];
-    double slope_formal; /* uncertainty of value[1] by the times' own */
-    double variance;     /* variance of the times off the line over their own, widened */
-    size_t used;
+    double slope_formal; /* uncertainty of value[1] by the stated uncertainties of the times */
+    double variance;     /* variance about the line in units of the stated ones, widened */
+    size_t used;         /* number of times in use */
 };
 
+/* Sets middle and half range of the numbers. */
 static void set_scale(const struct cycle_times *x, struct times_line *line)
 {
     line->middle = 0.5 * (x->number[0] + x->number[x->n - 1]);
     line->half = 0.5 * (x->number[x->n - 1] - x->number[0]);
 }
 
+/* Sets term to the factors of value[] for time i. */
 static void set_terms(const struct times_line *line, const struct cycle_times *x, size_t i,
                       double *term)
 {
@@ -65,7 +68,8 @@ static void set_terms(const struct times_line *line, const struct cycle_times *x
         term[line->powers + k] = i >= line->gap[k];
 }
 
-/* The variance in units of the times' own, wider where neighbours hang together. */
+/* Returns the variance about the line in units of the stated variances, widened if neighbouring
+ * deviations are correlated. `terms` is the number of fitted values. */
 static double scatter(const struct cycle_times *x, int terms)
 {
     double square = 0, product = 0, previous = 0, n = 0;
@@ -82,8 +86,8 @@ static double scatter(const struct cycle_times *x, int terms)
            fmax(rho > chance ? autocorrelation_factor(rho) : 1, line_correlation_factor(rho, n));
 }
 
-/* Least squares through the times in use. Returns false if they are too few, or if out of memory.
- */
+/* Fits the line to the times in use by weighted least squares. Returns false if they are too few,
+ * or if out of memory. */
 static bool weigh(struct cycle_times *x, struct times_line *line)
 {
     const size_t terms = (size_t)(line->powers + line->gaps), last = x->n - 1;
@@ -107,7 +111,7 @@ static bool weigh(struct cycle_times *x, struct times_line *line)
         set_terms(line, x, i, term);
         for (size_t k = 0; k < terms; k++)
             gsl_matrix_set(a, n, k, term[k]);
-        /* less a line that is near, which keeps all digits */
+        /* The line through the ends is subtracted, so that no digits are lost. */
         gsl_vector_set(y, n, x->t[i] - start - slope * (x->number[i] - x->number[0]));
         gsl_vector_set(weight, n++, 1 / (x->sigma[i] * x->sigma[i]));
     }
@@ -136,7 +140,8 @@ static bool weigh(struct cycle_times *x, struct times_line *line)
     return fitted;
 }
 
-/* The same without those that are far off. scratch [n]. */
+/* Fits a line with that number of powers, leaving out times that are far off. scratch [n]. Returns
+ * false if there are too few times. */
 static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct times_line *line)
 {
     enum { PASSES = 3 };
@@ -153,11 +158,9 @@ static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct
     return true;
 }
 
-/*
- * Counts the cycles in gaps anew, as what came before them may not tell their number, so that the
- * times before and after lie on one curve. Where they do not for any number, the clock was set: the
- * line keeps a step of its own there. Returns the time before the longest of these gaps, or NAN.
- */
+/* Counts the cycles in gaps anew, so that the times before and after lie on one curve. If they do
+ * not for any number, the clock was set: the line gets a step there. Returns the time before the
+ * longest of these gaps, or NAN. */
 static double heed_gaps(struct cycle_times *x, struct times_line *line)
 {
     static const double gap_distances = 2.5, jump_sigmas = 5, jump_min = 0.04, known = 0.2;
@@ -191,11 +194,9 @@ static double heed_gaps(struct cycle_times *x, struct times_line *line)
     return t_gap;
 }
 
-/*
- * Returns half a 95 % interval of the slope, over 1.96. A few times lie closer to their line by
- * chance than they should; so close as chance does not bring them they lie where what disturbs them
- * repeats, and are believed, as those of a series without noise are.
- */
+/* Returns half a 95 % interval of the slope, divided by 1.96. A few times may lie closer to their
+ * line by chance than their uncertainties say; only if they lie closer than chance explains is the
+ * scatter believed, as for a series without noise (exact). */
 static double slope_sigma(const struct times_line *line, bool exact)
 {
     static const double normal_95 = 1.96, scatter_chance = 1e-5;
@@ -211,10 +212,12 @@ static double slope_sigma(const struct times_line *line, bool exact)
     return line->slope_formal * sqrt(variance);
 }
 
-/* Warns where the times bend against their numbers, and covers the periods at both ends. */
+/* Warns if the times bend against their numbers, and widens the uncertainty to cover the periods at
+ * both ends. */
 static void heed_bend(const struct times_line *bent, struct period *period)
 {
-    static const double change_min = 1e-4; /* relative, over the recording, that is worth a word */
+    /* smallest relative change over the recording that is reported */
+    static const double change_min = 1e-4;
     const double first_period = (bent->value[1] - 2 * bent->value[2]) / bent->half,
                  last_period = (bent->value[1] + 2 * bent->value[2]) / bent->half;
     if (fabs(last_period / first_period - 1) <= change_min)
@@ -273,14 +276,12 @@ double times_curvature(struct cycle_times *x, double sigmas)
                : 0;
 }
 
-/*
- * Returns where the counting starts: the phase that the first crossings agree on, so that a spike
- * that comes first does not shift the rest. Only a few are asked: over many periods a small error
- * of the guess would turn them against each other.
- */
+/* Returns the time from which cycles are counted: the phase on which the first crossings agree, so
+ * that a spike does not shift the count. Only the first few are used, as a small error of `guess`
+ * would spread the phases of many. */
 static double counting_origin(const struct crossing *rising, size_t count, double guess)
 {
-    enum { ASKED = 15 };
+    enum { ASKED = 15 }; /* crossings that are used */
     double c = 0, s = 0;
     for (size_t i = 0; i < count && i < ASKED; i++) {
         const double angle = TWO_PI * (rising[i].t - rising[0].t) / guess;

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Decay from a few readings: the weighted line through their logarithms, as one does by hand. */
+/* Decay from a few readings: the weighted straight line through their logarithms. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 
+/* Default and smallest number of readings. */
 enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
 
-#define FLOOR_WRONG 0.15         /* part of it, of recordings that are rounded */
-#define NOISE_ENERGY_SCATTER 3.0 /* scatter of the noise's own energy, in units of it */
+/* Relative error of the noise floor of energies, for recordings that are rounded. */
+#define FLOOR_WRONG 0.15
+/* Scatter of the energy of the noise, in units of that energy. */
+#define NOISE_ENERGY_SCATTER 3.0
 
-/* Fits the line through the logarithms of the readings against the time after t0. Readings that are
- * not positive have no logarithm, and are left out, as those that are little but noise. */
+/* Fits a line to the logarithms of the readings against the time since t0. Readings that are not
+ * positive, or mostly noise, are left out. Returns false for fewer than two. */
 static bool fit_logarithms(const struct reading *reading, int count, double t0,
                            struct line_fit *line)
 {
@@ -29,11 +32,9 @@ static bool fit_logarithms(const struct reading *reading, int count, double t0,
     return line_fit(t, log_a, used, line);
 }
 
-/*
- * Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion
- * cancels, an exponential keeps its rate. What the noise adds is taken off; its own scatter goes on
- * over some samples, because velocities share them.
- */
+/* Sets *reading to the mean of an energy under a Hann window over samples first to end - 1: the
+ * ripple at twice the frequency cancels, an exponential keeps its rate. The energy of the noise is
+ * subtracted. The scatter counts for several samples, because velocities share them. */
 static void local_mean(const struct samples *x, size_t first, size_t end,
                        const struct energy_noise *noise, struct reading *reading)
 {
@@ -52,13 +53,14 @@ static void local_mean(const struct samples *x, size_t first, size_t end,
     reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};
 }
 
-/* Returns by which factor a mean weighted by sin^2 of an exponential exceeds the exponential at its
- * middle. x is the rate times half the width. */
+/* Returns the ratio of the mean of an exponential, weighted by sin^2, to its value at the middle. x
+ * is the rate times half the width. */
 static double mean_gain(double x)
 {
     return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
 }
 
+/* Reads the mean energy of `count` equal windows. Returns their number. */
 static int read_energy(const struct samples *x, int count, const struct energy_noise *noise,
                        struct reading *reading)
 {
@@ -71,7 +73,7 @@ static int read_energy(const struct samples *x, int count, const struct energy_n
 }
 
 /* Returns the relative change of the slope of ln(E - floor) if the floor is wrong by FLOOR_WRONG,
- * which is its share of the energy. */
+ * averaged over the readings. */
 static double floor_fraction(const struct decay *decay, const struct energy_noise *noise)
 {
     double sum = 0;
@@ -80,6 +82,7 @@ static double floor_fraction(const struct decay *decay, const struct energy_nois
     return sum / decay->readings;
 }
 
+/* Reads the amplitude in `count` windows of at most two periods. Returns the number of readings. */
 static int read_amplitudes(const struct motion *m, int count, struct reading *reading)
 {
     const struct samples *x = &m->samples;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tests the cycles of a period one by one: whether they differ in turn, and how far their times
- * scatter. */
+/* Tests a period by its cycles one by one: whether they alternate, and how their times scatter. */
 #include "modules/recording/period/cycle.h"
 
 #include <gsl/gsl_cdf.h>
@@ -8,10 +7,12 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Largest number of cycles that are judged. */
 enum { CYCLES_USED = 128 };
 
-/* Returns the chance that values that follow a straight line or a parabola differ in turn, one in
- * `turns`, as much as these do by their uncertainties, or by their scatter where it is larger. */
+/* Returns the probability that values which follow a straight line or a parabola differ by chance
+ * as much as these do between every `turns`-th one and the others, by their uncertainties or, if
+ * larger, by their scatter. */
 static double turns_chance(const struct measured *x, size_t n, size_t turns)
 {
     enum { COLUMNS = 5, WIDTH = COLUMNS + 1, PARABOLA_MIN = 8 };
@@ -49,8 +50,8 @@ static double turns_chance(const struct measured *x, size_t n, size_t turns)
 /* Values of a cycle that may distinguish it from its neighbours. */
 enum { CYCLE_HEIGHT, CYCLE_MEAN, CYCLE_TIME, CYCLE_VALUES };
 
-/* Sets [count] values of one kind, whose uncertainties come of a variance of the rows and of how
- * far [y] the mean cycle may be off all along a cycle. */
+/* Sets value [count] to one quantity of each cycle. The uncertainties follow from the variance of
+ * the rows and from shape_error [y], by which the mean cycle may be off all along a cycle. */
 static void cycle_values(const struct cycles *c, int kind, double variance, double shape_error,
                          struct measured *value)
 {
@@ -80,10 +81,8 @@ static double cycles_square(const struct cycles *c)
     return square;
 }
 
-/*
- * Returns how far the samples may put the rows of a cycle with edges off those of another that is
- * alike, by where they fall in it: half a sample at each edge. All cycles in turn may share that.
- */
+/* Returns by how much [y] sampling alone may separate the rows of cycles with edges: an edge falls
+ * between samples, up to half a sample off. All cycles of one turn may share that. */
 static double edge_error(const struct cycles *c, size_t turns, double noise)
 {
     /* least edge and largest noise, relative to the range */
@@ -100,9 +99,10 @@ static double edge_error(const struct cycles *c, size_t turns, double noise)
     return edge * sqrt((double)c->count / (double)turns / 6 / c->cycle[0].rows);
 }
 
-/* Returns how far the mean cycle is off the rows. Where the times of the samples repeat after so
- * many cycles, it may be off by the same in each of these: by what noise does not explain and what
- * straight lines between its bins miss. A step of the sensor and a small part of the size stay. */
+/* Returns by how much [y] the mean cycle is off the rows. If the samples repeat their positions
+ * after `turns` cycles, it may be off equally in each: by what noise does not explain and by what
+ * straight lines between bins miss. A step of the sensor and a small part of the size are always
+ * included. */
 static double template_error(const struct cycles *c, size_t turns, double left, double noise)
 {
     static const double small = 1e-3, coherent = 0.3, all_noise = 1.5, rounding = 0.3;
@@ -118,7 +118,8 @@ static double template_error(const struct cycles *c, size_t turns, double left, 
     return hypot(hypot(least, missed), turns > 0 ? size * angle * angle / 8 : 0);
 }
 
-/* Returns the variance of the rows that the mean cycle leaves, or -1 if it is like none of some. */
+/* Returns the variance of the rows about the mean cycle, or -1 if some cycle does not resemble
+ * it. */
 static double cycles_left(const struct cycles *c)
 {
     static const double least = 0.2; /* least height of a cycle relative to the mean */
@@ -133,8 +134,8 @@ static double cycles_left(const struct cycles *c)
     return left;
 }
 
-/* Returns the least chance that the cycles differ in turn by what is read of them; NAN if not all
- * are like their mean. */
+/* Returns the smallest probability, over height, mean and time, that the cycles alternate by
+ * chance; NAN if not all resemble their mean. value [count] is work space. */
 static double cycles_chance(const struct cycles *c, size_t turns, double noise,
                             struct measured *value)
 {
@@ -149,14 +150,16 @@ static double cycles_chance(const struct cycles *c, size_t turns, double noise,
     return least;
 }
 
-/* The posterior of times of cycles that scatter beyond their uncertainties. */
+/* A model for times of cycles that scatter more than their uncertainties, and what it yields. */
 struct times_model {
-    double scatter, walk;   /* [s^2] variances of each, and of what each adds to all later ones */
-    double likelihood;      /* its logarithm */
+    /* [s^2] variance of each time; variance that each adds to all later ones */
+    double scatter, walk;
+    double likelihood;      /* logarithm of the likelihood */
     struct measured period; /* [s] */
 };
 
-/* Follows the times less multiples of a period (a Kalman filter of time and period). */
+/* Estimates the period by a Kalman filter of time and period over the times less multiples of a
+ * period. spread [s^2] sets the unknown start. */
 static void follow_times(const struct measured *time, size_t n, double spread,
                          struct times_model *m)
 {
@@ -179,12 +182,11 @@ static void follow_times(const struct measured *time, size_t n, double spread,
     }
 }
 
-/*
- * Reads from the times of cycles by how much the period is off the one that they are less multiples
- * of [s]. Each may come some random time off its place, or off the cycle before: the mean over
- * both, by how likely they make the times. *excess: by how much that makes the variance
- * larger than noise alone does, which is that share of the variances of the times.
- */
+/* Returns the correction to the period from the times of cycles, which are less multiples of the
+ * period [s]. Each may be a random time off its place, or off the previous cycle: the mean over
+ * both models is weighted by their likelihoods. Sets *excess to the variance beyond that of noise
+ * alone, of which noise_share is already accounted for, and *surprising if the times clearly
+ * scatter more. */
 static struct measured period_of_times(const struct measured *time, size_t n, double noise_share,
                                        bool *surprising, double *excess)
 {
@@ -234,7 +236,8 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     return (struct measured){value, sqrt(variance)};
 }
 
-/* Takes the rows that the cycles are judged by. */
+/* Selects the rows by which the cycles are judged, thinned if there are many. Returns false if
+ * there are too few. */
 static bool doubt_rows(const struct series *series, const struct period *p, struct arena *arena,
                        struct series *rows)
 {
@@ -257,8 +260,8 @@ static bool doubt_rows(const struct series *series, const struct period *p, stru
            rows->n >= ROWS_MIN;
 }
 
-/* Widens a period by what the times of its cycles leave open, and warns where that is most of it.
- */
+/* Widens a period by the scatter of its cycles' times, and warns if that is most of its
+ * uncertainty. */
 static void widen_by_times(const struct cycles *c, double noise, struct measured *value,
                            struct period *period)
 {
@@ -284,16 +287,14 @@ static void widen_by_times(const struct cycles *c, double noise, struct measured
                  "larger uncertainty");
 }
 
-/*
- * Returns false if a weaker line that is near `turns` periods may make cycles differ in turn by
- * chance: one at no whole number of periods, whose period [s] *line becomes, or a small one beside
- * a sine, whose frequency is not well known. residual [n]: scratch.
- */
+/* Returns false if a weaker line near `turns` periods may make cycles alternate by chance: a line
+ * at no whole number of periods, whose period [s] is stored in *line, or a small one beside a sine,
+ * whose frequency is uncertain. residual [n] is work space. */
 static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residual, double *line)
 {
-    /* two in standard deviations, one relative */
+    /* Amplitude and distance of a line in standard deviations; relative distance. */
     static const double seen = 5, apart = 3, far = 0.15;
-    /* amplitude relative to the wave; relative spread */
+    /* Amplitude relative to the wave; relative uncertainty of the frequency. */
     static const double weak = 0.05, spread_max = 2e-3;
     struct samples x = *c->samples;
     const double n = (double)turns, middle = 0.5 * (x.t[0] + x.t[x.n - 1]);
@@ -315,8 +316,8 @@ static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residu
     return isnan(*line) && !(size < least && sigma < least && spread > spread_max);
 }
 
-/* Warns that a period may be a multiple, or takes the multiple where there is no doubt. Returns
- * true if it took one. scratch [rows]. */
+/* Tests the double and triple period: warns that T may be a multiple, or takes the multiple if
+ * there is no doubt. Returns true if it took one. scratch [rows] is work space. */
 static bool heed_turns(const struct cycles *c, double noise, struct measured *value,
                        double *scratch, struct period *period)
 {

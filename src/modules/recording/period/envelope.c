@@ -1,32 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Fits the envelope, at which the search for the laws of damping begins, and measures its sway.
+/* Fits the envelope, with which the search for laws of damping begins, and measures its sway.
  * Averaging y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2)
  * / (1 + q phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase is
  * unaffected (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). A linear law has q = 0, a quadratic
- * one gamma = 0 and A = A0/(1 + q s).
- */
+ * one gamma = 0 and A = A0/(1 + q s). */
 #include "modules/recording/series/internal.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
 
+/* Largest and smallest number of readings of the envelope. */
 enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
 
 /* Mean square to which averaging over a period is accurate; no law is fitted better. */
 #define MEAN_SQUARE_MIN 1e-10
 
+/* Readings of the envelope, and the law that is being fitted to them. */
 struct envelope {
     size_t count;
-    double s[WINDOWS_MAX]; /* time since the start over the span: 0 … 1 */
-    double a[WINDOWS_MAX]; /* amplitude over the largest one */
+    double s[WINDOWS_MAX]; /* time since the start, relative to the span: 0 … 1 */
+    double a[WINDOWS_MAX]; /* amplitude relative to the largest one */
     double noise;          /* mean variance of the readings */
     bool gamma, quadratic; /* terms that the law has */
 };
 
-/* Returns the amplitude at s >= 0 since the start, relative to that at the start, and sets its
- * derivatives by gamma and q. */
+/* Returns the amplitude at s >= 0 relative to that at s = 0, and sets its derivatives by gamma and
+ * q. */
 static double envelope_value(const struct envelope_rates *rates, double s, double gradient[2])
 {
     /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
@@ -44,8 +44,8 @@ static double envelope_value(const struct envelope_rates *rates, double s, doubl
     return value;
 }
 
-/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln
- * A0, gamma, q. */
+/* Returns the amplitude of the law at s. x is ln A0, then the rates that the law has [1/span]. Sets
+ * d[3] to the derivatives by ln A0, gamma, q. */
 static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
 {
     struct envelope_rates rates = {0};
@@ -61,6 +61,7 @@ static double law_value(const struct envelope *e, const gsl_vector *x, double s,
     return value;
 }
 
+/* Computes the residuals of the readings in the form that GSL's fit expects. */
 static int law_residual(const gsl_vector *x, void *context, gsl_vector *f)
 {
     const struct envelope *e = context;
@@ -71,6 +72,7 @@ static int law_residual(const gsl_vector *x, void *context, gsl_vector *f)
     return GSL_SUCCESS;
 }
 
+/* Computes the derivatives of the residuals in the form that GSL's fit expects. */
 static int law_jacobian(const gsl_vector *x, void *context, gsl_matrix *jacobian)
 {
     const struct envelope *e = context;
@@ -89,11 +91,14 @@ static int law_jacobian(const gsl_vector *x, void *context, gsl_matrix *jacobian
     return GSL_SUCCESS;
 }
 
+/* Result of fit_law(); rates in 1/span. */
 struct envelope_fit {
     double mean_square, gamma, q;
     bool found;
 };
 
+/* Fits the law with these terms, from the starting rate `start` [1/span]. Sets result->found if it
+ * converged. Returns false if out of memory. */
 static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start,
                     struct envelope_fit *result)
 {
@@ -132,10 +137,8 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
     return true;
 }
 
-/*
- * Amplitudes of successive windows of whole periods (part of one would alternate with the shape of
- * the oscillation), where they stand out of their noise.
- */
+/* Reads the amplitudes of consecutive windows of whole periods (fractions would alternate with the
+ * shape of the oscillation), and keeps those that stand out of their noise. */
 static void read_envelope(const struct motion *m, struct envelope *e)
 {
     const struct samples *x = &m->samples;

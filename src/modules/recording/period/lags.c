@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The shift at which a series is most like itself: the shortest one at which the normalised
- * correlation is as high as anywhere (McLeod & Wyvill, A smarter way to find pitch, ICMC 2005).
- */
+/* The lag at which a series resembles itself most: the shortest one at which the normalised
+ * autocorrelation is as high as anywhere (McLeod & Wyvill, A smarter way to find pitch, ICMC
+ * 2005). */
 #include "modules/recording/period/cycle.h"
 
 #include <math.h>
 
 enum {
     LAG_SHORTEST = 4,   /* samples */
-    MULTIPLES_MAX = 12, /* periods after which a wave may be more like itself */
+    MULTIPLES_MAX = 12, /* largest multiple of a period that is tested */
 };
 
-/* Correlations that differ by less are equal: what interpolation between shifts leaves of pulses of
- * two samples. */
+/* Correlations that differ by less are equal: the error of interpolating between lags, for pulses
+ * of two samples. */
 static const double correlation_resolution = 0.02;
-/* Chance differences [standard deviations]. */
+/* Standard deviations up to which a difference is chance. */
 static const double correlation_sigmas = 4;
-/* Many periods that are more alike than one are beats or sway, unless one is not alike at all. */
+/* Multiples above few_multiples count only if the correlation after one period is below alike_min:
+ * otherwise they are beats or sway. */
 static const double alike_min = 0.8;
 static const int few_multiples = 3;
 
-/* Weights [2 SINC_REACH] of the samples from SINC_REACH - 1 before on, for a value `part` after one
- * (Lanczos's window on the sine integral's kernel). */
+/* Sets weight [2 SINC_REACH] for interpolating the value `part` of a sample after one sample, from
+ * the samples SINC_REACH - 1 before it on (sinc kernel with Lanczos' window). */
 static void sinc_weights(double part, double *weight)
 {
     double sum = 0;
@@ -35,11 +35,9 @@ static void sinc_weights(double part, double *weight)
         weight[j] /= sum;
 }
 
-/*
- * Returns true if a series is much less like itself a few samples later than at its best: pulses of
- * few samples, some way apart. Where they lie between samples then matters more than whether they
- * are alike.
- */
+/* Returns true if a series resembles itself much less a few samples later than at its best, so that
+ * it consists of pulses of few samples. Their positions between samples then matter more than their
+ * likeness. */
 static bool is_narrow(const double *correlation, size_t n)
 {
     enum { NEAR = 4, FAR = 16 };
@@ -53,7 +51,7 @@ static bool is_narrow(const double *correlation, size_t n)
     return correlation[NEAR] < near_max * best && early < early_max * best;
 }
 
-/* Sets out [n] to means of seven neighbours each, of which the middle one counts most. */
+/* Sets result [n] to triangular means over seven neighbours. */
 static void smooth(const double *y, size_t n, double *result)
 {
     enum { REACH = 3 };
@@ -99,25 +97,27 @@ bool lags_init(const struct series *whole, double period, struct arena *arena, s
     return lags->correlation;
 }
 
-/* Returns how much two correlations about r differ by chance and resolution. */
+/* Returns the difference between two correlations near r that chance and resolution explain. */
 static double correlation_band(const struct lags *l, double r)
 {
     return correlation_resolution +
            correlation_sigmas * (1 - fmin(r, 1)) * sqrt(3.0 / (double)l->n);
 }
 
-/* Returns the least correlation that chance does not bring. */
+/* Returns the smallest correlation that is not chance. */
 static double correlation_least(const struct lags *l)
 {
     return 0.15 + 5 / sqrt((double)l->n);
 }
 
+/* Returns true if the correlation has a maximum at lag k. */
 static bool is_peak(const struct lags *l, size_t k)
 {
     const double *r = l->correlation + k;
     return r[0] > 0 && r[0] > r[-1] && r[0] >= r[1];
 }
 
+/* Returns the interpolated value between y[0] and y[1], by weights of sinc_weights(). */
 static double sinc_value(const double *y, const double *weight)
 {
     double sum = 0;
@@ -126,7 +126,7 @@ static double sinc_value(const double *y, const double *weight)
     return sum;
 }
 
-/* Returns the highest correlation between the samples beside a peak, or -1 near the ends. */
+/* Returns the highest interpolated correlation around a peak at lag k, or -1 near the ends. */
 static double sinc_top(const struct lags *l, size_t k)
 {
     double top = -1;
@@ -139,14 +139,14 @@ static double sinc_top(const struct lags *l, size_t k)
     return top;
 }
 
-/* A peak of the correlation between two shifts: its top is that of the parabola or, of pulses of
- * few samples, of a band-limited curve; but of a wave with edges that of the two lines through its
- * flanks. */
+/* A peak of the correlation. Its height by a parabola (for pulses of few samples, by band-limited
+ * interpolation), and by two straight lines through its flanks, as suits a wave with edges. */
 struct lag_peak {
     double shift; /* [s] */
     double parabola, flanks;
 };
 
+/* Returns the peak at lag k with interpolated position and heights. */
 static struct lag_peak read_peak(const struct lags *l, size_t k)
 {
     const double *r = l->correlation + k, bend = r[-1] - 2 * r[0] + r[1],
@@ -165,7 +165,7 @@ static struct lag_peak read_peak(const struct lags *l, size_t k)
     return peak;
 }
 
-/* Finds the highest peak within a reach of a shift [s]. Returns false if there is none. */
+/* Finds the highest peak within `reach` of a shift [s]. Returns false if there is none. */
 static bool peak_near(const struct lags *l, double shift, double reach, struct lag_peak *peak)
 {
     const size_t low = (size_t)fmax((shift - reach) / l->dt, 1),
@@ -199,8 +199,8 @@ double lags_period(const struct lags *l)
     return NAN;
 }
 
-/* Returns the correlation of `count` values from index i on with those some samples later, or, by
- * weights, between that sample and the next. */
+/* Returns the correlation of `count` values from index i on with those `shift` samples later or,
+ * with weights, between that sample and the next. */
 static double window_correlation(const double *y, size_t i, size_t count, size_t shift,
                                  const double *weight)
 {
@@ -217,7 +217,8 @@ static double window_correlation(const double *y, size_t i, size_t count, size_t
     return saa > 0 && sbb > 0 ? (ab - a * b / n) / sqrt(saa * sbb) : 0;
 }
 
-/* The same for a shift between two samples: the best of that and those at the two. */
+/* Returns the correlation of `count` values from index i on with those `shift` [s] later: the best
+ * of that shift and the two whole numbers of samples around it. */
 static double shifted_correlation(const struct lags *l, size_t i, size_t count, double shift)
 {
     const size_t low = (size_t)(shift / l->dt);
@@ -230,8 +231,8 @@ static double shifted_correlation(const struct lags *l, size_t i, size_t count, 
     return best;
 }
 
-/* Returns true if most parts of the series are more like themselves after n periods than after one:
- * what is loud for a time does not decide. */
+/* Returns true if most parts of the series resemble themselves more after n periods than after one;
+ * a part that is loud does not decide alone. */
 static bool most_prefer(const struct lags *l, double period, int n)
 {
     const size_t count = (size_t)(n * period / l->dt);
@@ -247,7 +248,8 @@ static bool most_prefer(const struct lags *l, double period, int n)
     return 3 * prefer > 2 * all;
 }
 
-/* Returns one over the whole number of waves that a period holds. */
+/* Returns 1/n if the period holds n equal waves, else 1. `once` is the correlation after one
+ * period. */
 static double lags_part(const struct lags *l, double period, double reach, double once)
 {
     struct lag_peak peak;
@@ -258,15 +260,15 @@ static double lags_part(const struct lags *l, double period, double reach, doubl
     return 1;
 }
 
-/* Returns how far a shift lies from the nearest whole number of samples, from 0 to 0.5. */
+/* Returns the distance of a shift from the nearest whole number of samples, from 0 to 0.5. */
 static double between_samples(const struct lags *l, double shift)
 {
     return fabs(remainder(shift / l->dt, 1));
 }
 
-/* Compares multiples of n periods with others that lie no farther between samples, so that what
- * sampling takes from narrow pulses favours the others. Returns true if they are still less alike.
- */
+/* Returns true if multiples of n periods have higher correlations than other multiples that lie no
+ * farther between samples. As sampling lowers the peaks of narrow pulses, this comparison favours
+ * the others. */
 static bool fairly_better(const struct lags *l, double period, int n)
 {
     const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;

@@ -1,30 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Lines of a spectrum: each is fitted as a sine by least squares, and taken away before the next is
- * looked for; then all are fitted together (CLEAN, Hogbom 1974; with the refinement of all
- * components as Foster, Astron. J. 109 (1995) 1889).
- *
- * Uncertainties are those of least squares, for a steady tone the Cramer-Rao bound (Rife and
- * Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591, with twice the variance of their complex tone;
- * Kay, Fundamentals of Statistical Signal Processing I (1993), example 3.14).
- * The variance in them is that of the residuals, or their power beside the line where that is more:
- * what a decay, an unsteady period or a neighbour leaks into the line is there, too.
- */
+/* Lines of a spectrum: each is fitted as a sine by least squares and subtracted before the next is
+ * searched; then all are fitted together (CLEAN, Hogbom 1974; refinement of all components as
+ * Foster, Astron. J. 109 (1995) 1889). Uncertainties are those of least squares, which for a steady
+ * tone are the Cramer-Rao bound (Rife and Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591, with
+ * twice the variance of their complex tone; Kay, Fundamentals of Statistical Signal Processing I
+ * (1993), example 3.14). They use the variance of the residuals, or their power beside the line if
+ * it is larger: a decay, an unsteady period or a neighbour leaks into it. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define SURROUNDING_BINS 4 /* bins on each side of a line where its surroundings are looked at */
-#define LINE_FOOT_BINS 1.5 /* [bins] half width of the foot of a line that was found */
-#define REFIT_ROUNDS 6     /* each line is fitted again beside the others */
-#define LINE_MIN_FRACTION 0.01 /* amplitude relative to the first line */
-/* A line is this far above its surroundings: none of 10^4 bins is by chance. */
+/* Bins on each side of a line that are its surroundings. */
+#define SURROUNDING_BINS 4
+/* [bins] Half width of a line's foot, within which no second line is accepted. */
+#define LINE_FOOT_BINS 1.5
+/* Rounds in which each line is fitted again beside the others. */
+#define REFIT_ROUNDS 6
+/* Smallest amplitude relative to the first line. */
+#define LINE_MIN_FRACTION 0.01
+/* Standard deviations by which a line exceeds its surroundings: none of 10^4 bins does by
+ * chance. */
 #define LINE_CLEAR_SIGMAS 8
-/* The first line is this far above white noise, in which its own foot counts: it may be broad. */
+/* The same for the first line above white noise; its own foot counts as noise, as it may be
+ * broad. */
 #define FIRST_LINE_CLEAR_SIGMAS 6
-/* Least decrease of the sum of squares by a damping, in variances of a residual. */
+/* Smallest decrease of the sum of squares by damping, in variances of a residual. */
 #define DAMPED_BETTER 12.0
 
 double variance_beside(const struct samples *x, const double *residual, double omega)
@@ -50,8 +52,7 @@ double variance_beside(const struct samples *x, const double *residual, double o
     return bins > 0 ? power / used : 0;
 }
 
-/* The mean of the envelope of a line over the samples: its amplitude over the whole is that of the
- * origin times this. */
+/* Returns the mean of a line's envelope over the samples, relative to its value at the origin. */
 static double mean_envelope(const struct samples *x, const struct harmonic *h)
 {
     double sum = 0, used = 0;
@@ -63,8 +64,8 @@ static double mean_envelope(const struct samples *x, const struct harmonic *h)
     return sum / used;
 }
 
-/* Sets the amplitude and the frequency of a line with their uncertainties. Returns true if it
- * stands out of the residuals of all lines. */
+/* Sets amplitude and frequency of a line with their uncertainties. Returns true if it stands out of
+ * `residual`, what all lines leave. `first` tells that it is the first line. */
 static bool stands(const struct samples *x, const struct harmonic *h, enum harmonic_free unknowns,
                    const double *residual, bool first, struct spectrum_peak *peak)
 {
@@ -79,6 +80,7 @@ static bool stands(const struct samples *x, const struct harmonic *h, enum harmo
     return amplitude > chance;
 }
 
+/* Fits a sine near omega [rad/s]. Returns false if it fails or moves by more than one bin. */
 static bool fit_line(const struct samples *x, double omega, enum harmonic_free unknowns,
                      struct harmonic *h, double *residual)
 {
@@ -88,8 +90,8 @@ static bool fit_line(const struct samples *x, double omega, enum harmonic_free u
            fabs(h->omega - omega) <= TWO_PI / span;
 }
 
-/* All lines together: each is fitted again to what the others leave, in turn. residual [n] in and
- * out; work [n]. */
+/* Fits all lines together: each in turn again to what the others leave. residual [n] is updated;
+ * work [n] is scratch space. Returns false if a line is lost or if cancelled. */
 static bool fit_together(const struct samples *x, struct harmonic *line, int count,
                          enum harmonic_free unknowns, double *residual, double *work)
 {
@@ -110,8 +112,8 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
     return true;
 }
 
-/* The next line of what `found` lines leave in left [n]: after all are fitted together it is its
- * own and stands. */
+/* Searches the next line in `left` [n], what `found` lines leave, and fits all together. Returns
+ * true if every line then stands out and is separate from the others. */
 static bool next_spectrum_line(const struct samples *x, struct harmonic *line, int found,
                                struct spectrum_peak *peak, double *left, double *work)
 {
@@ -134,11 +136,9 @@ static bool next_spectrum_line(const struct samples *x, struct harmonic *line, i
     return good;
 }
 
-/*
- * Lines that decay: what a steady sine leaves of them stands beside the line and makes it look far
- * less certain than it is. All are fitted once more as damped sines, where that describes them
- * better. line [count]: steady ones.
- */
+/* Fits all lines once more as damped sines, and takes these if they describe the series better. A
+ * decaying line leaves residuals beside itself that would make it seem less certain. line [count]
+ * are the steady ones. */
 static void fit_damped_lines(const struct samples *x, struct harmonic *line, int count,
                              struct spectrum_peak *peak, double *left, double *work)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period of a series: from the phases of sines window by window, from one damped sine, or from
- * its crossings. */
+/* The period of a series (series_period()): from the phases of sines window by window, from one
+ * damped sine, from crossings or from whole cycles, and the choice between them. */
 #include "modules/recording/period/cycle.h"
 #include "modules/recording/period/track.h"
 
@@ -9,34 +9,38 @@
 #include <string.h>
 
 enum {
-    CYCLES_SURE = 6,
-    COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
+    CYCLES_SURE = 6,     /* cycles from which on their period is sure */
+    COARSE_PERIOD = 128, /* samples a period below which harmonics do not cancel in a window */
 };
 
-/* Beats are looked for if the amplitude falls below this ratio between two maxima. */
+/* A warning of beats is given if the amplitude falls below this ratio between two maxima. */
 #define BEAT_AMPLITUDE_RATIO 0.7
-#define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of an amplitude */
-/* residuals of a damped sine over the noise above which another model is tried, */
+/* Standard deviations of an amplitude that bound it. */
+#define AMPLITUDE_CLEAR_SIGMAS 3.0
+/* A damped sine is poor if its residuals exceed the noise by this ratio and have at least this
+ * autocorrelation. */
 #define POOR_RESIDUAL_RATIO 2.0
-#define RESIDUAL_CORRELATION_MIN 0.5 /* if their autocorrelation is at least this */
-/* relative uncertainty of a period below which nothing better is searched for */
+#define RESIDUAL_CORRELATION_MIN 0.5
+/* Relative uncertainty of a period below which nothing better is searched for. */
 #define PERIOD_SHARP_RELATIVE 1e-6
-/* Relative difference of readings of one period. */
+/* Relative difference up to which two readings are of the same period. */
 #define SAME_PERIOD 0.05
-/* Difference of ln(period) between following windows and a damped sine in a part of the series
+/* Difference of ln(period) between consecutive windows and a damped sine in a part of the series,
  * above which one of them is wrong: the sine is right if it leaves only noise. */
 #define OTHER_PERIOD_LOG 0.2
 /* Difference of ln(period) below which the sum of two oscillations beats. */
 #define BEATS_RATIO_LOG 0.4
 /* Standard deviations above which the phases of sines contradict whole cycles. */
 #define CONTRADICTION_SIGMAS 3.0
-/* Part of the range between two samples that is an edge. */
+/* Part of the range between two neighbouring samples from which on it is an edge. */
 #define EDGE_RANGE_FRACTION 0.4
-#define BEATS_SHARE 0.9 /* least share of the power about the highest line */
-/* largest share of the power that two lines leave; if it is more, there are others */
+/* Smallest share of the power around the highest line for beats, and the largest share that two
+ * lines may leave; with more, there are other lines. */
+#define BEATS_SHARE 0.9
 #define BEATS_LEAVE 0.01
 
-/* Reads the period from one damped sine, for too few windows for a line through their phases. */
+/* Reads the period from one damped sine, if there are too few windows for a line through phases.
+ * Returns false if it does not fit. */
 static bool whole_period(const struct motion *m, struct period *period)
 {
     const struct harmonic *h = &m->harmonic;
@@ -60,14 +64,14 @@ static bool whole_period(const struct motion *m, struct period *period)
     return true;
 }
 
-/* Returns a lower bound of the amplitude, or 0 if the window shows no oscillation. */
+/* Returns a lower bound of the window's amplitude, or 0 if it shows no oscillation. */
 static double sure_amplitude(const struct track_window *w)
 {
     return w->clear ? w->amplitude * fmax(1 - AMPLITUDE_CLEAR_SIGMAS * w->sigma, 0) : 0;
 }
 
-/* The amplitude of the windows between two that are larger: the smallest share that is not chance.
- */
+/* Returns the smallest ratio, not by chance, of an amplitude to larger ones before and after it; 1
+ * if there is none. */
 static double deepest_wane(const struct track *track, struct arena *arena)
 {
     double *later_max = arena_array(arena, track->windows + 1, sizeof *later_max), earlier_max = 0,
@@ -87,7 +91,7 @@ static double deepest_wane(const struct track *track, struct arena *arena)
     return deepest;
 }
 
-/* Warns of two frequencies, or whatever else makes the amplitude wax and wane. */
+/* Warns if the amplitude falls and rises again: two frequencies, sway or a drive. */
 static void warn_beats(const struct track *track, struct arena *arena, struct period *period)
 {
     const double deepest = deepest_wane(track, arena);
@@ -99,16 +103,16 @@ static void warn_beats(const struct track *track, struct arena *arena, struct pe
     }
 }
 
-/* Returns true if one damped sine leaves more than noise: then the interval is wide, and rests on a
- * model that is not true. */
+/* Returns true if one damped sine leaves more than noise; its interval is then wide and rests on a
+ * wrong model. */
 static bool is_poor(const struct motion *m)
 {
     return harmonic_sigma(&m->harmonic, FREE_GAMMA) > POOR_RESIDUAL_RATIO * m->overview.noise &&
            m->autocorrelation > RESIDUAL_CORRELATION_MIN;
 }
 
-/* Returns true if the amplitude changes and one damped sine explains nearly all: what it leaves is
- * an envelope that is not exponential. */
+/* Returns true if the amplitude changes and one damped sine explains nearly all: the rest is an
+ * envelope that is not exponential. */
 static bool is_decaying(const struct motion *m)
 {
     static const double left_max = 0.02; /* power that the fit may leave, as a share */
@@ -123,8 +127,8 @@ static bool is_decaying(const struct motion *m)
     return h->rss < left_max * power;
 }
 
-/* Reads noisy samples, window by window. Returns false if there are too few windows or if out of
- * memory. */
+/* Reads the period from phases, in the narrowest windows that show an oscillation. Returns false if
+ * there are too few or if out of memory. */
 static bool phase_period(struct motion *m, struct arena *arena, struct period *period)
 {
     struct track track;
@@ -147,7 +151,7 @@ static bool phase_period(struct motion *m, struct arena *arena, struct period *p
     return false;
 }
 
-/* Reads the period where a damped sine describes the series, or sines do window by window. */
+/* Reads the period of a series that a damped sine describes, or sines window by window. */
 static bool sine_period(const struct series *series, struct motion *m, struct arena *arena,
                         struct period *period)
 {
@@ -158,7 +162,7 @@ static bool sine_period(const struct series *series, struct motion *m, struct ar
            ((!is_poor(m) || is_decaying(m)) && whole_period(m, period));
 }
 
-/* Reads the period of the part of a series that swings. */
+/* Reads the period of the part of a series that oscillates, with a warning. */
 static bool part_period(const struct series *series, const struct swing *swing, struct arena *arena,
                         struct period *period)
 {
@@ -173,19 +177,22 @@ static bool part_period(const struct series *series, const struct swing *swing, 
     return true;
 }
 
+/* Finds the part of a series that oscillates and reads its period. Returns false if there is
+ * none. */
 static bool swing_period(const struct series *series, struct arena *arena, struct period *period)
 {
     struct swing swing;
     return find_swing(series, &swing) && part_period(series, &swing, arena, period);
 }
 
+/* Returns true if the period and `value` [s] are two readings of the same one. */
 static bool is_same(const struct period *period, double value)
 {
     return fabs(period->period.value / value - 1) < SAME_PERIOD;
 }
 
-/* Tests the period of a sine against its multiples and parts, and takes that at which the series
- * repeats. */
+/* Tests the period of a sine against its multiples and fractions, and takes the one at which the
+ * series repeats. */
 static void take_multiple(const struct series *series, bool exact, const struct lags *lags,
                           struct arena *arena, struct period *period)
 {
@@ -218,7 +225,8 @@ static void take_multiple(const struct series *series, bool exact, const struct 
         guess, multiple);
 }
 
-/* Reads the period of what no sine describes. `rows` is the series, or means of its neighbours. */
+/* Reads the period of a series that no sine describes, trying crossings, a part, whole cycles and
+ * waves in turn. `rows` is the series, or means of its neighbours. Returns false with the error. */
 static bool other_period(const struct series *series, const struct series *rows, struct motion *m,
                          const struct lags *lags, struct arena *arena, struct period *period,
                          struct error *error)
@@ -230,8 +238,8 @@ static bool other_period(const struct series *series, const struct series *rows,
         return true;
     const double guess = lags->correlation ? lags_period(lags) : NAN;
     const double multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
-    /* Two lines, and nothing else, that are so near that their sum waxes and wanes, have no part
-     * that swings alone, and no cycles. */
+    /* Two lines, and nothing else, that are so close that they beat, have neither a part that
+     * oscillates alone nor equal cycles. */
     const bool lines = two_lines(&m->samples, &pair),
                beats = lines && pair.left < BEATS_LEAVE &&
                        fabs(log(pair.period[0] / pair.period[1])) < BEATS_RATIO_LOG &&
@@ -254,10 +262,8 @@ static bool other_period(const struct series *series, const struct series *rows,
     return true;
 }
 
-/*
- * A wave that is no sine shifts the phases of sines by what its harmonics bring into each window:
- * where whole cycles contradict them, these are right.
- */
+/* Replaces the period from phases by that of whole cycles if the two contradict each other: the
+ * harmonics of a wave that is no sine shift the phases of sines. */
 static void prefer_cycles(const struct series *series, const struct series *rows,
                           struct arena *arena, struct period *period)
 {
@@ -278,8 +284,8 @@ static void prefer_cycles(const struct series *series, const struct series *rows
     }
 }
 
-/* Edges between two samples are known to one step, and all by the same part of it where a period
- * is nearly a whole number of steps. */
+/* Widens the period of a wave with edges between two samples. These are known to one time step, and
+ * all err equally if the period is nearly a whole number of steps. */
 static void widen_by_edges(const struct series *series, struct period *period)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, edges = 0;
@@ -296,7 +302,8 @@ static void widen_by_edges(const struct series *series, struct period *period)
     }
 }
 
-/* *pace: relative standard uncertainty that all times have in common. */
+/* Measures the period by the method that suits the series; series_period() then tests it. Sets
+ * *pace to the relative standard uncertainty that all times share. Returns false with the error. */
 static bool find_period(const struct series *series, struct arena *arena, struct period *period,
                         double *pace, struct error *error)
 {
@@ -304,7 +311,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     struct lags lags;
     struct series rows;
     struct period part;
-    /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
+    /* The rows of a stiff run are dense in its jumps: crossings use them at their times. */
     if (series_is_uneven(series) && wave_period(series, WAVE_EXACT, arena, period))
         return true;
     if (!series_thin(series, NULL, THIN_FOR_PERIOD, arena, &rows))
@@ -341,7 +348,7 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
                    struct error *error)
 {
     double pace = series->pace;
-    /* A subharmonic would move every second crossing of a smooth series. */
+    /* A smooth series is not tested further: a subharmonic would shift every second crossing. */
     const bool smooth = smooth_period(series, arena, period);
     if (!smooth && !find_period(series, arena, period, &pace, error))
         return false;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period against the amplitude, window by window. */
+/* Period and amplitude, window by window. */
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 
-#define SIMULATION_NOISE_RATIO 1e-4 /* noise over amplitude of a simulation */
+/* Noise over amplitude below which a series is a simulation. */
+#define SIMULATION_NOISE_RATIO 1e-4
 
-/* Mean height of the extremes over the middle between neighbours of either kind, each the top of a
- * parabola, or NAN of fewer than two. */
+/* Returns half the mean distance between successive extremes, each placed by a parabola, or NAN if
+ * there are fewer than two. */
 static double mean_swing(const struct series *s)
 {
     double previous = NAN, sum = 0, count = 0;
@@ -25,6 +26,8 @@ static double mean_swing(const struct series *s)
     return count > 0 ? sum / count : NAN;
 }
 
+/* Reads period and amplitude of one window of that middle and width [s]. Returns false with the
+ * error. */
 static bool read_window(const struct series *part, double middle, double width, struct arena *arena,
                         struct period_reading *reading, struct error *error)
 {
@@ -39,8 +42,7 @@ static bool read_window(const struct series *part, double middle, double width, 
         .t = middle, .amplitude = a.amplitude, .period = p.period, .periods = p.periods};
     const double swing =
         overview.noise < SIMULATION_NOISE_RATIO * a.amplitude.value ? mean_swing(part) : NAN;
-    if (isfinite(swing)) /* overtones belong to the swing: the sine that fits best is smaller or
-                            larger */
+    if (isfinite(swing)) /* overtones count, which a fitted sine lacks */
         reading->amplitude.value = swing;
     return true;
 }

@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Tests whether the stated uncertainties of repeated measurements explain their scatter, and
- * computes the value to be quoted. Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl.
- * Bur. Stand. 87 (1982) 377.
- */
+/* Statistics of repeated measurements (repeat_values() in fit.h): whether their stated
+ * uncertainties explain the scatter, and the value to quote. Birge, Phys. Rev. 40 (1932) 207; Paule
+ * & Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377. */
 #include "modules/recording/series/internal.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-/* relative rounding; a value with a smaller uncertainty has no noise and states nothing */
+/* Relative rounding; a smaller uncertainty counts as not stated. */
 #define VALUE_ROUNDING_RELATIVE 1e-9
 
-/* Weighted mean with `sigma_between` added to each stated uncertainty; returns the sum of squares
- * in units of these. */
+/* Sets *mean to the weighted mean with `sigma_between` added in quadrature to each stated
+ * uncertainty. Returns the sum of squares in units of these. */
 static double weigh(const struct measured *x, int n, double sigma_between, struct measured *mean)
 {
     double w = 0, wx = 0, square = 0;
@@ -32,8 +30,8 @@ static double weigh(const struct measured *x, int n, double sigma_between, struc
     return square;
 }
 
-/* Returns what has to be added to every stated uncertainty for a sum of squares of n - 1, or 0 if
- * it is not larger. The sum falls as more is added. */
+/* Returns the standard deviation that has to be added to each stated uncertainty so that the sum of
+ * squares becomes n - 1, or 0 if it is not larger. Found by bisection, as the sum falls with it. */
 static double scatter_between(const struct measured *x, int n, double scatter)
 {
     struct measured mean;

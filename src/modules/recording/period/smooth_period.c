@@ -1,54 +1,56 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The period of a smooth series without noise, such as a run with fixed steps, from one pass over
- * its rows. All crossings of the centre of a damped or growing oscillation are half a period
- * apart. The centre is the level at which they are: a level off by d moves each crossing by d over
- * the slope there, so that least squares finds it together with the period.
- */
+/* The period of a smooth series without noise, such as a run with fixed steps, in one pass over its
+ * rows. All crossings of the centre of a damped or growing oscillation are half a period apart. A
+ * level that is off by d shifts each crossing by d over the slope there, so that least squares
+ * finds the centre together with the period. */
 #include "modules/recording/period/cycle.h"
 
 #include <float.h>
 #include <math.h>
 
 enum {
+    /* Fewer rows are left to other methods. */
     ROWS_MIN = 64,
     PLACES = 512,      /* positions at which the noise is measured */
-    CROSSINGS_MIN = 6, /* fewer do not show that they are equally far apart */
+    CROSSINGS_MIN = 6, /* fewer do not show that they are equally spaced */
     CENTRE_PASSES = 6, /* Newton's method for the centre */
-    INTERPOLATED = 6,  /* samples through which the polynomial at a crossing goes */
+    INTERPOLATED = 6,  /* samples of the polynomial at a crossing */
     ROOT_PASSES = 4,   /* Newton's method for a crossing */
 };
 
-/* Steps between rows are even to this part of the step. */
+/* Steps between rows must be even to this part of a step. */
 static const double even_tolerance = 1e-9;
 /* Noise relative to the amplitude up to which interpolation is better than averaging. */
 static const double noise_max = 1e-6;
-/* Lobes that are smaller than this share of the largest one are left out, and those of a motion
- * that dies out within a few cycles only where they are smaller than that. */
+/* Lobes (the parts between crossings) smaller than this share of the largest one are left out; if
+ * the motion dies out within a few cycles, only those smaller than the second share. */
 static const double lobe_min = 0.05, lobe_min_damped = 1e-6;
-/* No crossing is farther off the line than this part of the period. */
+/* No crossing may be farther off the line than this part of the period. */
 static const double off_line_max = 1e-6;
-/* The logarithm of the height changes evenly from lobe to lobe, up to what the rows miss of the
- * tops: else the wave repeats only after several of these periods. */
+/* Largest change of the differences of ln(height) between lobes, as rows miss the tops; with more,
+ * the wave repeats only after several of these periods. */
 static const double height_uneven_max = 0.02;
-/* A lobe has this many rows at least. */
+/* Smallest number of rows of a lobe. */
 static const size_t lobe_rows_min = 10;
 
+/* A crossing of the level. */
 struct smooth_crossing {
-    size_t row;   /* the first one beyond the level */
-    double place; /* [rows] */
+    size_t row;   /* first row beyond the level */
+    double place; /* [rows] interpolated position */
     double slope; /* [y per row] */
 };
 
+/* The series, its level and the crossings found so far. */
 struct smooth_wave {
     const double *y;
     size_t n;
     double low, high, level;
     struct smooth_crossing *crossing; /* [count] */
-    double *height;                   /* [count] ln of the largest distance from the level after */
+    double *height; /* [count] ln of the largest distance from the level after each */
     size_t count, capacity;
 };
 
+/* Returns true if all times lie on the even grid with step dt. */
 static bool is_even(const struct series *s, double dt)
 {
     const double tolerance = even_tolerance * dt + 4e-16 * fabs(s->t[s->n - 1]);
@@ -60,7 +62,7 @@ static bool is_even(const struct series *s, double dt)
     return deviation_max <= tolerance;
 }
 
-/* Sets the extremes. Returns false if a value is not finite. */
+/* Sets the extremes. Returns false if a value is not finite or if all are equal. */
 static bool find_extremes(struct smooth_wave *w)
 {
     double low = w->y[0], high = low, sum = 0;
@@ -75,7 +77,8 @@ static bool find_extremes(struct smooth_wave *w)
     return sum == 0 && high > low;
 }
 
-/* The median size of the sixth differences at places all along the series, as samples_noise(). */
+/* Returns the noise: the median size of sixth differences at positions all along the series, as
+ * samples_noise(). */
 static double noise_at_places(const struct smooth_wave *w)
 {
     double size[PLACES];
@@ -87,8 +90,8 @@ static double noise_at_places(const struct smooth_wave *w)
     return MAD_TO_SIGMA * values_quantile(size, places, 0.5) / sqrt(924.0);
 }
 
-/* Returns the root of the quintic through six values at 0 to 5 (Newton's form), from `x` on, and
- * its slope there. */
+/* Returns the root, near x, of the quintic through the six values d at 0 to 5 (Newton's form), and
+ * sets its slope there. d is overwritten. */
 static double quintic_root(double d[INTERPOLATED], double x, double *slope)
 {
     for (int k = 1; k < INTERPOLATED; k++)
@@ -106,7 +109,8 @@ static double quintic_root(double d[INTERPOLATED], double x, double *slope)
     return x;
 }
 
-/* Places a crossing by the six rows about it, each `step` rows from the next. */
+/* Places a crossing by the six rows around it, taken every `step` rows. Returns false if the root
+ * is not near it. */
 static bool place_crossing(const struct smooth_wave *w, size_t step, struct smooth_crossing *c)
 {
     const size_t half = INTERPOLATED / 2 * step, previous = c->row - 1,
@@ -124,8 +128,8 @@ static bool place_crossing(const struct smooth_wave *w, size_t step, struct smoo
     return x >= begin - 0.5 && x <= begin + 1.5 && c->slope * (y_next - y_previous) > 0;
 }
 
-/* Finds the crossings between lobes that are high enough. Returns false if there are too few, or
- * some between too few rows. */
+/* Finds the crossings between lobes that are larger than share_min. Returns false if there are too
+ * few, or if lobes have too few rows. */
 static bool find_crossings(struct smooth_wave *w, double share_min)
 {
     const double height_min = share_min * 0.5 * (w->high - w->low);
@@ -151,7 +155,7 @@ static bool find_crossings(struct smooth_wave *w, double share_min)
     return w->count >= CROSSINGS_MIN;
 }
 
-/* Sets the heights of the lobes between crossings. Returns true if they change evenly. */
+/* Computes the heights of the lobes. Returns true if their logarithms change evenly. */
 static bool heights_are_even(const struct smooth_wave *w)
 {
     for (size_t k = 0; k + 1 < w->count; k++) {
@@ -166,7 +170,7 @@ static bool heights_are_even(const struct smooth_wave *w)
     return true;
 }
 
-/* Follows a crossing to the level, where that moved a little. Returns false if it is not near. */
+/* Moves a crossing to the level after that changed a little. Returns false if it is not near. */
 static bool follow_level(const struct smooth_wave *w, struct smooth_crossing *c)
 {
     for (size_t i = 0; i < lobe_rows_min; i++) {
@@ -182,8 +186,8 @@ static bool follow_level(const struct smooth_wave *w, struct smooth_crossing *c)
     return false;
 }
 
-/* Places the crossings of the level. Where a lobe does not reach it, those between the middle and
- * there are left. Returns false if these are too few. */
+/* Places all crossings of the level, by rows `step` apart. If a lobe does not reach it, only the
+ * crossings on the side with more cycles are kept. Returns false if these are too few. */
 static bool place_all(struct smooth_wave *w, size_t step)
 {
     const size_t all = w->count;
@@ -201,14 +205,16 @@ static bool place_all(struct smooth_wave *w, size_t step)
     return kept >= CROSSINGS_MIN;
 }
 
-/* The line place = constant + k half + shift/slope, by least squares of the values there. */
+/* The line place = constant + k half + shift/slope through the crossings k, by least squares of the
+ * values there. */
 struct crossing_line {
-    double half, shift;       /* [rows], as y */
+    double half, shift;       /* [rows] half a period; error of the level, in the unit of y */
     double half_sigma;        /* [rows] from the scatter about the line */
-    double half_sigma_of_one; /* [rows] where each value is off by 1 */
-    double distance_max;      /* [rows] the largest distance from it */
+    double half_sigma_of_one; /* [rows] for values with an uncertainty of 1 */
+    double distance_max;      /* [rows] largest distance of a crossing from the line */
 };
 
+/* Fits the line through the crossings. Returns false if they do not determine it. */
 static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *line)
 {
     const double middle = 0.5 * (double)(w->count - 1), origin = w->crossing[0].place,
@@ -226,6 +232,7 @@ static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *lin
             b[i] += x[i] * deviation;
         }
     }
+    /* inverse becomes the diagonal element of the inverse for the slope. */
     double l[3 * 3] = {0}, unit[3] = {0, 1, 0};
     if (!matrix_cholesky(3, 3, a, 1e-10, l))
         return false;
@@ -249,7 +256,8 @@ static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *lin
     return line->half > 0;
 }
 
-/* Finds the level at which the crossings are equally far apart, and the line through them. */
+/* Finds the level at which the crossings are equally spaced, and the line through them. Returns
+ * false if there is none. */
 static bool find_centre(struct smooth_wave *w, struct crossing_line *line)
 {
     double moved = HUGE_VAL;
@@ -266,7 +274,8 @@ static bool find_centre(struct smooth_wave *w, struct crossing_line *line)
     return true;
 }
 
-/* Finds the crossings of the centre and the line through them, from a first level on. */
+/* Finds centre and line, starting from `level`, and tests whether crossings and heights are
+ * even. */
 static bool find_line(struct smooth_wave *w, double level, double share_min,
                       struct crossing_line *line)
 {
@@ -276,7 +285,7 @@ static bool find_line(struct smooth_wave *w, double level, double share_min,
            heights_are_even(w);
 }
 
-/* Returns the middle between the extremes of the first or the last eighth. */
+/* Returns the middle between the extremes of the first or the last eighth of the rows. */
 static double level_at_end(const struct smooth_wave *w, bool last)
 {
     const size_t n = w->n / 8;
@@ -292,10 +301,8 @@ static bool find_damped_line(struct smooth_wave *w, struct crossing_line *line)
            find_line(w, level_at_end(w, false), lobe_min_damped, line);
 }
 
-/*
- * Returns how far interpolation puts the distance between crossings off [rows]: with every second
- * row each crossing is 2^6 as far off, as the interpolation is of the fifth degree.
- */
+/* Returns the uncertainty [rows] of half a period by interpolation. With every second row,
+ * interpolation of the fifth degree puts each crossing 2^6 times as far off. */
 static double interpolation_sigma(struct smooth_wave *w, const struct crossing_line *line)
 {
     double square = 0;

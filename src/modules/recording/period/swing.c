@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The part of a series that oscillates: windows on a grid, the longest first, each with a damped
- * sine of its own; then both ends are moved outwards as far as the sine describes the samples.
- */
+/* Finds the part of a series that oscillates: tries windows on a grid, the longest first, each with
+ * its own damped sine; then both ends are moved outwards as long as the sine describes the
+ * samples. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 
 enum {
+    /* Equal parts of the series from which windows are composed. */
     GRID_PARTS = 9,
-    GRID_TRIM_MAX = 6,      /* parts that may be left out at the two ends together */
+    GRID_TRIM_MAX = 6,      /* parts that both ends together may lose */
     SWING_SAMPLES_MIN = 24, /* fewer samples show no shape */
 };
 
-/* A step that settles has one cycle and some rest; fewer cycles than this prove no oscillation. */
+/* Fewer periods prove no oscillation: a step that settles has one cycle and some rest. */
 static const double swing_periods_min = 2.5;
-/* A damped sine describes a window if it leaves no more than its noise, within this factor, */
+/* A damped sine describes a window if its residuals do not exceed the noise by more than this
+ * factor and are hardly correlated. */
 static const double residual_noises_max = 1.6;
 static const double residual_autocorrelation_max = 0.5;
-/* or, where the shape is another one, if it leaves no more than this share of the power over many
- * periods. */
+/* If the wave has another shape, residuals may have this share of the power over many periods. */
 static const double residual_power_max = 0.06;
 static const double shape_periods_min = 5;
 static const double rejected_share_max = 0.1;
 
+/* Returns true if the damped sine of m describes its samples. */
 static bool describes(const struct motion *m)
 {
     const struct samples *x = &m->samples;
@@ -46,7 +47,7 @@ static bool describes(const struct motion *m)
            (m->overview.periods >= shape_periods_min && square < residual_power_max * power);
 }
 
-/* Returns the value of the damped sine at time t, and its envelope there. */
+/* Returns the value of the damped sine at time t, and sets *envelope to its amplitude there. */
 static double sine_value(const struct harmonic *h, double t, double *envelope)
 {
     const double s = t - h->origin, fall = exp(-0.5 * h->gamma * s);
@@ -54,10 +55,9 @@ static double sine_value(const struct harmonic *h, double t, double *envelope)
     return h->c + h->d * s + fall * (h->a * cos(h->omega * s) + h->b * sin(h->omega * s));
 }
 
-/*
- * Moves one end of the window outwards, sample by sample, up to a limit or to the first of a few
- * neighbours that all lie off the sine. Returns the index of the last sample that belongs to it.
- */
+/* Moves one end of the window outwards, sample by sample in that direction, up to `limit` or to the
+ * first of NEIGHBOURS samples in a row that are off the sine. Returns the last sample that lies on
+ * it. */
 static size_t extend_end(const struct series *s, const struct motion *m, size_t end, size_t limit,
                          int direction)
 {
@@ -78,6 +78,7 @@ static size_t extend_end(const struct series *s, const struct motion *m, size_t 
     return good;
 }
 
+/* Returns samples begin to end - 1 of a series; memory is shared. */
 static struct series part_of(const struct series *s, size_t begin, size_t end)
 {
     struct series part = *s;
@@ -87,6 +88,7 @@ static struct series part_of(const struct series *s, size_t begin, size_t end)
     return part;
 }
 
+/* Fits a damped sine to samples begin to end - 1. Returns true if it describes them. */
 static bool try_window(const struct series *s, size_t begin, size_t end, struct arena *arena,
                        struct motion *m)
 {
@@ -94,7 +96,8 @@ static bool try_window(const struct series *s, size_t begin, size_t end, struct 
     return part.n >= SWING_SAMPLES_MIN && motion_one_sine(m, &part, arena) && describes(m);
 }
 
-/* Moves both ends of a window outwards by half a period at a time, with a new sine each time. */
+/* Moves both ends of a window outwards by at most half a period at a time, with a new sine each
+ * time, as long as it describes the samples. */
 static void widen_window(const struct series *s, size_t window[2], struct motion *m,
                          struct arena *arena)
 {
@@ -124,7 +127,8 @@ static void set_swing(const struct series *s, const size_t window[2], const stru
                             .end = window[1]};
 }
 
-/* Tries all windows of one length and keeps the one that the sine describes best. */
+/* Tries all windows of `parts` parts and stores the one that a sine describes best, widened.
+ * Returns false if none is described. */
 static bool best_of_length(const struct series *s, size_t parts, struct swing *swing)
 {
     double best = HUGE_VAL;
@@ -146,8 +150,8 @@ static bool best_of_length(const struct series *s, size_t parts, struct swing *s
     return isfinite(best);
 }
 
-/* Returns the first of a few samples that all leave the level at which a series begins; n if it
- * never does. */
+/* Returns the first of three samples in a row that leave the level at which the series begins, or
+ * n. */
 static size_t leaves_rest(const struct series *s, struct arena *arena)
 {
     enum { REST_MIN = 8, NEIGHBOURS = 3 };
@@ -165,8 +169,8 @@ static size_t leaves_rest(const struct series *s, struct arena *arena)
     return outliers < NEIGHBOURS ? s->n : i - NEIGHBOURS;
 }
 
-/* Tries what comes after the rest at the beginning, however soon that dies out: all of it, then its
- * first half, quarter and so on. */
+/* Tries the part after an initial rest: all of it, then its first half, quarter and so on, up to
+ * `halvings` times. Returns false if no sine describes one. */
 static bool after_rest(const struct series *s, size_t halvings, struct swing *swing)
 {
     struct arena arena = {0};

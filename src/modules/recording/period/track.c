@@ -25,6 +25,7 @@ struct track_gram {
     size_t used;
 };
 
+/* Adds the products of one sample's columns to the lower triangle. */
 static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, double c, double d,
                               double y)
 {
@@ -38,6 +39,7 @@ static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, d
     }
 }
 
+/* Returns the products of the columns over a window's samples; `half` scales s to -1 … 1. */
 static struct track_gram collect(const struct samples *x, const struct track_window *w, double half)
 {
     struct track_gram m = {.used = 0};
@@ -78,7 +80,8 @@ static bool factorise(struct track_gram *m)
     return true;
 }
 
-/* Amplitude and phase at the middle with w->omega; the phase in (-pi, pi]. */
+/* Fits the sine with w->omega to the window and sets its amplitude and phase (in (-pi, pi]) at the
+ * middle. */
 static void fit_window(const struct samples *x, struct track_window *w)
 {
     if (cancelled(x->cancel)) {
@@ -111,8 +114,8 @@ static void fit_window(const struct samples *x, struct track_window *w)
     w->clear = w->explained > 2 * CLEAR_AT * variance && w->explained > tiny && w->amplitude > 0;
 }
 
-/* Returns the first sample after a gap in [from, to): a step of several usual ones and a good part
- * of a period; `end` if there is none. */
+/* Returns the first sample after a gap among begin to end - 1, or `end` if there is none. A gap is
+ * a step of several usual ones and of a part of the width. */
 static size_t after_gap(const struct samples *x, size_t begin, size_t end, double width)
 {
     static const double gap_steps = 8, gap_widths = 0.02;
@@ -156,7 +159,8 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
     return true;
 }
 
-/* Returns the window that a sine of this frequency describes best, or `windows` if none does. */
+/* Fits all windows. Returns the one that a sine of this frequency describes best, or `windows` if
+ * none is clear. */
 static size_t best_window(const struct samples *x, double omega, struct track *track)
 {
     size_t best = track->windows;
@@ -174,7 +178,7 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
     return best;
 }
 
-/* Fits windows in one direction from `start`, each at the frequency found by those before it. */
+/* Fits windows in one direction from `start` on, each at the frequency found by those before it. */
 static void follow_frequency(const struct samples *x, struct track *track, size_t start,
                              int direction, double omega)
 {
@@ -196,7 +200,7 @@ static void follow_frequency(const struct samples *x, struct track *track, size_
     }
 }
 
-/* Mean frequency by the phases, coherence, and what is explained. */
+/* Computes the mean frequency from the phases, the coherence, and the explained share. */
 static void conclude_track(struct track *track)
 {
     double weight = 0, cosine = 0, explained = 0, rss = 0;
@@ -226,7 +230,7 @@ static void conclude_track(struct track *track)
         track->omega = (last->phase - first->phase) / (last->t - first->t);
 }
 
-/* Width of the windows [s]. */
+/* Returns the width of the windows [s]. */
 static double window_width(const struct samples *x, double omega, double periods)
 {
     const double beat = 0.5 - omega * x->dt / TWO_PI; /* [1/sample] from the Nyquist frequency */
@@ -234,7 +238,7 @@ static double window_width(const struct samples *x, double omega, double periods
                 fmax(WINDOW_SAMPLES, BEAT_MIN / fmax(beat, 1e-3)) * x->dt);
 }
 
-/* Makes one pass over all samples with the frequency that they have at the time `t_start`. Returns
+/* Makes one pass over all samples, from the time t_start, at which the frequency is omega. Returns
  * false if out of memory. */
 static bool track_from(const struct samples *x, double omega, double periods, double t_start,
                        struct arena *arena, struct track *track)
@@ -257,7 +261,7 @@ static bool track_from(const struct samples *x, double omega, double periods, do
     return true;
 }
 
-/* The frequency between the best window and those beside it; what was given where these are not
+/* Returns the frequency between the best window and its neighbours, or omega if these are not
  * clear. */
 static double refined(const struct track *track, size_t start, double omega)
 {
@@ -300,11 +304,8 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
     return true;
 }
 
-/*
- * An oscillation keeps its phase from window to window. Where a few windows are all there is,
- * hardly anything else may be in them; thousands of bumps, steps, exponentials and random walks
- * stay well below (tests/modules/recording/analysis/detect.c).
- */
+/* Thousands of bumps, steps, exponentials and random walks stay well below these limits
+ * (tests/modules/recording/analysis/detect.c); a few windows must explain nearly everything. */
 bool track_is_oscillation(const struct track *track)
 {
     const bool all = track->clear >= FEW && track->coherence > 0.9 && track->fraction > 0.9;
@@ -336,9 +337,8 @@ static bool may_be_fundamental(double omega, const struct track *harmonic)
     return ratio > ratio_min && ratio < ratio_max;
 }
 
-/* Follows a frequency in the narrowest windows that show an oscillation, or the fundamental of
- * `harmonic` if that is not NULL. Returns false if none do, or with *memory false if out of memory.
- */
+/* Follows a frequency in the narrowest windows that show an oscillation or, unless NULL, the
+ * fundamental of `harmonic`. Returns false if none do; *memory becomes false if out of memory. */
 static bool follow_narrowly(const struct samples *x, double omega, const struct track *harmonic,
                             struct arena *arena, struct track *trial, bool *memory)
 {
@@ -377,7 +377,7 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
 
 /* ---- long recordings ---- */
 
-/* Averages each `each` neighbouring samples. Returns false if out of memory. */
+/* Averages groups of `each` neighbouring samples. Returns false if out of memory. */
 static bool average(const struct samples *x, size_t each, struct arena *arena,
                     struct samples *result)
 {
@@ -387,6 +387,7 @@ static bool average(const struct samples *x, size_t each, struct arena *arena,
            samples_init(result, &means, arena);
 }
 
+/* Returns the explained power per sample. */
 static double window_power(const struct track *track, const struct samples *x)
 {
     return track->omega > 0 ? track->explained / (double)x->n : 0;
@@ -438,8 +439,8 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
 
 /* ---- the period from phases ---- */
 
-/* Adds that friction, which a decay that speeds up shows, delays the phases: the period may seem
- * longer than it is. */
+/* Adds the delay of the phases by friction, which a decay that speeds up shows, to the uncertainty,
+ * and warns: the period may seem too long. */
 static void heed_friction(struct cycle_times *log_amplitude, double omega, struct period *period)
 {
     static const double rises_at = 3; /* standard deviations of the curvature of ln A */
@@ -455,7 +456,7 @@ static void heed_friction(struct cycle_times *log_amplitude, double omega, struc
     period->period.uncertainty = hypot(period->period.uncertainty, delay / normal_95);
 }
 
-/* Returns the time of the window's crossing of the baseline upwards that is next to its middle. */
+/* Returns the time of the upward crossing of the baseline next to the window's middle. */
 static double crossing_near(const struct track_window *w)
 {
     return w->t - remainder(w->phase + 0.5 * PI, TWO_PI) / w->omega;

@@ -1,68 +1,67 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * An oscillation followed window by window: phase and amplitude of local least-squares sines on a
- * local parabola, the frequency of one window taken from the phases of those before. Nothing is
- * assumed about the whole: frequency, amplitude and baseline may drift, and the motion may come to
- * rest.
- */
+/* An oscillation followed window by window: phase and amplitude of local least-squares sines on a
+ * local parabola; the frequency of a window is taken from the phases of the windows before it.
+ * Nothing is assumed about the whole: frequency, amplitude and baseline may drift, and the motion
+ * may come to rest. */
 #pragma once
 
 #include "modules/recording/period/cycle.h"
 
+/* The sine in one window. */
 struct track_window {
-    size_t begin, end; /* samples [from, to) */
-    double t;          /* [s] its middle */
+    size_t begin, end; /* samples begin to end - 1 */
+    double t;          /* [s] middle of the window */
     double omega;      /* [rad/s] of the sine that was fitted */
-    double amplitude;  /* as y */
-    double phase;      /* [rad] at t, counted through */
-    double sigma;      /* [rad] of the phase, from the residuals of the window */
-    /* [rad] phase less that expected from the windows before, or NAN if nothing was expected */
+    double amplitude;  /* unit of y */
+    double phase;      /* [rad] at t, continued from window to window */
+    double sigma;      /* [rad] uncertainty of the phase, from the residuals of the window */
+    /* [rad] phase minus the one expected from earlier windows, or NAN if none was expected */
     double phase_error;
     double mean;      /* mean of the samples */
     double explained; /* sum of squares by which the sine reduces the residuals of the parabola */
-    double rss;       /* sum of squares that is left */
+    double rss;       /* sum of squares of the residuals */
     size_t used;
-    bool clear;     /* the sine stands out of what is left */
-    bool after_gap; /* nothing was recorded for a while before it */
+    bool clear;     /* the sine stands out of the residuals */
+    bool after_gap; /* a pause of recording precedes it */
 };
 
+/* An oscillation as a sequence of windows. */
 struct track {
     struct track_window *window; /* [windows] */
-    size_t windows, clear;
-    double periods; /* requested periods per window */
-    double omega;   /* [rad/s] mean over the clear windows, by their phases */
-    /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0 for chance */
+    size_t windows, clear;       /* numbers of all windows, and of clear ones */
+    double periods;              /* requested periods per window */
+    double omega;                /* [rad/s] mean over the clear windows, by their phases */
+    /* Mean cosine of phase_error, weighted by amplitude: 1 for an oscillation, about 0 for
+     * chance. */
     double coherence;
-    /* Share of the variance about the baseline, in the windows from the first to the last clear
-     * one. */
+    /* Share of the variance about the baseline that is explained, in the windows from the first to
+     * the last clear one. */
     double fraction;
-    double explained; /* sum of squares */
+    double explained; /* sum of squares that the sines explain */
 };
 
-/*
- * Follows the oscillation in windows of `periods` periods of omega (more if there are few samples
- * per period). Returns false if out of memory.
- */
+/* Follows an oscillation of about omega [rad/s] in windows of `periods` periods (more if there are
+ * few samples per period). Returns false if out of memory. */
 bool track_follow(const struct samples *samples, double omega, double periods, struct arena *arena,
                   struct track *track);
 
-/*
- * Follows the oscillation of the recording, starting from the peaks of its spectrum, in the
- * narrowest windows that show one; omega is NAN if none does. Returns false if out of memory.
- */
+/* Searches the oscillation of a recording, starting from the peaks of its spectrum, in the
+ * narrowest windows that show one; track->omega is NAN if none does. Returns false if out of
+ * memory. */
 bool track_find(const struct samples *samples, struct arena *arena, struct track *track);
 
+/* Returns true if the phases are so coherent that the windows show an oscillation and not
+ * chance. */
 bool track_is_oscillation(const struct track *track);
 
-enum { LONG_RECORD = 4096 }; /* rows from which on a recording is followed by track_long() */
+/* Number of rows above which a recording is followed by track_long(). */
+enum { LONG_RECORD = 4096 };
 
-/* Follows a long recording by a part of it and by means of neighbours, in one pass over all
- * samples. Returns false if out of memory. */
+/* Follows a long recording: finds its frequency in a part of it and in means of neighbours, then
+ * makes one pass over all samples. Returns false if out of memory. */
 bool track_long(const struct samples *samples, struct arena *arena, struct track *track);
 
-/*
- * Reads the period from the phases of the clear windows, with a warning where these bend, or where
- * the decay speeds up as under dry friction, which delays phases. Returns false if they are too
- * few, or if out of memory.
- */
+/* Measures the period from the phases of the clear windows, with a warning if these bend, or if the
+ * decay speeds up as under dry friction, which delays phases. Returns false if they are too few, or
+ * if out of memory. */
 bool track_period(const struct track *track, struct arena *arena, struct period *period);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Waves one by one: the stretches above the middle level. Their number tells a period from several
- * of them, and how the times between them vary tells how well their mean is known.
- */
+/* Waves one by one: the stretches above the middle level. Their number distinguishes a period from
+ * several of them, and the variation of the times between them shows how well their mean is
+ * known. */
 #include "modules/recording/period/cycle.h"
 
 #include <math.h>
@@ -10,29 +9,32 @@
 #include <string.h>
 
 enum {
-    LEVEL_ROWS = 512, /* rows that the levels are read from */
+    LEVEL_ROWS = 512, /* rows from which the levels are read */
     WAVES_MIN = 6,    /* fewer show no variation */
+    /* Rows from which the noise is estimated. */
     NOISE_ROWS = 2048,
 };
 
-/* Shares of the rows below and above which the extremes are left out. */
+/* Quantiles of the rows that count as low and high level, without outliers. */
 static const double low_share = 0.01, high_share = 0.99;
-/* Shares of the distance between the levels: how far a wave goes beyond the middle on either side,
- * and the largest noise. */
+/* Relative to the distance between the levels: how far a wave must exceed the middle on either
+ * side, and the largest noise. */
 static const double beyond_middle = 0.15, noise_max = 0.05;
 
+/* Times of waves, and statistics of the times between neighbours. */
 struct waves {
-    double *t; /* [n] the middle of each */
+    double *t; /* [n] middle of each wave */
     size_t n;
-    double gap, spread;       /* [s] mean and standard deviation of the times between them */
-    double shortest, longest; /* [s] of these */
-    double
-        typical; /* [s] half of them are within 0.67 of this from the middle one: few are missing */
-    double noise;       /* [s] what noise does to one of these */
-    double correlation; /* lag-1, of these: -1/2 where each wave is off its place alone */
+    double gap, spread;       /* [s] mean and standard deviation */
+    double shortest, longest; /* [s] extremes */
+    /* [s] robust standard deviation of the times, which a few missing waves do not change */
+    double typical;
+    double noise;       /* [s] shift of one of these times by noise */
+    double correlation; /* lag 1; -1/2 if each wave is off its place independently */
 };
 
-/* Sets the middle level and how far a wave goes beyond it. Returns false if noise may do so. */
+/* Sets the middle level, the hysteresis about it, and the noise. Returns false if noise may exceed
+ * it. */
 static bool find_levels(const struct series *s, double *middle, double *hysteresis, double *noise)
 {
     double value[LEVEL_ROWS], scratch[NOISE_ROWS];
@@ -50,14 +52,14 @@ static bool find_levels(const struct series *s, double *middle, double *hysteres
     return high > low && *noise < noise_max * (high - low);
 }
 
-/* Returns when the line between two rows passes a level. */
+/* Returns the time at which the line between rows next - 1 and next passes a level. */
 static double passes_level(const struct series *s, size_t next, double level)
 {
     const double a = s->y[next - 1] - level, b = s->y[next] - level;
     return s->t[next - 1] + (s->t[next] - s->t[next - 1]) * (a / (a - b));
 }
 
-/* Finds the waves and sets their number. Returns the mean time that noise shifts an edge by. */
+/* Finds the waves. Returns the mean shift [s] of an edge by noise. */
 static double find_waves(const struct series *s, double middle, double hysteresis, double noise,
                          struct waves *w)
 {
@@ -85,8 +87,8 @@ static double find_waves(const struct series *s, double middle, double hysteresi
     return w->n > 0 ? shift / (double)w->n : 0;
 }
 
-/* Returns the standard deviation of the times between waves, leaving aside a few that are far off,
- * as where a wave is missing. deviation [n] is scratch. */
+/* Returns a robust standard deviation of the times between waves, which ignores a few missing
+ * waves. deviation [n] is work space. */
 static double typical_spread(const struct waves *w, double *deviation)
 {
     static const double normal = 1.4826; /* standard deviations of a median distance */
@@ -99,7 +101,7 @@ static double typical_spread(const struct waves *w, double *deviation)
     return normal * values_quantile(deviation, gaps, 0.5);
 }
 
-/* Sets what the times between the waves are like. */
+/* Computes the statistics of the times between the waves. */
 static void describe_gaps(struct waves *w)
 {
     double square = 0, product = 0, previous = 0;
@@ -117,7 +119,8 @@ static void describe_gaps(struct waves *w)
     w->correlation = square > 0 ? product / square : 0;
 }
 
-/* Returns false if there are too few waves, some may be missing, or noise hides them. */
+/* Finds and describes the waves. Returns false if there are too few, if some may be missing, or if
+ * noise hides them. */
 static bool waves_init(const struct series *s, struct arena *arena, struct waves *w)
 {
     static const double shortest_min = 0.3, longest_max = 2.2; /* mean gaps */
@@ -139,7 +142,7 @@ static bool waves_init(const struct series *s, struct arena *arena, struct waves
     return w->shortest > shortest_min * w->gap && w->longest < longest_max * w->gap;
 }
 
-/* Returns the standard deviation of the times that some waves take, about a period. */
+/* Returns the standard deviation of the times that `waves` waves take, about `period` [s]. */
 static double spread_after(const struct waves *w, size_t waves, double period)
 {
     double square = 0;
@@ -150,14 +153,14 @@ static double spread_after(const struct waves *w, size_t waves, double period)
     return sqrt(square / (double)(w->n - waves));
 }
 
-/* Returns true if the times between waves vary, by more than noise and interpolation bring. */
+/* Returns true if the times between waves vary by more than noise and interpolation explain. */
 static bool gaps_vary(const struct waves *w)
 {
     static const double chance = 3, small = 0.01;
     return w->typical > chance * w->noise && w->typical > small * w->gap;
 }
 
-/* Takes the mean time between waves for the period. */
+/* Takes the mean time between waves as the period, with a warning. */
 static void take_mean_gap(const struct waves *w, struct period *period)
 {
     const double gaps = (double)(w->n - 1);
@@ -174,7 +177,8 @@ static void take_mean_gap(const struct waves *w, struct period *period)
 
 bool waves_period(const struct series *series, struct arena *arena, struct period *period)
 {
-    static const double spread_max = 0.4; /* mean gaps: more is no rhythm */
+    /* relative to the mean gap; with more there is no rhythm */
+    static const double spread_max = 0.4;
     enum { SURE = 8 };
     struct waves w;
     *period = (struct period){.level = NAN};

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Rate of change of a series: the slope of the least-squares parabola through neighbouring samples
- * (Savitzky & Golay 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples
- * it is sum(i y_i)/(h sum(i^2)), i = -p…p.
- */
+/* Rate of change of a series: the slope of the least-squares parabola through neighbouring samples
+ * (Savitzky & Golay 1964), at the samples' true times. For even steps h and `points` = 2 p + 1
+ * samples it equals sum(i y_i)/(h sum(i^2)), i = -p…p. */
 #include "modules/recording/series/analysis.h"
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-#define GAP_MEDIAN_STEPS 1.5 /* median steps: no parabola across that */
+/* A time step longer than this number of median steps is a gap, across which no parabola is
+ * fitted. */
+#define GAP_MEDIAN_STEPS 1.5
 
+/* Returns the median time step [s]; work [n] is scratch space. */
 static double median_step(const struct series *s, double *work)
 {
     for (size_t i = 0; i + 1 < s->n; i++)
@@ -19,11 +20,12 @@ static double median_step(const struct series *s, double *work)
     return values_quantile(work, s->n - 1, 0.5);
 }
 
-/* Returns the slope at t[row] of the parabola through the samples [begin, end). *gain becomes the
- * factor [1/s] by which it multiplies independent noise. */
+/* Returns the slope at t[row] of the parabola through the samples begin to end - 1. Sets *gain to
+ * the factor [1/s] by which it multiplies independent noise. */
 static double slope_at(const struct series *s, size_t begin, size_t end, size_t row, double *gain)
 {
-    /* Orthogonal polynomials on these times: 1, u - mean, its square less what is along both. */
+    /* Orthogonal polynomials on these times: 1, u = t - mean, and q = u^2 minus its projections on
+     * both. */
     double n = (double)(end - begin), mean = 0, uu = 0, uuu = 0, qq = 0, line = 0, curve = 0;
     for (size_t i = begin; i < end; i++)
         mean += (s->t[i] - s->t[row]) / n;
@@ -38,7 +40,7 @@ static double slope_at(const struct series *s, size_t begin, size_t end, size_t 
         line += u * (s->y[i] - s->y[row]);
         curve += q * (s->y[i] - s->y[row]);
     }
-    const double turn = -2 * mean - uuu / uu; /* dq/du at t[at] */
+    const double turn = -2 * mean - uuu / uu; /* dq/du at t[row] */
     const bool curved = end - begin > 2 && qq > 0;
     *gain = sqrt(1 / uu + (curved ? turn * turn / qq : 0));
     return line / uu + (curved ? turn * curve / qq : 0);
@@ -57,7 +59,7 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
     if (!value || !gain)
         return error_memory(error);
     const double longest = GAP_MEDIAN_STEPS * median_step(series, gain);
-    size_t begin = 0, end = 0, known = 0; /* [begin, end): without a gap */
+    size_t begin = 0, end = 0, known = 0; /* begin to end - 1 is a stretch without gap */
     for (size_t i = 0; i < n; i++) {
         if (cancelled_at(series->cancel, i))
             return error_set(error, ERROR_CANCELLED, "stopped");
@@ -66,8 +68,8 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
             for (end = i + 1; end < n && series->t[end] - series->t[end - 1] <= longest;)
                 end++;
         }
-        /* The same samples serve several times at the ends; stretches with fewer than three give no
-         * value. */
+        /* The same samples serve several times at the ends of a stretch. Stretches with fewer than
+         * three samples give no value. */
         size_t first = i >= begin + reach ? i - reach : begin;
         size_t stop = first + 2 * reach + 1;
         if (stop > end) {

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Judges the answer of a least-squares fit from the derivatives at the answer, not from how the
- * iteration ended. The residuals' part in the space of the derivatives is what a further step could
- * still gain (the relative offset of Bates & Watts 1981); the singular values show which parameters
- * the data determine.
- */
+/* Judges the answer of a least-squares fit from the derivatives at the answer, not from how the
+ * iteration ended. The component of the residuals in the space of the derivatives is what a further
+ * step could still gain (the relative offset of Bates & Watts 1981); the singular values show which
+ * parameters the data determine. The two last functions judge a series for other modules. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/fit/curve_problem.h"
 
@@ -13,17 +11,19 @@
 #include <string.h>
 
 #define DOUBLE_EPSILON 2.220446049250313e-16
+/* Largest step, relative to the value or its uncertainty, at which a fit has converged. */
 #define STEP_MAX 1e-8
-/* Largest step relative to the uncertainty: derivatives of integrated curves have errors, too. */
+/* The same relative to the uncertainty for costly curves, whose derivatives have errors of
+ * integration. */
 #define STEP_COSTLY 1e-6
+/* Largest component of the residuals in the space of the derivatives, relative to their length. */
 #define GRADIENT_MAX 1e-6
 /* Autocorrelation of neighbouring residuals above which the uncertainties are widened. */
 #define AUTOCORRELATION_MIN 0.1
 
-/*
- * Computes the full Gauss-Newton step, the covariance for residuals of variance 1, and which
- * parameters are determined. Returns the length of what the step takes out of the residuals.
- */
+/* Computes the full Gauss-Newton step, adds the covariance for residuals of variance 1 to
+ * fit->covariance, and clears `determined` of parameters that have no influence. Returns the length
+ * of what the step would take out of the residuals. */
 static double solve(const struct triangle *t, double *step, struct curve_fit *fit)
 {
     struct linear_problem l;
@@ -44,10 +44,9 @@ static double solve(const struct triangle *t, double *step, struct curve_fit *fi
 
 /* ---- the variance of the residuals ---- */
 
-/*
- * Sum of squares over degrees of freedom. Robust: E psi^2/(E psi')^2 (Huber 1981, 7.6), by which a
- * covariance with the weights inside is multiplied together with the mean weight.
- */
+/* Returns the variance of a residual, with `free` fitted parameters: sum of squares over degrees of
+ * freedom. For robust fits it is the mean weight times E psi^2/(E psi')^2 (Huber 1981, 7.6), to be
+ * multiplied by a covariance that contains the weights. */
 static double variance(const struct curve_problem *p, const struct curve_fit *fit, size_t free)
 {
     double n = (double)p->n;
@@ -63,8 +62,8 @@ static double variance(const struct curve_problem *p, const struct curve_fit *fi
     return slope > 0 ? weight / n * square / (n - (double)free) / (slope / n) / (slope / n) : NAN;
 }
 
-/* One standard deviation to either side the sum of squares must change, or the data do not hold the
- * parameter there. */
+/* Returns true if the data determine parameter j: the sum of squares changes if it is moved by one
+ * standard deviation to either side. */
 static bool is_determined(struct curve_problem *p, const double *x, int j, double deviation,
                           double variance, double rss)
 {
@@ -120,7 +119,7 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
             fit->covariance[j][i] *= left;
         for (int i = 0; i <= j; i++)
             pull += t.r[i][j] * t.r[i][count];
-        if (fit->bound[j]) { /* inwards the sum of squares must not fall */
+        if (fit->bound[j]) { /* the sum of squares must not fall towards the inside */
             fit->small_gradient = fit->small_gradient && !(inward[j] * pull > 0);
             continue;
         }
@@ -140,8 +139,8 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
 
 /* ---- conclude ---- */
 
-/* Runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940), and lag-1
- * autocorrelation. */
+/* Counts used and rejected samples, and computes the residuals' lag-1 autocorrelation and number of
+ * runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940). */
 static void diagnose(const struct curve_problem *p, struct curve_fit *fit)
 {
     double product = 0, square = 0, plus = 0, minus = 0, runs = 0, previous = 0;
@@ -165,16 +164,15 @@ static void diagnose(const struct curve_problem *p, struct curve_fit *fit)
     fit->runs = spread > 0 ? (runs - expected) / spread : 0;
 }
 
-/*
- * Adds what the rounding errors of a coarse sensor do to the parameters, as they are no chance
- * where the curve is flat: the standard deviation over where the steps may lie. Noise spreads them.
- */
+/* Computes the uncertainty of each parameter that is due to a sensor's coarse resolution: rounding
+ * errors are systematic where the curve is flat. It is the standard deviation over the possible
+ * positions of the rounding steps. Noise makes rounding errors random, and the doubt small. */
 static void rounding_doubts(const struct curve_problem *p, const struct curve_fit *fit,
                             double doubt[CURVE_PARAMETERS])
 {
     enum { SHIFTS = 8 };
-    static const double spread_out =
-        0.05; /* a smaller part of them that noise leaves is neglected */
+    /* A smaller share of systematic rounding errors beside the noise is neglected. */
+    static const double spread_out = 0.05;
     const double variance = fit->sigma * fit->sigma,
                  step = samples_quantum(&(struct samples){.y = p->y, .n = p->n}),
                  noise = fmax(variance - step * step / 12, 0),
@@ -202,6 +200,7 @@ static void rounding_doubts(const struct curve_problem *p, const struct curve_fi
         doubt[j] = left * sqrt(square[j]);
 }
 
+/* Writes the verdict of a fit into fit->said. */
 static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit)
 {
     const char *undetermined = NULL;
@@ -229,6 +228,8 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
     diagnose(p, fit);
     rounding_doubts(p, fit, rounding);
     fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
+    /* Correlated residuals count as fewer: uncertainties grow by sqrt(factor), degrees of freedom
+     * shrink. */
     double factor = fit->autocorrelation > AUTOCORRELATION_MIN
                         ? autocorrelation_factor(fit->autocorrelation)
                         : 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Examines a series before any model, and fits the robust damped sine with which every analysis of
- * an oscillation starts. */
+ * an oscillation starts (struct motion). */
 #include <hooke/base/cancel.h>
 #include "modules/recording/period/track.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A series prepared for analysis: its time grid, its noise, its spikes. */
+/* A series prepared for analysis: means of neighbours, spikes, gaps, and the sensor's
+ * resolution. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/series/internal.h"
 #include "modules/recording/fit/curve_problem.h"
@@ -7,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#define SPIKES_MAX 0.2 /* largest share of the samples */
+/* Largest share of samples that may be spikes; more are the oscillation itself. */
+#define SPIKES_MAX 0.2
 
 bool samples_average(const struct samples *x, size_t each, struct arena *arena,
                      struct series *means)
@@ -56,7 +58,7 @@ static double variance_of_pairs(const double *y, size_t pairs)
     return (square - sum * sum / (double)pairs) / (double)pairs;
 }
 
-/* Copies values, in place of those that are not in use the last one that is. */
+/* Copies values, replacing those that are not in use by the latest one in use. */
 static void fill_unused(const double *y, const unsigned char *use, size_t n, double *filled)
 {
     size_t last = 0;
@@ -91,6 +93,8 @@ bool series_thin(const struct series *series, const unsigned char *use, double l
     const double all = values_variance(thin->y, rows), noise = samples_noise(&middle, scratch),
                  white = noise * noise,
                  lost_max = white > white_share_exact * all ? lost_share_max : THIN_KEEPS_LINES;
+    /* Averages pairs as long as the variance lost is that of white noise and the permitted
+     * share. */
     for (size_t n = rows / 2; n >= rows_min && white < white_share_max * all; n /= 2) {
         left *= 0.5;
         if (all - variance_of_pairs(thin->y, n) >
@@ -158,11 +162,9 @@ struct measured series_mean(const struct series *s)
     return (struct measured){mean, sqrt(square / span)};
 }
 
-/*
- * Returns true if the flagged stretches come at even intervals and are all about as high: pulses,
- * not values that a sensor has missed. Stretches of one value alone are a sensor's, however often
- * they come.
- */
+/* Returns true if the flagged stretches come at even intervals and are of similar height: they are
+ * pulses of the motion, not values that a sensor missed. Stretches that all read one value come
+ * from a sensor, however often they occur. scratch [n] is work space. */
 static bool spikes_recur(const struct samples *x, double middle, double *scratch)
 {
     enum { SPIKES = 512, RECUR_MIN = 5 };
@@ -194,7 +196,6 @@ static bool spikes_recur(const struct samples *x, double middle, double *scratch
     }
     if (!differs || count < RECUR_MIN)
         return false;
-    /* values_quantile() changes the order */
     const double spacing = values_quantile(interval + 1, count - 1, 0.5),
                  high = values_quantile(height, count, 0.5);
     for (size_t k = 0; k < count; k++) {
@@ -205,7 +206,7 @@ static bool spikes_recur(const struct samples *x, double middle, double *scratch
            (double)equal >= alike_share * (double)count;
 }
 
-/* Returns true if two neighbours differ by more than `jump`. */
+/* Returns true if two neighbouring values differ by more than `jump`. */
 static bool has_jump(const double *y, size_t n, double jump)
 {
     bool found = false;
@@ -270,7 +271,7 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
 
 /* ---- the step of a sensor, and what it leaves open ---- */
 
-/* Returns true if nearly all differences of neighbours are multiples of a step. */
+/* Returns true if nearly all differences of neighbours are multiples of the step `quantum`. */
 static bool has_steps(const struct samples *x, double quantum)
 {
     size_t others = 0;
@@ -296,7 +297,8 @@ double samples_quantum(const struct samples *x)
     return 0;
 }
 
-/* Returns true if nearly all samples read the same as those `lag` later. */
+/* Returns true if nearly all samples read the same as those `lag` samples later, to a hundredth of
+ * the step. */
 static bool readings_repeat(const struct samples *x, size_t lag, double quantum)
 {
     static const double repeat_share = 0.8;
@@ -313,8 +315,8 @@ double quantum_pace(const struct motion *m)
     if (!(m->quantum > 0) || !(samples >= 2) || !(steps > 0) ||
         !readings_repeat(&m->samples, (size_t)nearbyint(samples), m->quantum))
         return 0;
-    /* The samples of one period are all that is known of the phase; or its edges are, each to a
-     * step of time. */
+    /* The phase is known only from the samples of one period, each to a step of the value; or from
+     * the edges between steps, each to a step of time. The better one counts. */
     const double of_values = sqrt(2 / samples) / sqrt(12) / steps,
                  of_edges = TWO_PI / samples / sqrt(12) / sqrt(4 * steps);
     return sqrt(2) * fmin(of_values, of_edges) / (TWO_PI * m->overview.periods);

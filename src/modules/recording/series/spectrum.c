@@ -1,23 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares
- * (Lomb–Scargle) on the true times. */
+/* Spectra by fast Fourier transform (Hann window, zero padding) and their peaks, which are refined
+ * by least squares on the true times (Lomb–Scargle). Times with gaps go through
+ * spectrum_drawn.c. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/series/internal.h"
 
 #include <gsl/gsl_fft_real.h>
 #include <math.h>
 
-/* Values transformed at a time: about 5 ms, with the same bits as GSL's transform. */
+/* Number of values transformed at once without a check for Ctrl-C: about 5 ms. */
 #define TRANSFORM_PIECE ((size_t)1 << 17)
-#define PHASE_ROTATIONS_MAX 64 /* rotations of a phase before it is computed anew */
-#define LOWEST_PERIODS 1.3     /* [periods in the record] a peak with fewer is drift */
+/* Number of rotations of a phase factor before it is computed anew. */
+#define PHASE_ROTATIONS_MAX 64
+/* Peaks with fewer periods in the record are drift. */
+#define LOWEST_PERIODS 1.3
 
+/* Smallest number of samples of a part, and peaks taken from one mean spectrum. */
 enum { PART_MIN = 16, CANDIDATES = 5 };
 
 /* ---- the Fourier transform of real values in pieces, between which it can be ended ---- */
 
-/* Combines the transforms of even and odd values, each half complex, to that of all (Cooley and
- * Tukey 1965). */
+/* Combines the transforms of even and odd values, in GSL's half-complex order, to the transform of
+ * all n values (Cooley and Tukey 1965). Returns false if cancelled. */
 static bool combine(const double *even, const double *odd, size_t n, double *result,
                     const struct cancel *cancel)
 {
@@ -62,16 +66,17 @@ bool transform_real(double *data, size_t n, double *scratch, const struct cancel
 
 /* ---- spectra ---- */
 
+/* Power spectrum of samples. */
 struct transform {
     double *power; /* [bins] |X|^2 */
-    size_t bins;   /* 0 … Nyquist */
+    size_t bins;   /* frequencies from 0 to Nyquist */
     double step;   /* [Hz] between bins */
     double gain;   /* sum of the window: amplitude = 2 |X|/gain */
-    bool memory;
+    bool memory;   /* false if out of memory or cancelled */
 };
 
-/* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares
- * line removed. */
+/* Fills the even grid of n points with values: rejected samples are bridged by straight lines, and
+ * the least-squares line is subtracted. */
 static void fill_even(const struct samples *x, double *filled)
 {
     size_t right = 0, left = 0;
@@ -104,6 +109,8 @@ static void fill_even(const struct samples *x, double *filled)
     }
 }
 
+/* Computes the power spectrum of samples without gaps, under a Hann window and with zeros appended.
+ * Check `memory` of the result. */
 static struct transform transform(const struct samples *x, struct arena *arena)
 {
     struct transform result = {.memory = true};
@@ -143,7 +150,8 @@ static struct transform transform(const struct samples *x, struct arena *arena)
     return result;
 }
 
-/* No line bridges a gap: what is seen before and after it would cancel beside the true line. */
+/* Computes the power spectrum of samples with a gap. A straight line across the gap, as in
+ * fill_even(), would distort the spectrum. */
 static struct transform transform_with_gap(const struct samples *x, struct arena *arena)
 {
     struct spectrum spectrum;
@@ -159,7 +167,7 @@ static struct transform transform_with_gap(const struct samples *x, struct arena
     return result;
 }
 
-/* The same as peak_frequency(), with memory for the transform from an arena. */
+/* Does the work of peak_frequency() with memory of an arena. */
 static double peak_of_transform(const struct samples *x, struct arena *arena, bool *memory)
 {
     *memory = true;
@@ -186,6 +194,7 @@ static double peak_of_transform(const struct samples *x, struct arena *arena, bo
     if (peak == 0 || !(p[peak - 1] > 0) || !(p[peak + 1] > 0)) {
         return peak == 0 ? NAN : TWO_PI * spectrum.step * (double)peak;
     }
+    /* Parabola through the logarithms of three bins. */
     double l = log(p[peak - 1]), m = log(p[peak]), r = log(p[peak + 1]);
     return TWO_PI * spectrum.step * ((double)peak + 0.5 * (l - r) / (l - 2 * m + r));
 }
@@ -198,7 +207,8 @@ double peak_frequency(const struct samples *x, bool *memory)
     return omega;
 }
 
-/* Keeps the highest of the local maxima of a spectrum, best first. */
+/* Sets omega [max] to the highest local maxima of a spectrum, highest first. span is the length [s]
+ * of the record, which sets the lowest frequency. Returns their number. */
 static int highest(const struct transform *spectrum, double span, double *omega, int max)
 {
     const double *p = spectrum->power;
@@ -274,7 +284,7 @@ int spectrum_candidates(const struct samples *x, double *omega, int max, bool *m
 double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log,
                             struct arena *arena)
 {
-    static const double wider = 3; /* [bins], of a Hann window */
+    static const double wider = 3; /* [bins] half width of a line under a Hann window */
     struct spectrum spectrum;
     double all = 0, left = 0;
     if (!samples_spectrum(x, arena, &spectrum) || spectrum.bins < 4)
@@ -298,8 +308,9 @@ double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log
     return all > 0 ? 1 - left / all : 0;
 }
 
-/* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and
- * a parabola. */
+/* Returns the minimum near omega of the least-squares misfit of a sine with floating mean
+ * (Zechmeister & Kürster 2009), by a parabola through three frequencies; omega itself if that
+ * fails. */
 static double refine(const struct samples *x, double omega)
 {
     double span = x->t[x->n - 1] - x->t[0], step = PI / (4 * span), rss[3];
@@ -327,8 +338,8 @@ double series_peak_frequency(const struct series *series, struct arena *arena)
     return isfinite(omega) ? refine(&samples, omega) : NAN;
 }
 
-/* Returns the power of the series at `multiple` times the frequency of a period, through a Hann
- * window, which keeps a bent baseline and the fundamental out of it. */
+/* Returns the power of the series at `multiple` times the frequency of a period [s]. The Hann
+ * window keeps a bent baseline and the fundamental out of it. */
 static double power_at(const struct series *series, double period, double multiple)
 {
     const double t0 = series->t[0], span = series->t[series->n - 1] - t0;
@@ -346,7 +357,8 @@ static double power_at(const struct series *series, double period, double multip
 
 bool series_has_harmonics(const struct series *series, double period)
 {
-    static const double stands_out = 16, cycles_min = 6; /* fewer cycles do not part the lines */
+    /* fewer cycles leave the lines overlapping */
+    static const double stands_out = 16, cycles_min = 6;
     if (series->t[series->n - 1] - series->t[0] < cycles_min * period)
         return true;
     const double background = (power_at(series, period, 1.5) + power_at(series, period, 2.5) +

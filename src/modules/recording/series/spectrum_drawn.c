@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The spectrum that is drawn, and that of recordings with gaps: |sum w y exp(i omega t)| over the
- * samples there are, at their own times, so that the height of a line is its amplitude whatever is
- * missing. Samples between points of the grid are spread over the four beside them, by the weights
- * that would interpolate there (Press and Rybicki 1989, Astrophys. J. 338:277); a grid twice as
- * fine keeps that right to (3/128) (pi/2)^4 at the end of the axis, and to 3e-5 at ten samples a
- * period.
- */
+/* The spectrum that is drawn, and that of recordings with gaps: |sum w y exp(i omega t)| over the
+ * existing samples, at their true times, so that the height of a line is its amplitude whatever is
+ * missing. A sample between points of the grid is spread over the four points around it, by the
+ * weights of interpolation (Press and Rybicki 1989, Astrophys. J. 338:277). A grid twice as fine
+ * makes that accurate to (3/128) (pi/2)^4 at the end of the axis, and to 3e-5 at ten samples a
+ * period. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 
-#define GAP_USUAL_STEPS 8 /* times the usual step: nothing was recorded there */
-/* Bins in 1/span: a line between two of them is at most 0.3 % too low. */
+/* A step longer than this number of median steps is a gap. */
+#define GAP_USUAL_STEPS 8
+/* Bins per 1/span: a line between two bins is drawn at most 0.3 % too low. */
 #define BINS_PER_LINE_WIDTH 8
-#define FINE_MAX 1048576 /* bins, of longer series as many as the samples give */
+/* Largest number of bins for that; longer series get one bin for each sample. */
+#define FINE_MAX 1048576
 /* Points of the grid before the first sample; two follow the last one. */
 #define GRID_MARGIN_POINTS 1
 
-/* The usual step [s]: the mean of all that are no gaps; *gap: the shortest that is one. */
+/* Returns the usual time step [s], the mean of all that are not gaps, or 0 if there is none. Sets
+ * *gap to the shortest step that is a gap. scratch [n] is work space. */
 static double usual_step(const struct samples *x, double *scratch, double *gap)
 {
     double span = 0;
@@ -37,7 +38,8 @@ static double usual_step(const struct samples *x, double *scratch, double *gap)
     return steps > 0 ? span / (double)steps : 0;
 }
 
-/* [n] the time that each sample stands for, of gaps none. */
+/* Sets duration [n] to the time [s] that each sample represents: half the step to either neighbour,
+ * without gaps. */
 static void durations(const struct samples *x, double gap, double step, double *duration)
 {
     for (size_t i = 0; i < x->n; i++)
@@ -52,7 +54,8 @@ static void durations(const struct samples *x, double gap, double step, double *
     duration[x->n - 1] += 0.5 * step;
 }
 
-/* The weighted least-squares line, at the middle of the times and by second. */
+/* Fits a straight line by weighted least squares: line[0] is its value at the time `middle`,
+ * line[1] its slope per second. */
 static void line_of(const struct samples *x, const double *weight, double middle, double line[2])
 {
     double sum = 0, first = 0, second = 0, value = 0, moment = 0;
@@ -69,7 +72,7 @@ static void line_of(const struct samples *x, const double *weight, double middle
     line[0] = (value - line[1] * first) / sum;
 }
 
-/* Adds the value at a place between the points of a grid. */
+/* Adds the value at a position between the points of a grid to the four points around it. */
 static void spread(double position, double value, double *grid)
 {
     const double lower = floor(position + 1e-6), s = position - lower;
@@ -84,8 +87,9 @@ static void spread(double position, double value, double *grid)
     cell[2] += value * (s + 1) * s * (s - 1) / 6;
 }
 
-/* Values under a Hann window over all of the times, on the grid of a spacing [s]. Returns the sum
- * of the weights. */
+/* Spreads the samples, minus their line and under a Hann window over the whole span, on a grid of
+ * that spacing [s]. weight [n] is the duration of each sample, `step` the usual step. Returns the
+ * sum of the weights. */
 static double spread_all(const struct samples *x, double *weight, double spacing, double step,
                          double *grid)
 {
@@ -105,7 +109,7 @@ static double spread_all(const struct samples *x, double *weight, double spacing
     return gain;
 }
 
-/* Those that are used. Returns false if out of memory. */
+/* Copies the samples that are in use. Returns false if out of memory. */
 static bool take_used(const struct samples *x, struct arena *arena, struct samples *used)
 {
     double *t = arena_array(arena, x->n + 1, sizeof *t);
@@ -138,7 +142,8 @@ bool samples_have_gap(const struct samples *x, struct arena *arena, bool *memory
     return false;
 }
 
-/* Bins of the transform: some for each that the times give, but not without end. */
+/* Returns the length of the transform, a power of two: finer than the number of points of the
+ * times, but limited. */
 static size_t bins_of(double points, size_t n)
 {
     const double max = fmax(FINE_MAX, 4 * (double)n);
@@ -161,7 +166,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
         return true;
     const double span = x.t[x.n - 1] - x.t[0];
     const size_t finer = x.uniform ? 1 : 2, length = bins_of(span / step + 4, x.n);
-    /* A gap may be so long that the grid would be too large: it is then coarser. */
+    /* If a gap is so long that the grid would be too large, the grid is coarser. */
     const double apart = fmax(step, span / ((double)length - 4));
     double *grid = arena_array(arena, 2 * finer * length, sizeof *grid);
     if (!grid || cancelled(x.cancel))

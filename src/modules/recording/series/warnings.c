@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Warnings about a fit that a user should know before believing it. */
+/* Warnings about a fit that a user should know before using it. */
 #include <hooke/base/number.h>
 #include "modules/recording/series/internal.h"
 
 #include <math.h>
 #include <stdio.h>
 
-#define SWAY_MIN 0.03     /* relative modulation of the amplitude that is worth a word */
-#define POOR_MIN 0.10     /* residuals over signal (rms) above which the model misses something */
-#define POOR_NOISES 1.5   /* residuals over noise above which it does */
-#define POOR_TOGETHER 0.3 /* autocorrelation above which it does */
+/* Relative modulation of the amplitude above which a warning is given. */
+#define SWAY_MIN 0.03
+/* The model misses something if residuals over signal (rms) exceed POOR_MIN, and either residuals
+ * over noise or their autocorrelation exceed the other two limits. */
+#define POOR_MIN 0.10
+#define POOR_NOISES 1.5
+#define POOR_TOGETHER 0.3
 
 void fit_warn(struct fit *fit, const char *format, ...)
 {
@@ -22,13 +25,15 @@ void fit_warn(struct fit *fit, const char *format, ...)
     }
 }
 
+/* Warns if gamma or the period differs between the halves of the window by more than chance and by
+ * a size that matters. */
 static void warn_halves(struct fit *fit)
 {
     const struct measured *a = &fit->halves[0], *b = &fit->halves[1];
     double difference = a->value - b->value, sigma = hypot(a->uncertainty, b->uncertainty);
     const bool differ =
         fabs(difference) > HALVES_DIFFER * sigma && fabs(difference) > 0.1 * fabs(fit->gamma.value);
-    if (differ && fit->drag.candidates == 0) { /* the laws say what else it is */
+    if (differ && fit->drag.candidates == 0) { /* compared laws describe the decay better */
         struct buffer first = {0}, second = {0};
         buffer_uncertain(&first, a->value, a->uncertainty);
         buffer_uncertain(&second, b->value, b->uncertainty);
@@ -50,7 +55,7 @@ static void warn_halves(struct fit *fit)
     }
 }
 
-/* Warns of beats if there are two lines clear of the noise; other modulations of the amplitude are
+/* Warns of beats if there are two frequencies, or of another modulation of the amplitude, which is
  * mostly a swing sideways. `poor` is residuals over signal. */
 static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
 {

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readings as what is true, by a calibration. */
+/* Applies a calibration to the values of a recording: a straight line from readings to true
+ * values. */
 #include <hooke/base/unit.h>
 #include "modules/recording/table/table.h"
 
 #include <stdio.h>
 
+/* Returns the quantity of a unit, which may be NULL. */
 static enum quantity quantity_of(const struct unit *unit)
 {
     return unit ? unit->quantity : QUANTITY_OTHER;

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Chooses the columns of the time and the value: those that the user names, or those that names,
- * units and numbers suggest.
- */
+/* Chooses the columns of time and value: those that are named, else by names, units and numbers. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include "modules/recording/table/table.h"
@@ -12,26 +9,27 @@
 #include <string.h>
 #include <strings.h>
 
+/* Names of columns, in several languages: times, row numbers, positions. */
 #define TIME_WORDS "t time times zeit tiempo tempo temps tid elapsed timestamp x_value"
 #define INDEX_WORDS "sample samples sampleid index idx frame nr no"
 #define PLACE_WORDS                                                                                \
     "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia " \
     "posicion posición "                                                                          \
     "desplazamiento posizione spostamento distanza elongation hauteur"
-#define SIZE_WORDS "absolute magnitude total" /* sizes of a vector, which hide the sign */
+#define SIZE_WORDS "absolute magnitude total" /* magnitudes of vectors, which hide the sign */
 #define TIME_STEPS_UP_MIN 0.9                 /* least share of rising steps in a column of times */
 
 /* Statistics of the numbers of a column. */
 struct profile {
     size_t numbers;
     double low, high, variance;
-    /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
+    /* shares of steps that are > 0, < 0, exactly 1, near the mean step */
     double rising, falling, by_one, even;
     bool ahead; /* the last number is above the first */
-    bool whole;
+    bool whole; /* all are whole numbers */
 };
 
-/* A profile is only a guess, and taken from stretches of STRETCH_ROWS rows of a long recording. */
+/* A profile is a guess, taken from stretches of STRETCH_ROWS rows of a long recording. */
 #define STRETCH_ROWS 1024u
 #define STRETCHES_MAX 256u
 
@@ -41,6 +39,7 @@ static size_t row_after(size_t row, size_t rows)
     return (row + 1) % STRETCH_ROWS == 0 ? row + 1 + (stride - 1) * STRETCH_ROWS : row + 1;
 }
 
+/* Computes the statistics of a column; NAN cells are skipped. */
 static struct profile profile_of(const struct recording *recording, const double *value)
 {
     struct profile p = {.low = HUGE_VAL, .high = -HUGE_VAL, .whole = true};
@@ -106,6 +105,7 @@ static bool unnamed(const struct column *column, int i)
     return !strcmp(column->name, plain);
 }
 
+/* Returns true if column i numbers the rows. */
 static bool is_index(const struct recording *recording, const struct profile *p, int i)
 {
     const struct column *column = &recording->column[i];
@@ -139,9 +139,8 @@ static bool starts_with(const char *name, struct text wanted)
     return strlen(name) >= wanted.len && strncasecmp(name, wanted.data, wanted.len) == 0;
 }
 
-/* Returns how many columns are called `wanted`, and sets *column to the last of them. A column is
- * called by its name, by its number from 1, or, within the run, by the beginning of its name in any
- * case, with or without the run's name before it. */
+/* Returns how many columns `wanted` may mean, and sets *column to the last of them: by name, number
+ * from 1 or, within the run, the beginning of its name with or without the run's name. */
 static int match_column(const struct recording *recording, struct text wanted, int *column)
 {
     struct text name = text_trim(wanted);
@@ -174,6 +173,7 @@ static int match_column(const struct recording *recording, struct text wanted, i
     return found;
 }
 
+/* Sets *column to the column meant by `wanted`. Returns false with the error unless it is one. */
 static bool find_column(const struct recording *recording, struct text wanted, int *column,
                         struct error *error)
 {
@@ -194,6 +194,7 @@ static bool find_column(const struct recording *recording, struct text wanted, i
 
 /* ---- what the file says ---- */
 
+/* Chooses the column of values, constant ones only if `flat`. Returns false if there is none. */
 static bool quantity_column_pick(struct recording *recording, const struct profile *profile,
                                  bool flat)
 {
@@ -234,8 +235,8 @@ static bool quantity_column_pick(struct recording *recording, const struct profi
     return best >= 0;
 }
 
-/* The nearest time column to the left of the value, where runs stand side by side; else the first.
- */
+/* Returns the time column nearest to the left of the value, else the first, or -1; in the run if
+ * `own`. */
 static int time_among(const struct recording *recording, const struct profile *profile, bool own)
 {
     int first = -1, left = -1;
@@ -250,7 +251,7 @@ static int time_among(const struct recording *recording, const struct profile *p
     return left >= 0 ? left : first;
 }
 
-/* The newest row first, as some loggers write: no time column rises, and one falls. */
+/* Returns true if the newest row comes first: a time falls and none rises. */
 static bool runs_backwards(const struct recording *recording, const struct profile *profile)
 {
     bool falls = false;
@@ -264,14 +265,14 @@ static bool runs_backwards(const struct recording *recording, const struct profi
     return falls;
 }
 
-/* A run without times of its own shares those of another. */
+/* Returns the time column of the run, else that of another run; -1 if there is none. */
 static int time_column(const struct recording *recording, const struct profile *profile)
 {
     const int own = time_among(recording, profile, true);
     return own >= 0 ? own : time_among(recording, profile, false);
 }
 
-/* Returns true if the column could be the time although neither its name nor its unit says so. */
+/* Returns true if column i could be the time although neither its name nor its unit tells so. */
 static bool could_be_time(const struct recording *recording, const struct profile *profile, int i)
 {
     const struct column *column = &recording->column[i];
@@ -280,8 +281,7 @@ static bool could_be_time(const struct recording *recording, const struct profil
            !name_has_word(column->name, PLACE_WORDS " " ERROR_WORDS);
 }
 
-/* Returns the only column whose numbers are those of a clock, or -1 if there is none or more than
- * one. */
+/* Returns the only column whose numbers look like a clock, or -1 if there is none or several. */
 static int only_clock(const struct recording *recording, const struct profile *profile)
 {
     static bool (*const is_clock[])(const double *, size_t) = {rises_evenly, is_along_line};
@@ -299,8 +299,8 @@ static int only_clock(const struct recording *recording, const struct profile *p
     return -1;
 }
 
-/* No column says that it is the time: the first one is if it rises, and evenly where it has another
- * name; behind a count of the rows the second, if it rises evenly; else the only one that does. */
+/* Guesses the time if no column is named so: the first if it rises, the second after row numbers,
+ * else the only one that looks like a clock. Returns -1 if none does. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
     const int index = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
@@ -322,6 +322,7 @@ static int index_column(const struct recording *recording, const struct profile 
     return -1;
 }
 
+/* Sets the error of a recording without a time column. Returns false. */
 static bool no_time(const struct recording *recording, const struct profile *profile,
                     struct error *error)
 {
@@ -340,6 +341,7 @@ static bool no_time(const struct recording *recording, const struct profile *pro
     return false;
 }
 
+/* Chooses the time column, or the sampling rate, and sets recording->source. */
 static bool choose_time(struct recording *recording, const struct profile *profile,
                         const struct load_options *options, struct error *error)
 {
@@ -403,8 +405,8 @@ static bool side_by_side(const struct recording *recording)
     return false;
 }
 
-/* Chooses among runs in neighbouring columns: the run that the options name, that of the named
- * column, or the first with values. */
+/* Chooses among runs side by side: the requested one, the named column's, or the first with
+ * values. */
 static bool choose_run(struct recording *recording, const struct profile *profile,
                        const struct load_options *options, struct error *error)
 {
@@ -422,7 +424,7 @@ static bool choose_run(struct recording *recording, const struct profile *profil
     return true;
 }
 
-/* A run that is shorter than the others ends in empty cells. */
+/* Drops the empty cells in which a run ends that is shorter than its neighbours. */
 static void cut_run(struct recording *recording)
 {
     const double *value = recording->column[recording->value].value,
@@ -471,11 +473,9 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         for (int i = 0; i < recording->columns; i++)
             profile[i] = profile_of(recording, recording->column[i].value);
     }
-
     if (!choose_run(recording, profile, options, error))
         return false;
-
-    /* The value first, because of several runs side by side; a time that is only guessed is then no
+    /* The value is chosen first, as it decides between runs; a guessed time is then not taken as
      * value. */
     recording->time = guessed_time(recording, profile);
     if (time_column(recording, profile) >= 0 || options->rate > 0)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A clock that is set back while a recording goes on evenly, as when a computer asks for the time,
- * or that starts again from 0 because its counter is full. */
+/* Clocks that are set back while a recording continues evenly, as when a computer synchronises its
+ * time, or that restart from 0 because their counter is full. */
 #include "modules/recording/table/table.h"
 
 #include <hooke/base/numeric.h>
@@ -8,11 +8,13 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Rows on each side of a jump whose steps are even. */
+/* Number of rows on each side of a jump whose steps must be even. */
 enum { EVEN_ROWS = 8 };
-/* Largest distance of an even step from the usual one, in usual steps: rounded stamps have some. */
+/* Largest difference of an even step from the usual one, in usual steps; rounded stamps need
+ * some. */
 static const double even_distance = 0.25;
 
+/* Returns true if all steps between rows begin and end - 1 are near `step`. */
 static bool steps_are_even(const double *t, size_t begin, size_t end, double step)
 {
     for (size_t i = begin + 1; i < end; i++)
@@ -29,7 +31,8 @@ static bool rows_agree(const struct recording *recording, size_t a, size_t b)
     return true;
 }
 
-/* Returns true if most of the rows behind the jump at row i are those of before once more. */
+/* Returns true if most rows after the jump at row i repeat rows from `begin` on that have the same
+ * times. */
 static bool is_repetition(const struct recording *recording, size_t begin, size_t i)
 {
     size_t again = 0, rows = 0;
@@ -43,7 +46,7 @@ static bool is_repetition(const struct recording *recording, size_t begin, size_
     return 2 * again > rows;
 }
 
-/* Returns the longest step, or 0 if some stamp is not a number. */
+/* Returns the longest time step, or 0 if a time is not a number. */
 static double longest_step(const struct recording *recording)
 {
     double longest = 0;
@@ -56,9 +59,8 @@ static double longest_step(const struct recording *recording)
     return longest;
 }
 
-/* Returns true if nearly all steps but those back are even. Of rows with gaps nobody knows how far
- * the clock was.
- */
+/* Returns true if nearly all steps except those back are even. If there are gaps, it is unknown by
+ * how much the clock was set. */
 static bool is_even_elsewhere(const struct recording *recording, double step)
 {
     static const double even_share = 0.99;
@@ -70,8 +72,8 @@ static bool is_even_elsewhere(const struct recording *recording, double step)
     return (double)even >= even_share * (double)(recording->rows - 1);
 }
 
-/* Returns true if every step back is one of a clock that was set. A clock that also jumps ahead may
- * belong to rows in another order. */
+/* Returns true if every step back is that of a clock that was set. A clock that also jumps ahead
+ * (longest) may belong to rows in another order. */
 static bool only_jumps(const struct recording *recording, double longest, double step)
 {
     const double *t = recording->t;
@@ -119,8 +121,8 @@ void mend_clock_jumps(struct recording *recording)
                    jumps > 1 ? "up to " : "", longest, recording->line[first], more);
 }
 
-/* Returns where the counter is full by which every step back is an ordinary one, and how many of
- * these there are; 0 if there is none. */
+/* Returns the count at which a counter is full that makes every step back an ordinary one, and sets
+ * *wraps to the number of these steps; returns 0 if there is none. `usual` is the usual step. */
 static double full_count(const double *value, size_t rows, double usual, size_t *wraps)
 {
     /* 16 and 32 bits; microseconds of 32 bits, written as ms and as s */

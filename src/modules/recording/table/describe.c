@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Describes a loaded recording in lines of text: file, columns, runs, warnings. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/result.h>
@@ -6,6 +7,7 @@
 
 #define COLUMNS_SHOWN 8
 
+/* Returns the name of the separator for the description. */
 static const char *separator_name(const struct recording *recording)
 {
     if (recording->columns == 1)
@@ -27,6 +29,7 @@ static void put_column(struct buffer *text, const struct column *column)
     buffer_format(text, column->unit[0] ? "%s [%s]" : "%s%s", column->name, column->unit);
 }
 
+/* Appends the list of columns and the options that change their choice. */
 static void put_columns(struct buffer *text, const struct recording *recording)
 {
     buffer_put(text, TEXT("columns: "));

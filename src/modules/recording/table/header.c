@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Names and units of columns: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run #1",
- * "elapsed_ms", or units on a line of their own. A unit that is not known is kept and shown, and
- * the numbers are taken as they are.
- */
+/* Names and units of columns from header lines: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run
+ * #1", "elapsed_ms", or units on a line of their own. An unknown unit is kept and shown, and the
+ * numbers are taken unchanged. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
@@ -22,6 +20,7 @@ static bool is_same_word(struct text a, struct text b)
     return a.len == b.len && (a.len == 0 || strncasecmp(a.data, b.data, a.len) == 0);
 }
 
+/* Returns true if the word is one of the blank-separated words, in any case. */
 static bool listed(struct text word, const char *words)
 {
     struct text rest = text_of(words), one;
@@ -50,7 +49,7 @@ bool header_field(struct text *rest, char separator, struct text *field)
 {
     if (!table_field(rest, separator, field))
         return false;
-    /* If blanks separate the fields, "Time (s)" is read as two; "[s] [cm]" are two units. */
+    /* If blanks separate the fields, "Time (s)" was cut in two, but "[s] [cm]" are two units. */
     struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->data[0]))
                             ? *rest
                             : (struct text){NULL, 0},
@@ -99,6 +98,7 @@ static const struct {
     {"uV µV μV microvolt microvolts", "V", 1e-6},
 };
 
+/* Returns the unit in any spelling, or NULL if it is unknown. Sets *factor to the factor to SI. */
 static const struct unit *find_unit(struct text text, double *factor)
 {
     const struct unit *unit = unit_find(text);
@@ -127,7 +127,7 @@ bool unit_spelled(struct text text, struct arena *arena, const struct unit **uni
     return own->row.name != NULL;
 }
 
-/* An inch only in brackets: V_in is what goes in. */
+/* Returns true for "in", which is an inch only in brackets: V_in is an input. */
 static bool is_word_in(struct text text)
 {
     return is_same_word(text, TEXT("in"));
@@ -163,8 +163,8 @@ bool number_with_unit(struct text field, char decimal, double *value, struct tex
     return true;
 }
 
-/* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s²,
- * °C). */
+/* Sets output to the text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for
+ * Latin-1 (m/s², °C). Returns false if out of memory. */
 static bool clean(struct text text, struct buffer *output)
 {
     struct buffer utf8 = {0};
@@ -183,7 +183,8 @@ static bool clean(struct text text, struct buffer *output)
     return !output->failed;
 }
 
-/* Finds the unit in the last brackets of a name. Returns false if there is none. */
+/* Finds the unit in the last brackets of a name, the text before (stem) and after it (suffix).
+ * Returns false if there is none. */
 static bool find_bracket(struct text text, struct text *stem, struct text *unit,
                          struct text *suffix)
 {
@@ -202,8 +203,8 @@ static bool find_bracket(struct text text, struct text *stem, struct text *unit,
     return false;
 }
 
-/* Finds the unit behind a word or a comma: "Weg in cm", "in s", "Zeit, s". Returns false if there
- * is none. */
+/* Finds the unit after "in" or a comma: "Weg in cm", "in s", "Zeit, s". Returns false if there is
+ * none. */
 static bool find_spoken(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
@@ -221,6 +222,8 @@ static bool find_spoken(struct text text, struct text *stem, struct text *unit)
     return false;
 }
 
+/* Finds the unit after '_' or '/': "elapsed_ms", "Weg / mm", "v/m/s". Returns false if there is
+ * none. */
 static bool find_tail(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
@@ -235,8 +238,8 @@ static bool find_tail(struct text text, struct text *stem, struct text *unit)
         if (text.data[index] == '_')
             break;
     }
-    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a
-     * time by a length. */
+    /* "v/m/s" is the form of ISO 80000-1, but the unit "m/s" alone is not; "s/mm" is a path s in
+     * mm, as no unit is a time by a length. */
     *unit = text;
     if (!text_split(unit, '/', stem) || stem->len == 0)
         return false;
@@ -245,7 +248,8 @@ static bool find_tail(struct text text, struct text *stem, struct text *unit)
            (!unit_find(*stem) || (text_is(*stem, "s") && known_unit->quantity == QUANTITY_LENGTH));
 }
 
-/* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
+/* Returns true for a name that is a unit, such as "ms" or "cm". A single letter (s, m, g) may be a
+ * quantity's symbol and does not count. */
 static bool is_unit_name(struct text name)
 {
     double factor;
@@ -254,7 +258,7 @@ static bool is_unit_name(struct text name)
                     unit->quantity == QUANTITY_ANGLE);
 }
 
-/* Returns true if all names are units, single letters among them, as in "s cm". */
+/* Returns true if all names are units, single letters included, as in "s cm". */
 static bool all_unit_names(const struct table_layout *layout)
 {
     struct text names = layout->names, name;
@@ -269,6 +273,7 @@ static bool all_unit_names(const struct table_layout *layout)
     return units >= 2 && long_units > 0;
 }
 
+/* Sets the column's name to stem and suffix. */
 static void set_name(struct column *column, struct text stem, struct text suffix)
 {
     const struct text parts[] = {stem, stem.len && suffix.len ? TEXT(" ") : TEXT(""), suffix};
@@ -281,6 +286,8 @@ static void set_name(struct column *column, struct text stem, struct text suffix
     column->name[len] = '\0';
 }
 
+/* Sets name and unit of a column from its header field and, if not empty, its field in the line of
+ * units. `units` tells that all names are units. Returns false if out of memory. */
 static bool name_column(struct column *column, struct text field, struct text unit_field,
                         bool units, struct buffer *scratch)
 {

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the table in a file and the way its rows are written. For each separator and decimal mark,
- * skips to the first consecutive lines that split into the same number of numbers; the pair that
- * reads most of the lines that follow is kept.
- */
+/* Finds the table in a file and the way its rows are written. For each separator and decimal mark,
+ * searches the first consecutive lines that split into the same number of numbers; the pair that
+ * reads most of the following lines is chosen. */
 #include <hooke/base/unit.h>
 #include "modules/recording/table/table.h"
 
 #include <math.h>
 #include <string.h>
 
-#define TABLE_ROWS_MIN 3     /* consecutive rows that make a table, if the file has that many */
-#define SCORED_LINES_MAX 200 /* lines counted to compare two readings */
+/* Consecutive rows that make a table, if the file has that many. */
+#define TABLE_ROWS_MIN 3
+/* Lines that are counted to compare two pairs. */
+#define SCORED_LINES_MAX 200
 
-/* Pairs in the order of preference if two read the same number of lines; '\n' separates nothing,
- * for a single column. */
+/* Pairs in the order of preference if two read the same number of lines. '\n' separates nothing: it
+ * stands for a single column. */
 static const struct separator_pair {
     char separator, decimal;
     bool grouped; /* the other mark may be between thousands */
@@ -24,14 +24,17 @@ static const struct separator_pair {
     {'\n', ',', false}, {',', ',', false}, /* decimals in quotes */
 };
 
+/* Numbers of fields, of numbers and of words in a line, and signs of a wrong decimal mark. */
 struct shape {
     int fields, numbers, words;
     bool last_empty; /* the row ends in a separator */
     bool fraction;   /* some number has a decimal point */
-    /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
+    /* A whole number other than 0 starts with 0, which happens if a decimal comma was taken as a
+     * separator. */
     bool led_by_zero;
 };
 
+/* Splits a line as `reading` describes and counts what it contains. */
 static struct shape shape_of(struct text line, struct separator_pair reading)
 {
     struct shape shape = {0};
@@ -57,11 +60,12 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     return shape;
 }
 
-/* Blanks also separate the words of sentences, and commas their parts: there, more numbers than
- * words are wanted, or as many. */
+/* Returns true if a line of that shape may be a row with at least `min` fields. With `words`, some
+ * fields may be words. Blanks also separate the words of sentences, and commas their parts, so more
+ * numbers than words are required there, or as many. */
 static bool is_row(struct shape shape, char separator, int min, bool words)
 {
-    int more = -shape.fields;
+    int more = -shape.fields; /* required excess of numbers over words */
     if (separator == ' ')
         more = 1;
     else if (separator == ',')
@@ -71,15 +75,17 @@ static bool is_row(struct shape shape, char separator, int min, bool words)
             (words && shape.numbers >= 2 && shape.numbers >= shape.words + more));
 }
 
+/* The table that one pair of separator and decimal mark finds. */
 struct found {
     struct separator_pair reading;
     size_t first;      /* head[first] is the first row */
-    int fields, score; /* `score` is the number of rows among the lines counted */
-    bool trailing;     /* every row counted ends in a separator */
+    int fields, score; /* width, and number of rows among the lines counted */
+    bool trailing;     /* every counted row ends in a separator */
     bool fraction, led_by_zero;
 };
 
-/* Finds `run` consecutive rows of `min` fields or more; if `words`, some of them hold words. */
+/* Finds `run` consecutive rows of at least `min` fields; if `words`, some fields may be words.
+ * Returns false if there are none. */
 static bool find_rows(const struct table_text *text, size_t first_line,
                       struct separator_pair reading, int min, bool words, int run,
                       struct found *found)
@@ -89,8 +95,8 @@ static bool find_rows(const struct table_text *text, size_t first_line,
     for (size_t i = first_line, counted = 0; i < text->heads && counted < SCORED_LINES_MAX; i++) {
         if (table_skipped(text->head[i].text))
             continue;
-        /* One field, as lines without the separator have, is no row where two are wanted: most
-         * readings end here. */
+        /* A line without the separator is not a row if two fields are required; most pairs end
+         * here. */
         const bool single =
             min > 1 && reading.separator != ' ' &&
             !memchr(text->head[i].text.data, reading.separator, text->head[i].text.len);
@@ -117,8 +123,8 @@ static bool find_rows(const struct table_text *text, size_t first_line,
     return same >= run;
 }
 
-/* Rows of another width directly above belong to the table, or they would be taken for its header
- * without a word. */
+/* Returns the first row, including rows of another width directly above, which would otherwise be
+ * taken for the header. */
 static size_t first_row(const struct table_text *text, const struct found *found, size_t first_line)
 {
     size_t first = found->first;
@@ -137,6 +143,7 @@ static size_t first_row(const struct table_text *text, const struct found *found
     return first;
 }
 
+/* Returns the number of fields in a line, without empty ones at its end. */
 static int field_count(struct text line, char separator)
 {
     struct text field;
@@ -148,6 +155,7 @@ static int field_count(struct text line, char separator)
     return used;
 }
 
+/* Returns true if all fields of a line are units or are in brackets. */
 static bool all_units(struct text line, char separator)
 {
     struct text field;
@@ -162,8 +170,8 @@ static bool all_units(struct text line, char separator)
     return units > 0;
 }
 
-/* Returns the separator of the names in this line: one that gives a name for each column, or else,
- * unless `exact`, that of the numbers if it is no blank and gives two or more; else 0. */
+/* Returns the separator with which the line names all columns or, unless `exact`, the separator of
+ * the numbers if it is not a blank and gives at least two fields; else 0. */
 static char names_separator(struct text line, const struct table_layout *layout, bool exact)
 {
     const char separators[] = {layout->separator, '\t', ';', ','};
@@ -175,11 +183,10 @@ static char names_separator(struct text line, const struct table_layout *layout,
                : 0;
 }
 
-/*
- * Returns true for a comment of a key, a colon and what it says: "# rows: 300". *line becomes the
- * names of the columns if it says them, and empty if not. A single name of a table with several
- * columns ("# name: data", as Octave saves a matrix) becomes the stem of their names.
- */
+/* Returns true for a comment of the form "# rows: 300" (key, colon, content). Sets *line to the
+ * names of the columns if the comment lists them, else to an empty text. A single name of a table
+ * with several columns ("# name: data", as Octave saves a matrix) becomes the stem of their
+ * names. */
 static bool keyed_comment(struct text *line, struct table_layout *layout)
 {
     struct text rest = text_trim(*line), key, first;
@@ -203,8 +210,8 @@ static bool keyed_comment(struct text *line, struct table_layout *layout)
     return true;
 }
 
-/* The lines above the first row: names, or names and then units. *fields_above: fields in the line
- * above, or 0 if there is none. */
+/* Finds the header lines above the first row: names, or names and then units. Sets *fields_above to
+ * the number of fields in the line directly above, or 0. */
 static void find_names(const struct table_text *text, size_t first, size_t first_line,
                        struct table_layout *layout, int *fields_above)
 {
@@ -235,6 +242,7 @@ static void find_names(const struct table_text *text, size_t first, size_t first
     layout->name_separator = separator[units];
 }
 
+/* Returns true if the user's options permit the pair. */
 static bool allowed(struct separator_pair reading, const struct load_options *options)
 {
     return (!options->separator || options->separator == reading.separator ||
@@ -242,10 +250,11 @@ static bool allowed(struct separator_pair reading, const struct load_options *op
            (!options->decimal || options->decimal == reading.decimal);
 }
 
-/* Whole numbers set apart by commas can be decimals with a comma; the line above and the zeros
- * tell. */
+/* Role of the commas between whole numbers: separators, perhaps decimal marks, too unclear to
+ * guess, decimal marks. */
 enum commas { COMMAS_SEPARATE, COMMAS_PERHAPS, COMMAS_UNCLEAR, COMMAS_DECIMAL };
 
+/* Judges the commas from the number of fields in the line above and from leading zeros. */
 static enum commas commas_of(const struct found *found, int fields_above)
 {
     if (found->reading.separator != ',' || found->fraction || fields_above == found->fields)
@@ -255,7 +264,7 @@ static enum commas commas_of(const struct found *found, int fields_above)
     return fields_above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
-/* Sets the layout of what was found. Returns false if its commas must be decimal marks. */
+/* Sets the layout of a table that was found. Returns false if its commas must be decimal marks. */
 static bool layout_fill(const struct table_text *text, size_t first_line,
                         const struct load_options *options, const struct found *found,
                         struct table_layout *layout)
@@ -278,9 +287,8 @@ static bool layout_fill(const struct table_text *text, size_t first_line,
     return commas != COMMAS_DECIMAL;
 }
 
-/* Only whole numbers were seen so far, as in a record that begins at rest: the rest of the file
- * says what the mark is.
- */
+/* Decides the decimal mark by the whole file if the first lines have only whole numbers, as a
+ * record that begins at rest. */
 static void settle_decimal(const struct table_text *text, const struct found *found,
                            const struct load_options *options, struct table_layout *layout)
 {
@@ -291,6 +299,8 @@ static void settle_decimal(const struct table_text *text, const struct found *fo
         layout->decimal = ',';
 }
 
+/* Finds the best pair of separator and decimal mark, from strict passes to lenient ones, and sets
+ * the layout. Returns false if there is no table, or if either mark could separate thousands. */
 static bool find_best(const struct table_text *text, size_t first_line,
                       const struct load_options *options, struct table_layout *layout)
 {
@@ -304,6 +314,7 @@ static bool find_best(const struct table_text *text, size_t first_line,
                   {2, 2, false, false},
                   {2, 1, false, false}};
     for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
+
         struct found best = {0};
         bool tied = false; /* either mark could stand between thousands */
         const bool grouped = passes[pass].grouped;
@@ -350,7 +361,8 @@ static bool find_best(const struct table_text *text, size_t first_line,
     return false;
 }
 
-/* A line of the head with more fields than a table may have, whatever sets them apart. */
+/* Returns a line of the head with more fields than a table may have, with whatever separator, or
+ * NULL. */
 static const struct table_line *wide_line(const struct table_text *text, size_t first_line)
 {
     for (size_t i = first_line; i < text->heads; i++)
@@ -360,6 +372,7 @@ static const struct table_line *wide_line(const struct table_text *text, size_t 
     return NULL;
 }
 
+/* Sets the error that tells why there is no table. Returns false. */
 static bool no_table(const struct table_text *text, size_t first_line, struct error *error)
 {
     const struct table_line *line = wide_line(text, first_line);

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines, fields and cells of tables: cuts lines and fields off a text, and reads numbers, stamps
+ * and words. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include "modules/recording/table/stamp.h"
@@ -9,9 +11,11 @@
 #include <string.h>
 #include <strings.h>
 
-/* [byte] so that neither end-of-line byte is looked for through the whole file */
+/* [byte] Length of text that is searched at once for either line end, so that a missing one is not
+ * searched through the whole file. */
 #define WINDOW_BYTES 256
 
+/* Returns the number of bytes before the line's end (CR or LF), or all if it has none. */
 static size_t line_length(struct text text)
 {
     for (size_t offset = 0; offset < text.len; offset += WINDOW_BYTES) {
@@ -42,7 +46,7 @@ bool table_line(struct text *rest, struct text *line)
     return true;
 }
 
-/* # and %, and sigrok's "; word". */
+/* Returns true for lines that begin with #, %, or sigrok's "; word". */
 bool table_comment(struct text line)
 {
     line = text_trim(line);
@@ -51,7 +55,7 @@ bool table_comment(struct text line)
                              ((line.data[2] | 32) >= 'a' && (line.data[2] | 32) <= 'z')));
 }
 
-/* A line drawn below the names. */
+/* Returns true for a rule drawn below the names, such as "-----|----". */
 static bool is_rule(struct text line)
 {
     size_t strokes = 0;
@@ -97,9 +101,9 @@ static const char *find_arrow(struct text text)
     return NULL;
 }
 
-/* Takes a stamp in brackets, as terminal programs put before every line that comes: "[2024-01-05
- * 12:30:45.000] 27.00". The bracket ends the field, whatever separates the others; so does, between
- * other marks than blanks, the arrow in "12:30:45.123 -> 27.00,3.1". */
+/* Takes a stamp in brackets, which terminal programs put before each line: "[2024-01-05
+ * 12:30:45.000] 27.00". The bracket ends the field, whatever the separator is; so does, unless
+ * blanks separate, the arrow in "12:30:45.123 -> 27.00,3.1". Returns false if there is none. */
 static bool stamp_before_line(struct text *rest, char separator, struct text *field)
 {
     const struct text text = text_trim(*rest);
@@ -169,7 +173,8 @@ static bool is_missing(struct text field)
     return field.len == 0;
 }
 
-/* Blanks that keep digits together, and the Swiss apostrophe. */
+/* Returns the length of a blank or apostrophe between groups of digits at the start of the text, or
+ * 0. */
 static size_t group_blank(struct text rest)
 {
     static const char *const blanks[] = {"\xE2\x80\xAF", "\xE2\x80\x89", "\xC2\xA0", "\xE2\x80\x99",
@@ -180,13 +185,13 @@ static size_t group_blank(struct text rest)
     return 0;
 }
 
+/* Longest number in an unusual spelling. */
 enum { ODD_MAX = 48 };
 
-/*
- * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three
- * digits. A single group without decimals could be decimals behind the other mark (16,500): it is
- * taken out if `single`. Returns the length, or 0 if too long or not odd.
- */
+/* Rewrites a number in an unusual spelling (Unicode's minus, Fortran's D, marks between groups of
+ * three digits) to a plain one. A single group without decimals, 16,500, could be decimals after
+ * the other mark: it counts as a group only if `single`. Returns the length, or 0 if it is too long
+ * or not such a number. */
 static size_t plain_digits(struct text field, char decimal, bool single, char output[ODD_MAX])
 {
     const char group = decimal == '.' ? ',' : '.';
@@ -229,6 +234,7 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
     return odd && whole_groups && (groups != 1 || blanks > 0 || point || single) ? len : 0;
 }
 
+/* Reads a number in an unusual spelling; see plain_digits(). Returns false if it is not one. */
 static bool odd_number(struct text field, char decimal, bool single, double *value)
 {
     char digits[ODD_MAX];

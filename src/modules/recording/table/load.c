@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Loads a recording: container, text, format, columns, times, and the uncertainties that a file
+ * gives. */
 #include "modules/recording/clean/clean.h"
 #include "modules/recording/container/container.h"
 #include "modules/recording/table/table.h"
@@ -25,6 +27,7 @@ void recording_warn(struct recording *recording, const char *format, ...)
     else
         buffer_format(&sentence, "and %d more %s", recording->unsaid + 1,
                       recording->unsaid ? "kinds" : "kind");
+    /* The last entry counts the warnings for which there is no space. */
     recording->unsaid += recording->warnings >= WARNINGS_MAX;
     va_end(args);
     char *copy = sentence.failed ? NULL : arena_text(&recording->arena, buffer_text(&sentence));
@@ -58,7 +61,7 @@ static const struct format *format_row(size_t i)
     return format_at(i);
 }
 
-/* The surest; of equals the first. */
+/* Returns the surest format; of equally sure ones the first. */
 const struct format *format_of(const struct table_text *text, const struct format *but)
 {
     const struct format *best = NULL;
@@ -71,8 +74,8 @@ const struct format *format_of(const struct table_text *text, const struct forma
     return best;
 }
 
-/* A word that can be typed: the file's name without its suffix, other characters than letters and
- * digits as '-'. */
+/* Names the recording after the file: without the suffix, and with '-' for characters other than
+ * letters and digits, so that it can be typed. */
 static void name_recording(struct recording *recording, struct text file)
 {
     size_t len = 0, end = file.len;
@@ -92,6 +95,8 @@ static void name_recording(struct recording *recording, struct text file)
         snprintf(recording->name, sizeof recording->name, "data");
 }
 
+/* Reads a text with the surest format, and chooses columns and times unless the format does.
+ * Returns false with the error. */
 static bool read_text(struct table_text *text, const struct load_options *options,
                       struct recording *recording, struct error *error)
 {
@@ -111,7 +116,7 @@ static bool read_text(struct table_text *text, const struct load_options *option
     return done;
 }
 
-/* One table of text. */
+/* Reads one text, without its byte order mark. `shown` is the file's name for messages. */
 static bool read_part(struct text content, const char *shown, const struct load_options *options,
                       struct recording *recording, struct error *error)
 {
@@ -138,6 +143,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     return found;
 }
 
+/* Returns true if a part of a container holds a table. */
 static bool part_has_table(const struct container_part *part, const char *shown,
                            const struct load_options *options, struct error *error)
 {
@@ -145,7 +151,7 @@ static bool part_has_table(const struct container_part *part, const char *shown,
            table_begins(buffer_text(&part->text), shown, options, error);
 }
 
-/* The parts of a container as runs of the recording. */
+/* Makes a run of the recording for each part of a container. Returns false if out of memory. */
 static bool name_runs(const struct contents *contents, struct recording *recording,
                       struct error *error)
 {
@@ -159,8 +165,8 @@ static bool name_runs(const struct contents *contents, struct recording *recordi
     return true;
 }
 
-/* Reads the requested one of several tables, by default the first. Runs within it, if it names any,
- * then belong to it. */
+/* Reads the requested part of several, by default the first with a table. The runs of the recording
+ * are those that the part names itself, else the parts. */
 static bool read_parts(const struct contents *contents, const char *shown,
                        const struct load_options *options, struct recording *recording,
                        struct error *error)
@@ -189,6 +195,7 @@ static bool read_parts(const struct contents *contents, const char *shown,
     return done;
 }
 
+/* Does the work of recording_load() on an empty recording. */
 static bool recording_load_file(const char *path, const struct load_options *options,
                                 struct recording *recording, struct error *error)
 {
@@ -258,9 +265,10 @@ struct recording *recording_load(const char *path, const struct load_options *op
 
 /* ---- uncertainties ---- */
 
-#define SAME_MIN 100 /* samples that do not all scatter by the same */
+/* Smallest number of samples whose equal uncertainties are no scatter of single samples. */
+#define SAME_MIN 100
 
-/* The nearest one behind the value, else the first. */
+/* Returns the column of uncertainties nearest after the value's column, else the first, or NULL. */
 static const struct column *error_column(const struct recording *recording)
 {
     const struct column *value = &recording->column[recording->value], *found = NULL;

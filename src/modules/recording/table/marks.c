@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the meaning of marks inside numbers where a single number does not tell it. */
+/* Finds the meaning of marks in numbers that a single number does not tell: decimal marks or
+ * separators of thousands, and decimals that are not padded. */
 #include "modules/recording/table/table.h"
 
 #include <math.h>
@@ -9,11 +10,9 @@ enum { COLUMNS_LOOKED_AT = 8 };
 
 /* ---- between thousands ---- */
 
-/*
- * Reads digits, perhaps with the mark before every three of them. *group is the number if there is
- * a mark, else 0; *value is the number if the (first) mark is a decimal one. Returns false if a
- * mark is elsewhere, so that it is not between thousands.
- */
+/* Reads digits that may have the mark before every three. Sets *group to the number if it has marks
+ * between thousands, else to 0, and *value to the number if the (first) mark is a decimal one.
+ * Returns false if a mark is elsewhere, so that it cannot separate thousands. */
 static bool read_group(struct text field, char mark, double *value, double *group)
 {
     const char other = mark == '.' ? ',' : '.';
@@ -31,7 +30,7 @@ static bool read_group(struct text field, char mark, double *value, double *grou
         } else if (c >= '0' && c <= '9') {
             number = 10 * number + (c - '0');
             digits++;
-        } else { /* decimals behind thousands are no question */
+        } else { /* decimals after thousands are clear */
             *value = *group = 0;
             return marks == 0 ? !memchr(field.data, mark, field.len) : c == other && digits == 3;
         }
@@ -48,11 +47,9 @@ static bool read_group(struct text field, char mark, double *value, double *grou
     return true;
 }
 
-/*
- * Returns true if the mark is between thousands: in a column that continues from whole numbers of
- * three digits (960, 980) to three digits behind the mark (1.000, 1.020), the numbers then continue
- * without a jump, and none has another count of digits behind the mark.
- */
+/* Returns true if the mark separates thousands: a column continues from whole numbers of three
+ * digits (960, 980) to numbers with three digits after the mark (1.000, 1.020) without a jump, and
+ * no number has another count of digits after the mark. */
 bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark)
 {
     double previous[COLUMNS_LOOKED_AT] = {0}, value, group;
@@ -81,16 +78,21 @@ bool is_grouped(const struct table_text *text, const struct table_layout *layout
 
 enum { MILLI_DIGITS = 3, MICRO_DIGITS = 6 };
 
+/* Evidence that a column's decimals are not padded. */
 struct unpadded_column {
-    double whole, part, number; /* parts of the number in the row before, and the number */
-    /* steps of the digits behind the mark, in rows of the same whole number */
+    /* Digits before and after the mark in the previous row, and the number. */
+    double whole, part, number;
+    /* Range of the steps of the digits after the mark, among rows with the same digits before
+     * it. */
     double step_min, step_max;
-    size_t rows, back; /* number of rows, and of those at which the number would fall */
+    /* Number of rows, and of those at which the number, if padded, would fall. */
+    size_t rows, back;
     int digits_max;
-    bool excluded;
+    bool excluded; /* the decimals are padded, or it is not such a column */
 };
 
-/* Reads digits, the mark, digits; without a mark there are 0 of the latter. */
+/* Reads digits, the mark and digits; without a mark *part and *digits are 0. Returns false for
+ * anything else, and if the digits after the mark begin with a padding 0. */
 static bool read_parts(struct text field, char mark, double *whole, double *part, int *digits)
 {
     bool is_fraction = false;
@@ -109,11 +111,11 @@ static bool read_parts(struct text field, char mark, double *whole, double *part
         *number = 10 * *number + (c - '0');
         *digits += is_fraction;
     }
-    /* Padded, if a 0 comes first. */
     const bool padded = *digits > 1 && field.data[field.len - (size_t)*digits] == '0';
     return field.len > 0 && !padded && *digits <= MICRO_DIGITS;
 }
 
+/* Adds a field of the next row to the evidence. */
 static void look_at_column(struct unpadded_column *column, struct text field, char mark)
 {
     double whole, part;
@@ -140,11 +142,9 @@ static void look_at_column(struct unpadded_column *column, struct text field, ch
     column->digits_max = digits > column->digits_max ? digits : column->digits_max;
 }
 
-/*
- * Finds columns of a program that prints seconds, a point and then milliseconds as a whole number:
- * 0.80, 0.100, 0.120. The numbers fall, but the digits behind the point rise. There are at most
- * three digits (or six, for microseconds), and none begins with a 0 that pads it.
- */
+/* Finds columns of a program that prints seconds, a point and then milliseconds as a whole number:
+ * 0.80, 0.100, 0.120. The numbers fall, but the digits after the point rise. There are at most
+ * three digits (six for microseconds), and none begins with a padding 0. */
 void find_unpadded(const struct table_text *text, struct table_layout *layout)
 {
     struct unpadded_column column[COLUMNS_LOOKED_AT] = {0};

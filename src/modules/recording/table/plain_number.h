@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The fast way to read the numbers that instruments write. */
+/* plain_number() reads the plain numbers that instruments write, faster than real_scan(). */
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/*
- * A number of at most 15 digits at `cursor`, behind blanks, times 1e-22 or more: two exact doubles
- * and one rounding (Clinger 1990), the same bits as real_scan's. Returns its end, or NULL for
- * anything else, which the slow way reads.
- */
+/* Reads a number at `cursor`, after blanks, with at most 15 digits and an exponent down to -22: two
+ * exact doubles and one rounding (Clinger 1990) give the same bits as real_scan(). Returns the end
+ * of the number, or NULL for anything else, which real_scan() must read. */
 static inline const char *plain_number(const char *cursor, const char *end, char decimal,
                                        double *value)
 {

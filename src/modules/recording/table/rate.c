@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads the times of a table from the lines above it. */
+/* Reads sampling rates and other numbers from the lines above a table. */
 #include <hooke/base/number.h>
 #include "modules/recording/table/table.h"
 
 #include <string.h>
 #include <strings.h>
 
-#define LINES_MAX 64 /* lines examined */
+/* Lines that are examined. */
+#define LINES_MAX 64
 
+/* Returns the text after the key in a line, in any case, or NULL. */
 static const char *find_key(struct text line, const char *key)
 {
     const size_t len = strlen(key);

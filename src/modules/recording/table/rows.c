@@ -13,9 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BEFORE_LAST 8     /* rows that are examined to find whether the last one is cut */
-#define ESTIMATE_LINES 64 /* lines whose length tells how many there are */
-#define ROWS_KEPT 16      /* rows kept for that: a power of two above BEFORE_LAST */
+/* Rows compared with the last one to detect that it is cut, and lines that estimate the number of
+ * rows. */
+#define BEFORE_LAST 8
+#define ESTIMATE_LINES 64
+#define ROWS_KEPT 16 /* rows kept for that: a power of two above BEFORE_LAST */
 
 struct row_problem {
     size_t count, first; /* number of such rows, and line of the first */
@@ -25,15 +27,16 @@ struct row_problem {
 struct row_reader {
     struct recording *recording;
     const struct table_layout *layout;
-    struct row_problem ragged, extra, *words; /* `words` of each column */
-    /* Rows of another width that are kept: those that end early, those with numbers behind. */
+    /* Lines that are no rows, words after the last column, [columns] cells that are no numbers. */
+    struct row_problem ragged, extra, *words;
+    /* Rows of another width that are used: shorter ones, and those with more numbers. */
     struct row_problem shorter, wider;
     size_t other_line;           /* line of the newest row of another width, 0 before the first */
     int other_fields;            /* number of its fields */
     int frequent_fields;         /* number of fields of many lines, or 0 as long as it is unknown */
     int long_looks;              /* number of searches for it */
     struct stamp_column *stamps; /* stamps of each column */
-    struct text recent[ROWS_KEPT]; /* recent[i % ROWS_KEPT] is row i if it is one of the last */
+    struct text recent[ROWS_KEPT]; /* row i is recent[i % ROWS_KEPT] if it is a late one */
     size_t capacity;               /* rows for which there is memory */
     bool ended;                    /* the newest row has its line end */
 };
@@ -50,8 +53,7 @@ static bool resize(void *array, size_t count, size_t size)
     return fresh != NULL;
 }
 
-/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs
- * nothing. */
+/* Allocates space for `rows` rows, up to the limit; unused memory costs nothing. */
 static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
 {
     struct recording *recording = reader->recording;
@@ -82,8 +84,8 @@ static void row_problem_note(struct row_problem *tally, size_t line, struct text
     }
 }
 
-/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
- * returns the start of the next line, or NULL if the slow way has to look. */
+/* Reads a row of nothing but plain numbers that ends in LF or CRLF, as nearly all of an
+ * instrument's rows. Returns the start of the next line, or NULL if read_row() has to read it. */
 static const char *plain_row(struct row_reader *reader, const char *cursor, const char *end)
 {
     const struct recording *recording = reader->recording;
@@ -113,7 +115,7 @@ static enum cell_kind cell_of(struct text field, const struct table_layout *layo
                : cell;
 }
 
-/* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
+/* Cuts off and reads the next field; numbers that end at the separator take a shortcut. */
 static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
                       enum cell_kind *cell, double *value)
 {
@@ -166,9 +168,9 @@ static int number_fields(const struct table_layout *layout, struct text line)
     return numbers >= 2 ? fields : 0;
 }
 
-/* Returns true if the fields of a row of another width are those of the first columns: between
- * blanks any of them could be missing, unless the line above has as many, and the commas of
- * decimals look like those between fields. */
+/* Returns true if the fields of a row of another width belong to the first columns: between blanks
+ * any could be missing, unless the line above has as many, and decimal commas look like
+ * separators. */
 static bool fields_are_aligned(const struct table_layout *layout, struct text line, int fields)
 {
     if (layout->separator == ',')
@@ -178,11 +180,9 @@ static bool fields_are_aligned(const struct table_layout *layout, struct text li
     return layout->fields_above == (fields < layout->columns ? fields : layout->columns);
 }
 
-/*
- * Returns true if a row of another width than the first ones belongs to the table: a formula was
- * typed beside some rows only. A single such line may be garbled; where WIDTH_RUN lines of the same
- * width follow each other, or every fourth line has it, they are rows.
- */
+/* Returns true if a row of another width belongs to the table, because a formula was typed beside
+ * some rows. A single such line may be garbled; WIDTH_RUN lines of the same width in a row, or
+ * every fourth line, are rows. `ahead` is the text after the line. */
 static bool is_other_width(struct row_reader *reader, struct text line, struct text ahead,
                            size_t number)
 {
@@ -215,8 +215,7 @@ static bool is_other_width(struct row_reader *reader, struct text line, struct t
     return true;
 }
 
-/* Takes the unit behind a number for that of its column. Returns false if the column has another.
- */
+/* Sets the column's unit from that after a number. Returns false if the column has another unit. */
 static bool take_unit(struct column *column, const struct table_layout *layout, struct text field)
 {
     double value;
@@ -228,8 +227,8 @@ static bool take_unit(struct column *column, const struct table_layout *layout, 
     return text_is(unit, column->unit);
 }
 
-/* Reads one line, which `ahead` follows, into row recording->rows. Returns false if it is no row of
- * this table. */
+/* Reads one line, followed by `ahead`, into row recording->rows. Returns false if it is not a
+ * row. */
 static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
 {
     struct recording *recording = reader->recording;
@@ -276,7 +275,7 @@ static bool read_row(struct row_reader *reader, struct text line, struct text ah
     return true;
 }
 
-/* The last that is read: what stands behind it may be a separator that ends the row. */
+/* Returns the last field that is read; what follows may be a separator that ends the row. */
 static struct text last_field(const struct row_reader *reader, struct text row)
 {
     struct text field = {0}, next;
@@ -296,9 +295,9 @@ static size_t decimals(struct text number, char decimal)
     return count;
 }
 
-/* Returns true if the newest row, which has no line end, is cut in mid-number: it has fewer
- * decimals than the rows before agree on or, if they do not agree or have none, its last number is
- * the beginning of the one above (-1 below -120). */
+/* Returns true if the newest row, which has no line end, is cut within a number: it has fewer
+ * decimals than the rows before agree on or, if they do not agree, its last number is the beginning
+ * of the one above. */
 static bool is_cut(const struct row_reader *reader)
 {
     const struct table_layout *layout = reader->layout;
@@ -336,6 +335,7 @@ static void name_columns(struct recording *recording, const struct table_layout 
     }
 }
 
+/* Adds warnings about marks, dropped lines and unreadable cells to the recording. */
 static void warn_rows(struct row_reader *reader)
 {
     struct recording *recording = reader->recording;
@@ -401,7 +401,8 @@ static bool is_full(struct row_reader *reader, struct error *error)
            !reserve(reader, capacity + capacity / 2 + 64, error);
 }
 
-/* The line at *rest, whatever it is; `data` counts the lines of the table. */
+/* Reads the next line, whatever it is; *data counts the lines of the table. Returns false at the
+ * end. */
 static bool read_line(struct row_reader *reader, struct text *rest, size_t number, size_t *data)
 {
     struct recording *recording = reader->recording;
@@ -445,7 +446,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
         arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
     if (!reader.words || !reader.stamps)
         return error_memory(error);
-    /* As many rows as there are if the first are as long as the others. */
+    /* Estimates the number of rows from the length of the first ones. */
     size_t lines = 0;
     while (lines < ESTIMATE_LINES && table_line(&line, &first))
         lines++;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Several recordings in one file: side by side, each with columns of its own, or below each other,
- * each a block with a header of its own. Users call them as the instrument does ("Run #2",
- * "Latest"), or by number.
- */
+/* Several recordings in one file: side by side, each with its own columns, or below each other,
+ * each a block with its own header. Users refer to them by the instrument's names ("Run #2",
+ * "Latest") or by number. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include "modules/recording/table/table.h"
@@ -14,7 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-#define LISTED_RUNS_MAX 12 /* runs in a list */
+/* Runs that a list shows. */
+#define LISTED_RUNS_MAX 12
 
 static void set_name(struct recording_run *run, struct text name)
 {
@@ -25,6 +24,7 @@ static void set_name(struct recording_run *run, struct text name)
     buffer_free(&safe);
 }
 
+/* Returns the run with that name, in any case, or -1 if there is none. */
 static int run_named(const struct recording *recording, struct text name)
 {
     for (int i = 0; i < recording->runs; i++)
@@ -34,7 +34,7 @@ static int run_named(const struct recording *recording, struct text name)
     return -1;
 }
 
-/* The number a name ends in: 2 of "Run #2", or -1 if there is none. */
+/* Returns the number at the end of a name, 2 for "Run #2", or -1 if there is none. */
 static double trailing_number(const char *name)
 {
     size_t index = strlen(name);
@@ -44,7 +44,7 @@ static double trailing_number(const char *name)
     return real_parse(text_of(name + index), &number) == REAL_OK ? number : -1;
 }
 
-/* Finds a run by its name, by the number in its name, or by its place in the file. */
+/* Finds a run by its name, by the number in its name, or by its position in the file. */
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error)
 {
     struct text name = text_trim(wanted);
@@ -110,6 +110,8 @@ bool runs_of_columns(struct recording *recording, bool (*part)(struct text name,
 
 /* ---- below each other ---- */
 
+/* Sets *part to the text of a block and finds its table. Returns false with part->problem if there
+ * is none. */
 static bool block_text(const struct table_text *whole, const struct table_block *block,
                        const struct load_options *options, struct arena *arena,
                        struct table_text *part)
@@ -123,7 +125,8 @@ static bool block_text(const struct table_text *whole, const struct table_block 
     return table_find(part, 0, options, &part->layout, &part->problem);
 }
 
-/* The block wanted, else the first with a table, as a text of its own. */
+/* Names the blocks as runs and sets *part to the requested block, by default the first with a
+ * table. Returns false with the error if there is none. */
 static bool choose_block(const struct table_text *whole, const struct table_block *block,
                          int blocks, const struct load_options *options,
                          struct recording *recording, struct arena *arena, struct table_text *part,
@@ -136,7 +139,7 @@ static bool choose_block(const struct table_text *whole, const struct table_bloc
         struct recording_run *run = &recording->run[i];
         set_name(run, block[i].name);
         if (run->name[0] == '\0' ||
-            run_named(recording, text_of(run->name)) >= 0) /* two of one name: by place */
+            run_named(recording, text_of(run->name)) >= 0) /* a second one of the same name */
             snprintf(run->name, sizeof run->name, "block %d", i + 1);
         recording->runs++;
     }

@@ -8,13 +8,14 @@
 #include <string.h>
 
 #define RUNS_BELOW_MAX 64
-#define ROWS_MIN 8 /* least number of rows of a run */
-/* Part of the elapsed time by which a clock goes back at the start of a run; if it is less, the
- * clock has only stumbled. */
+/* Smallest number of rows of a run. */
+#define ROWS_MIN 8
+/* Share of the elapsed time by which the clock goes back at the start of a run; less is a faulty
+ * stamp. */
 #define BACK_MIN 0.5
 
-/* Finds the first rows of the runs. Returns the number of runs, which is 1 for an ordinary table.
- */
+/* Sets start to the first row of each run, and after the last to the number of rows. Returns the
+ * number of runs, which is 1 for an ordinary table. */
 static int find_starts(const struct recording *recording, size_t start[RUNS_BELOW_MAX + 1])
 {
     const double *t = recording->t;
@@ -24,7 +25,7 @@ static int find_starts(const struct recording *recording, size_t start[RUNS_BELO
         const double begin = t[start[runs - 1]], passed = t[i - 1] - begin, back = t[i - 1] - t[i];
         if (!(back > BACK_MIN * passed) || !(passed > 0) || i - start[runs - 1] < ROWS_MIN)
             continue;
-        /* It goes on from there: a single wrong stamp does not. */
+        /* The clock does not continue from the new time if a single stamp is wrong. */
         bool is_start = i + ROWS_MIN <= recording->rows;
         for (size_t k = i + 1; is_start && k < i + ROWS_MIN; k++)
             is_start = t[k] >= t[k - 1] && t[k] < t[i - 1];
@@ -35,6 +36,7 @@ static int find_starts(const struct recording *recording, size_t start[RUNS_BELO
     return runs;
 }
 
+/* Keeps rows begin to end - 1 and drops the others. */
 static void keep_rows(struct recording *recording, size_t begin, size_t end)
 {
     const size_t n = end - begin;

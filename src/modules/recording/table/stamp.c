@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Parses dates and times of day (stamp_parse()). A scan_ function moves the cursor past what it
+ * reads. */
 #include "modules/recording/table/stamp.h"
 
 #include <string.h>
 #include <strings.h>
 
+/* Position in the text of a stamp. */
 struct stamp_scan {
     const char *cursor, *end;
 };
@@ -30,7 +33,7 @@ static int digits(struct stamp_scan *s, int max, int64_t *value)
     return count;
 }
 
-/* Hinnant 2013, chrono-compatible low-level date algorithms: days_from_civil. */
+/* Returns the days since 1970-01-01 (Hinnant 2013, chrono-compatible low-level date algorithms). */
 static int64_t days_from_civil(int64_t y, int64_t m, int64_t d)
 {
     y -= m <= 2;
@@ -39,6 +42,7 @@ static int64_t days_from_civil(int64_t y, int64_t m, int64_t d)
     return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
 }
 
+/* Reads a date with '-', '/' or '.'. Returns false, with the cursor unchanged, if it is not one. */
 static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
 {
     struct stamp_scan saved = *s;
@@ -71,7 +75,8 @@ static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
     return true;
 }
 
-/* Digits behind the mark, as one division: 0.123 is 123/1000. */
+/* Reads the digits after a decimal mark. One division gives the nearest double: 0.123 is
+ * 123/1000. */
 static double fraction(struct stamp_scan *s)
 {
     int64_t number;
@@ -84,6 +89,8 @@ static double fraction(struct stamp_scan *s)
     return value;
 }
 
+/* Reads "AM" or "PM" if there is one, and corrects the hour. Returns false if the hour is not from
+ * 1 to 12. */
 static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 {
     blanks(s);
@@ -98,7 +105,8 @@ static bool scan_noon(struct stamp_scan *s, int64_t *hour)
     return true;
 }
 
-/* Z, +01:00, -0530 */
+/* Reads a time zone if there is one, such as Z, +01:00, -0530, and corrects *second to UTC. Returns
+ * false if it is malformed. */
 static bool scan_zone(struct stamp_scan *s, double *second)
 {
     int64_t hours, minutes = 0;
@@ -113,6 +121,8 @@ static bool scan_zone(struct stamp_scan *s, double *second)
     return true;
 }
 
+/* Reads a time of day. Returns false if it is not one; the cursor is unchanged if there is no hour
+ * and ':'. */
 static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
 {
     struct stamp_scan saved = *s;
@@ -148,7 +158,8 @@ static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
     return true;
 }
 
-/* Days that have passed, before a time: 0 00:00:01.234. */
+/* Reads a number of elapsed days before a time: 0 00:00:01.234. Returns false, with the cursor
+ * unchanged, if there is none. */
 static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
 {
     const struct stamp_scan saved = *s;
@@ -163,7 +174,7 @@ static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
     return false;
 }
 
-/* "Fri Jan 05 12:30:45.123 2024", as C's ctime. */
+/* Reads "Fri Jan 05 12:30:45.123 2024", the form of C's ctime(). Returns false if it is not one. */
 static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
 {
     static const char months[] = "JanFebMarAprMayJunJulAugSepOctNovDec";

@@ -20,13 +20,14 @@ double stamp_seconds(struct stamp_column *column, struct text field)
     return (double)(stamp.day - column->first) * SECONDS_PER_DAY + stamp.second;
 }
 
-/* Returns true for times of day. Beside stamps with a date and a time, a date alone is midnight. */
+/* Returns true for a column of times of day. A date without time beside stamps with both is
+ * midnight. */
 static bool has_clock(const struct stamp_column *column)
 {
     return column->clocks > 0 && (column->date || column->clocks == column->count);
 }
 
-/* A clock without a date starts again at midnight. */
+/* Continues the times of a clock without date past midnight. Returns the number of midnights. */
 static size_t pass_midnights(double *value, size_t rows)
 {
     size_t midnights = 0;
@@ -42,7 +43,7 @@ static size_t pass_midnights(double *value, size_t rows)
     return midnights;
 }
 
-/* The column of dates that belongs to this one of times of day, or -1 if there is none. */
+/* Returns the column of dates that belongs to the column `clock` of times of day, or -1. */
 static int dates_beside(const struct recording *recording, const struct stamp_column *column,
                         int clock)
 {
@@ -53,6 +54,7 @@ static int dates_beside(const struct recording *recording, const struct stamp_co
     return -1;
 }
 
+/* Adds the dates to the times of day; an empty date repeats the one above. */
 static void join_dates(struct recording *recording, int clock, int date)
 {
     double *value = recording->column[clock].value, day = 0;
@@ -62,7 +64,7 @@ static void join_dates(struct recording *recording, int clock, int date)
     }
 }
 
-/* Counts the times from the first row, whose stamp a warning gives. */
+/* Counts the times from the first row, whose stamp is given in a warning. */
 static void count_from_first(struct recording *recording, int i)
 {
     struct column *column = &recording->column[i];
@@ -94,7 +96,7 @@ void stamp_columns(struct recording *recording, const struct stamp_column *colum
             pass_midnights(recording->column[i].value, recording->rows);
         count_from_first(recording, i);
     }
-    /* Dates alone are no time of a sample. */
+    /* A date without a time of day is not the time of a sample. */
     for (int i = 0; i < recording->columns; i++)
         for (size_t row = 0; row < recording->rows && column[i].count > 0 && !has_clock(&column[i]);
              row++)

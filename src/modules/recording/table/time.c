@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Makes rising times [s] and values [SI] from the chosen columns. Irregular times are counted and
- * reported.
- */
+/* Makes rising times [s] and values [SI] from the chosen columns. Irregular times are counted and
+ * reported. */
 #include "modules/recording/table/table.h"
 
 #include <hooke/base/cancel.h>
@@ -15,13 +13,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define MEDIAN_SAMPLE 4096 /* steps looked at for the median */
-/* [median step] deviation above which the sampling is called uneven */
+/* Steps that are examined for the median. */
+#define MEDIAN_SAMPLE 4096
+/* Deviation from the median step, as a fraction of it, above which the sampling is called
+ * uneven. */
 #define UNEVEN_STEP_FRACTION 0.1
-#define GAP_MEDIAN_STEPS 1.5 /* median steps */
+/* Median steps above which a step is a gap. */
+#define GAP_MEDIAN_STEPS 1.5
 
-/* Converts as unit_convert() does, but by division if the factor is 1/n, so that decimal fractions
- * are rounded once. */
+/* Converts numbers [n] to SI as unit_convert() does, but by division if the factor is 1/n, so that
+ * decimal fractions are rounded once. */
 static void to_si(const double *number, size_t n, double factor, double *si)
 {
     const double inverse = nearbyint(1 / factor);
@@ -30,8 +31,8 @@ static void to_si(const double *number, size_t n, double factor, double *si)
         si[i] = divide ? number[i] / inverse : number[i] * factor;
 }
 
-/* Seconds, milliseconds, micro- or nanoseconds since 1970, told by their size: between 1990 and
- * 2100. */
+/* Recognises seconds, milliseconds, micro- or nanoseconds since 1970 by their size (between 1990
+ * and 2100) and counts them from the first. Returns false if it is not such a clock. */
 static bool set_epoch(struct recording *recording, struct column *time)
 {
     static const struct {
@@ -57,6 +58,8 @@ static bool set_epoch(struct recording *recording, struct column *time)
     return false;
 }
 
+/* Sets the unit of the time column: the requested one, the file's, or seconds with a warning.
+ * Returns false with the error if the unit is unusable. */
 static bool set_time_unit(struct recording *recording, const struct load_options *options,
                           struct error *error)
 {
@@ -91,6 +94,7 @@ static bool set_time_unit(struct recording *recording, const struct load_options
     return true;
 }
 
+/* Sets the unit of the value column to `unit` unless NULL; warns if it stays unknown. */
 static void set_value_unit(struct recording *recording, const struct unit *unit)
 {
     struct column *value = &recording->column[recording->value];
@@ -111,6 +115,7 @@ static void set_value_unit(struct recording *recording, const struct unit *unit)
     }
 }
 
+/* Rows that are left out for one reason. */
 struct dropped {
     size_t count, line; /* number of such rows, and line of the first */
 };
@@ -121,6 +126,7 @@ static void dropped_note(struct dropped *dropped, size_t line)
         dropped->line = line;
 }
 
+/* Warns of dropped rows in the words for one or for several, and counts them in the recording. */
 static void warn_dropped(struct recording *recording, const struct dropped *dropped,
                          const char *one, const char *many)
 {
@@ -130,6 +136,7 @@ static void warn_dropped(struct recording *recording, const struct dropped *drop
     recording->dropped += dropped->count;
 }
 
+/* Copies row `source` to row `target`. */
 static void keep_time_row(struct recording *recording, size_t target, size_t source)
 {
     for (int i = 0; target != source && i < recording->columns; i++)
@@ -140,11 +147,11 @@ static void keep_time_row(struct recording *recording, size_t target, size_t sou
 
 /* ---- rounded stamps ---- */
 
-/* Share of rows that repeat the stamp before, above which the clock was rounded, be it uneven. If
- * it is less, a logger has stumbled. */
+/* Share of rows that repeat the previous stamp, above which the clock was rounded, evenly or not.
+ * Fewer repeats are faults of a logger. */
 static const double repeats_of_rounded_clock = 0.2;
 
-/* Returns the smallest step [s] between stamps that differ. */
+/* Returns the smallest step [s] between different stamps. */
 static double stamp_step_min(const struct recording *recording)
 {
     double smallest = HUGE_VAL;
@@ -156,7 +163,7 @@ static double stamp_step_min(const struct recording *recording)
     return smallest;
 }
 
-/* Rows that share a stamp lie evenly between it and the next. */
+/* Spreads rows that share a stamp evenly between it and the next one. */
 static void spread_groups(struct recording *recording)
 {
     const size_t n = recording->rows;
@@ -171,12 +178,10 @@ static void spread_groups(struct recording *recording)
     }
 }
 
-/*
- * Times printed with too few digits lie beside the times of the samples, and repeat: 24 pictures a
- * second in hundredths of a second do. Where all stamps lie within their rounding of a line through
- * the rows, the times are taken from the line; else rows that share a stamp are spread. Dropping
- * the repeats would shorten some steps and not others. Only where no stamp goes back.
- */
+/* Corrects stamps with too few digits, which repeat, if no stamp goes back: 24 pictures a second in
+ * hundredths of a second, for example. If all stamps lie within their rounding of a line through
+ * the rows, the times are taken from the line; else rows that share a stamp are spread. To drop the
+ * repeats would shorten some steps and not others. */
 static void spread_stamps(struct recording *recording)
 {
     size_t repeated = 0;
@@ -211,11 +216,9 @@ static void spread_stamps(struct recording *recording)
             repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution, times);
 }
 
-/*
- * Keeps the rows whose time rises. A single time that is ahead of its successor, where the one
- * before is not, is itself wrong; after any other step back the rows are dropped until the clock
- * has caught up.
- */
+/* Keeps the rows whose time rises. A single time that is ahead of the next row, while the previous
+ * one is not, is wrong itself; after any other step back, rows are dropped until the clock has
+ * caught up. */
 static void drop_rows(struct recording *recording)
 {
     struct dropped missing = {0}, same = {0}, back = {0};
@@ -223,7 +226,7 @@ static void drop_rows(struct recording *recording)
     double last = -HUGE_VAL;
     for (; rising < recording->rows && recording->t[rising] > last; rising++)
         last = recording->t[rising];
-    if (rising == recording->rows && last < HUGE_VAL) /* as it should be */
+    if (rising == recording->rows && last < HUGE_VAL) /* all times rise */
         return;
     for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
         if (isfinite(recording->t[i]))
@@ -281,6 +284,7 @@ double recording_median_step(const struct recording *recording)
     return values_quantile(step, count, 0.5);
 }
 
+/* Warns of gaps and of uneven sampling. */
 static void warn_steps(struct recording *recording)
 {
     const double median = recording_median_step(recording);
@@ -309,7 +313,8 @@ static void warn_steps(struct recording *recording)
                        uneven, recording->rows - 1, 100 * UNEVEN_STEP_FRACTION, median, min, max);
 }
 
-/* Values in SI; what is missing inside is said. */
+/* Computes the values in SI; warns of missing ones, which become NAN. Returns false if out of
+ * memory. */
 static bool fill_values(struct recording *recording)
 {
     const struct column *column = &recording->column[recording->value];
