@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files, -c texts and standard input, executed without a prompt. */
+/* Executes files, -c texts and standard input without a prompt. */
 #include "terminal/terminal.h"
 #include <hooke/base/cancel.h>
 
@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Reports that standard input cannot be read (errno `number`) and sets the exit status. */
 static void refuse_input(struct session *session, int number, struct reply *reply)
 {
     struct error error;
@@ -16,8 +17,8 @@ static void refuse_input(struct session *session, int number, struct reply *repl
     session->execution.status = ERROR_IO;
 }
 
-/* Standard input line by line, so that results of the first line are out before the second arrives.
- */
+/* Executes standard input line by line, so that the results of a line are written before the next
+ * arrives. Ends at the end of input, at an error without --keep-going, or at a signal. */
 static void run_input(struct session *session, struct reply *reply, struct streams *streams)
 {
     struct script script;
@@ -40,7 +41,8 @@ static void run_input(struct session *session, struct reply *reply, struct strea
         while (going && rest.len > 0) {
             const char *end = memchr(rest.data, '\n', rest.len);
             size_t len = end ? (size_t)(end - rest.data) : rest.len;
-            /* An endless line is cut one byte above the limit, so that the interpreter names it. */
+            /* A line without end is cut one byte above the limit, so that the interpreter refuses
+             * it. */
             size_t left = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
             buffer_put(&line, (struct text){rest.data, len < left ? len : left});
             rest = end ? (struct text){end + 1, rest.len - len - 1}
@@ -58,6 +60,8 @@ static void run_input(struct session *session, struct reply *reply, struct strea
     buffer_free(&line);
 }
 
+/* Executes the tasks of the command line in order, then standard input if `input` is set. Stops at
+ * the first error unless --keep-going is set. */
 void batch_run(struct session *session, const struct options *options, bool input,
                struct reply *reply, struct streams *streams)
 {

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The terminal is given back usable at every end: fatal signals, and readline without memory. */
+/* Restores the terminal whenever the program ends: at fatal signals, and when readline is out of
+ * memory. Front ends call crash_modes() and crash_arm() when they change the terminal,
+ * crash_disarm() when they have restored it. */
 #include "terminal/terminal.h"
 
 #include <signal.h>
@@ -8,21 +10,29 @@
 #include <termios.h>
 #include <unistd.h>
 
+/* [byte] memory that is freed for the last act when memory has run out */
 #define RESCUE_RESERVE_BYTES ((size_t)1 << 19)
 
-/* All of it is static: a handler may neither allocate nor trust the stack or the heap. */
+/* Memory that the handlers need. It is static, because a handler may neither allocate nor trust the
+ * stack or the heap. */
 static struct {
-    volatile sig_atomic_t known, armed; /* the modes; the text too */
+    /* `known` tells that modes is valid, `armed` that text is, too */
+    volatile sig_atomic_t known, armed;
     volatile sig_atomic_t has_line;
+    /* modes of the terminal and of a serial line (descriptor `line`) to restore */
     struct termios modes, line_modes;
     int line;
+    /* escape sequences to write */
     char text[512];
     size_t len;
     void (*last_act)(void);
-    void *reserve; /* memory for it */
+    void *reserve; /* memory that it may use, freed before */
+    /* stack of the handlers */
     char stack[1 << 16];
 } rescue;
 
+/* Arms the handlers: an abnormal end writes the text and restores the modes noted by crash_modes().
+ */
 void crash_arm(struct text text)
 {
     rescue.armed = 0;
@@ -55,7 +65,8 @@ void crash_end(void)
 static void on_fatal(int number)
 {
     crash_end();
-    /* SA_RESETHAND makes this end the program, with a core where those are wanted */
+    /* SA_RESETHAND has restored the default action, which ends the program, with a core if enabled
+     */
     raise(number);
 }
 
@@ -67,18 +78,19 @@ void crash_signal(int number)
     sigaction(number, &action, NULL);
 }
 
+/* Makes the calling thread handle fatal signals on the static stack. */
 void crash_stack(stack_t *previous)
 {
     const stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
-    sigaltstack(&stack, previous); /* an endless recursion leaves no other */
+    sigaltstack(&stack, previous); /* an endless recursion leaves no room on the usual stack */
 }
 
-/* Catches the signals that end the program, once there are modes to restore. Signals that are
- * caught or ignored already stay so, but for those of a faulty program: a sanitizer catches these,
- * and would not give the terminal back. */
+/* Catches, once, all signals that end the program, so that the terminal is restored first. Signals
+ * that are caught or ignored already are left alone, except those of program errors: a sanitizer
+ * catches these and would not restore the terminal. */
 static void watch_signals(void)
 {
-    /* All other signals end a program that does not catch them. */
+    /* Signals that do not end a program, or that signals.c handles. */
     static const int harmless[] = {SIGINT,  SIGHUP,  SIGTERM, SIGPIPE, SIGXFSZ, /* signals.c */
                                    SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
                                    SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
@@ -100,6 +112,7 @@ static void watch_signals(void)
     }
 }
 
+/* Notes the present modes of the terminal, and begins to catch fatal signals. */
 void crash_modes(void)
 {
     struct termios modes;
@@ -110,6 +123,7 @@ void crash_modes(void)
     }
 }
 
+/* Registers a serial line whose modes are restored at an abnormal end; modes NULL ends this. */
 void crash_line(int fd, const struct termios *modes)
 {
     rescue.has_line = 0;
@@ -121,11 +135,14 @@ void crash_line(int fd, const struct termios *modes)
     rescue.has_line = 1;
 }
 
-/* ---- memory for readline: it calls these two and would end the program on its own ---- */
+/* ---- memory for readline, which calls these two functions and would end the program itself ----
+ */
 
 void *xmalloc(size_t size);
 void *xrealloc(void *old, size_t size);
 
+/* Sets what is done before the program ends because readline is out of memory, such as saving the
+ * session. NULL means nothing. */
 void crash_last_act(void (*act)(void))
 {
     rescue.last_act = act;
@@ -133,13 +150,14 @@ void crash_last_act(void (*act)(void))
     rescue.reserve = act ? malloc(RESCUE_RESERVE_BYTES) : NULL;
 }
 
+/* Returns the memory, or ends the program with status 1 after the last act if it is NULL. */
 static void *checked(void *memory)
 {
     if (memory) {
         return memory;
     }
     void (*act)(void) = rescue.last_act;
-    rescue.last_act = NULL; /* it may end up here again */
+    rescue.last_act = NULL; /* the act itself may run out of memory */
     free(rescue.reserve);
     rescue.reserve = NULL;
     if (act) {

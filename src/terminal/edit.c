@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the
- * terminal's modes alone. readline() runs in a thread of its own, as it returns only with a line
- * while the panes have other things to do; the two take turns, so that one of them stands still at
- * any time: readline's thread where it wants a key, or has a line. Its callbacks have no context:
- * panes_active is it.
- */
+/* Line editing by readline under the panes. Readline takes its bytes from our input, draws nothing
+ * and leaves the terminal's modes alone. readline() returns only with a complete line, while the
+ * panes have other things to do meanwhile; so it runs in a thread of its own, and the two threads
+ * take turns: readline's waits whenever it wants a key or has a line. Its callbacks have no
+ * context: panes_active is it. */
 #include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
@@ -24,25 +22,27 @@ struct panes *panes_active;
 static struct {
     pthread_t thread;
     sem_t its_turn, our_turn;
-    bool has_line; /* it has one, or the end; else it wants a key */
+    bool has_line; /* a line is complete, or NULL for the end of input; else readline wants a key */
     char *line;
     int key;
-    bool gives_up, ends; /* asked to leave what is being edited; to return from its thread */
+    bool gives_up, ends; /* gives_up asks to discard the line, ends asks the thread to return */
 } editor;
 
+/* Waits for a semaphore, also across signals. */
 static void await_turn(sem_t *turn)
 {
     while (sem_wait(turn) != 0 && errno == EINTR) {
     }
 }
 
-/* Readline goes on until it wants a key, or has a line. */
+/* Gives the turn to readline until it wants a key or has a line. */
 static void let_it_go_on(void)
 {
     sem_post(&editor.its_turn);
     await_turn(&editor.our_turn);
 }
 
+/* Gives the turn to the panes, in readline's thread, and waits for the next. */
 static void wait_for_us(bool has_line)
 {
     editor.has_line = has_line;
@@ -50,6 +50,8 @@ static void wait_for_us(bool has_line)
     await_turn(&editor.its_turn);
 }
 
+/* Readline's source of keys: waits until edit_key() has one. Discards the line if edit_clear() asks
+ * for it. */
 static int get_key(FILE *ignored)
 {
     (void)ignored;
@@ -63,6 +65,7 @@ static int get_key(FILE *ignored)
     return editor.key;
 }
 
+/* Readline's thread: reads lines until edit_end(). */
 static void *editor_thread_run(void *ignored)
 {
     stack_t previous_stack;
@@ -76,7 +79,8 @@ static void *editor_thread_run(void *ignored)
     return ignored;
 }
 
-/* Signals are for the other thread, but for those of a faulty program. */
+/* Starts readline's thread with all signals blocked except those of program errors, so that the
+ * panes' thread gets them. Returns false if there is no thread. */
 static bool begin_thread(void)
 {
     static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
@@ -92,6 +96,8 @@ static bool begin_thread(void)
 
 /* ---- lines ---- */
 
+/* Sets the line that is executed next, and where it comes from. A line that does not fit into
+ * memory is dropped. */
 void panes_enqueue(struct panes *panes, struct text line, enum line_from origin)
 {
     panes->line_from = origin;
@@ -103,6 +109,8 @@ void panes_enqueue(struct panes *panes, struct text line, enum line_from origin)
     }
 }
 
+/* Handles a line that readline has ended (NULL for Ctrl-D): enqueues it, adds it to the history, or
+ * takes the suggestion if it is empty. Frees it. */
 static void on_line(struct panes *panes, char *typed)
 {
     panes->echo_stale = true;
@@ -125,6 +133,8 @@ static void on_line(struct panes *panes, char *typed)
     free(typed);
 }
 
+/* Handles the lines that readline has ended, until one waits to be executed. Returns true if there
+ * was one. */
 bool edit_take_line(struct panes *panes)
 {
     const bool any = editor.has_line;
@@ -135,6 +145,7 @@ bool edit_take_line(struct panes *panes)
     return any;
 }
 
+/* Passes one byte to readline and handles the lines that it ends. */
 void edit_key(struct panes *panes, unsigned char byte)
 {
     editor.key = byte;
@@ -153,16 +164,18 @@ static void redisplay(void)
     panes_active->echo_stale = true;
 }
 
+/* Keeps readline from changing the terminal's modes. */
 static void leave_modes(void)
 {
 }
 
+/* Keeps readline from changing the terminal's modes. */
 static void enter_modes(int ignored)
 {
     (void)ignored;
 }
 
-/* Writes the possible completions to the log, in columns. */
+/* Writes the possible completions (match[1...count]) to the log, in columns. */
 static void list_matches(char **match, int count, int longest)
 {
     struct panes *panes = panes_active;
@@ -185,6 +198,8 @@ static void list_matches(char **match, int count, int longest)
     panes->screen_stale = true;
 }
 
+/* Inserts a paste into the line, where it waits for Enter. It is ignored while readline waits for a
+ * key with another meaning, as in a search. */
 void edit_paste(struct panes *panes, struct text paste)
 {
     if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_MOREINPUT | RL_STATE_CHARSEARCH |
@@ -203,6 +218,7 @@ void edit_paste(struct panes *panes, struct text paste)
     panes->echo_stale = true;
 }
 
+/* Discards the line, with the remaining lines of a macro and every state of readline. */
 void edit_clear(struct panes *panes)
 {
     for (; editor.has_line; let_it_go_on()) /* remaining lines of a macro */
@@ -213,6 +229,8 @@ void edit_clear(struct panes *panes)
     panes->echo_stale = true;
 }
 
+/* Keeps a half typed line while the log is read on the whole screen, and brings it back afterwards.
+ */
 void edit_put_aside(struct panes *panes)
 {
     const bool reading = panes_session(panes)->view.reading;
@@ -225,7 +243,7 @@ void edit_put_aside(struct panes *panes)
         else
             buffer_free(aside);
     } else if (!reading && aside->len > 0) {
-        /* the key that left the page is part of it */
+        /* text typed on the page follows it */
         char *begun = strndup(rl_line_buffer, (size_t)rl_end);
         rl_replace_line(buffer_view(aside), 1);
         rl_point = panes->aside_point;
@@ -239,6 +257,8 @@ void edit_put_aside(struct panes *panes)
 
 /* ---- beginning and end ---- */
 
+/* Sets readline's callbacks and starts its thread; `nowhere` receives its output. Returns false if
+ * that fails. */
 bool edit_begin(FILE *nowhere)
 {
     rl_outstream = nowhere;
@@ -257,6 +277,7 @@ bool edit_begin(FILE *nowhere)
     return ok;
 }
 
+/* Ends readline's thread and restores its callbacks. */
 void edit_end(void)
 {
     editor.ends = true;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the abilities of the output, and the folders of the user's own files. */
+/* Finds the abilities of the output and the user's folders, runs the rc file, and shows the next
+ * command that a module suggests. */
 #include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
 
@@ -11,7 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Returns true if the user's choice of a locale, without its tables, says that text is UTF-8. */
+/* Returns true if the names of the locale in the environment end in UTF-8. Its tables are not
+ * loaded. */
 static bool environment_names_utf8(void)
 {
     const char *wish = getenv("LC_ALL");
@@ -20,13 +22,15 @@ static bool environment_names_utf8(void)
     return wish && (strstr(wish, "UTF-8") || strstr(wish, "utf8"));
 }
 
+/* Loads the locale of the environment, or C.UTF-8 if it has no tables but is one of UTF-8. */
 void front_load_locale(void)
 {
     if (!setlocale(LC_CTYPE, "") && environment_names_utf8())
         setlocale(LC_CTYPE, "C.UTF-8");
 }
 
-/* Loads the locale only where its name does not say it, which is a tenth of a start. */
+/* Returns true if text is UTF-8. Loads the locale only if its name does not tell, because loading
+ * takes a tenth of the start of the program. */
 static bool text_is_utf8(void)
 {
     const bool is_loaded = strcmp(setlocale(LC_CTYPE, NULL), "C") != 0;
@@ -37,6 +41,7 @@ static bool text_is_utf8(void)
     return strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
 }
 
+/* Finds charset, colour and size of the output fd; options have priority. */
 void front_probe(struct front *front, const struct options *options, int fd)
 {
     const char *term = getenv("TERM");
@@ -56,7 +61,7 @@ void front_probe(struct front *front, const struct options *options, int fd)
     }
 }
 
-/* Makes each folder of the path that is missing; private to the user. */
+/* Creates the missing folders of a path, private to the user. The path is unchanged at the end. */
 static void make_folders(char *path)
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
@@ -93,6 +98,7 @@ char *state_path(const char *name, bool create)
     return user_path("XDG_STATE_HOME", ".local/state", name, create);
 }
 
+/* Executes the user's rc file, if it belongs to the user and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply)
 {
     if (access("rc.hk", F_OK) == 0) {
@@ -114,8 +120,8 @@ void rc_run(struct session *session, struct reply *reply)
 
 #define OFFER_LABEL "next (Enter): "
 
-/* Returns the number of bytes of a line that hold statements that fit, one after another. A quoted
- * semicolon ends no statement. */
+/* Returns the number of bytes of the statements at the beginning of a line that fit into `room`
+ * cells. A quoted semicolon does not end a statement. */
 static size_t whole_statements(struct text line, int room)
 {
     size_t fits = 0;
@@ -136,6 +142,9 @@ static size_t whole_statements(struct text line, int room)
     return fits;
 }
 
+/* Shows the next command that a module suggests, which an empty Enter will execute: as many of its
+ * statements as fit into a line; the others are offered after it. Shows nothing if something was
+ * typed ahead, if the same was shown before, or in quiet mode. */
 void offer_next(struct front_program *program, bool typed_ahead)
 {
     struct buffer *offer = &program->offer;
@@ -157,7 +166,7 @@ void offer_next(struct front_program *program, bool typed_ahead)
         is_found = module_list[i]->prompt.next && module_list[i]->prompt.next(session, offer);
     buffer_clear(later);
     if (offer->len > 0 && text_is(buffer_text(offer), buffer_view(&program->passed))) {
-        buffer_clear(offer); /* it was shown, and something else was typed */
+        buffer_clear(offer); /* shown before, but something else was typed */
         program->withheld = true;
         return;
     }
@@ -167,7 +176,7 @@ void offer_next(struct front_program *program, bool typed_ahead)
     const int width = session->front.width ? session->front.width : 80;
     const int room = typed_ahead ? 0 : width;
     size_t fits = whole_statements(buffer_text(offer), room - label);
-    if (fits == 0) /* one that is longer than a line takes two, on the smallest of screens */
+    if (fits == 0) /* a first statement longer than a line may take two */
         fits = whole_statements(buffer_text(offer), 2 * room - label);
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
@@ -193,6 +202,8 @@ void offer_again(struct front_program *program, bool typed_ahead)
     offer_next(program, typed_ahead);
 }
 
+/* Returns the line to execute: the suggestion if nothing was typed. Both lines are malloc()ed; the
+ * one not returned is freed. */
 char *offer_take(struct front_program *program, char *typed)
 {
     struct buffer *offer = &program->offer;

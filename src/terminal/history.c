@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The history file: appended line by line under a lock, so that sessions side by side lose nothing.
- */
+/* The history file of typed lines: it is appended to line by line under a lock, so that sessions at
+ * the same time lose nothing. */
 #include "terminal/terminal.h"
 
 #include <errno.h>
@@ -11,16 +11,17 @@
 
 #include <readline/history.h>
 
-/* Cut back to HISTORY_LINES when the file has grown to this many. */
+/* The file is shortened to HISTORY_LINES when it has grown to this many lines. */
 #define HISTORY_MAX (HISTORY_LINES + HISTORY_LINES / 2)
+/* [byte] longer files are not read */
 #define HISTORY_BYTES ((size_t)64 << 20)
 
-/* Opens the file and locks it, again if another session replaced it in between. *locked means that
- * nobody else can replace it meanwhile. Returns -1 if the file has no folder, or is no regular
- * file. */
+/* Opens the file and locks it; repeats if another session has replaced it meanwhile. Sets *locked
+ * if the lock was obtained. Returns the descriptor, or -1 with an error if the file cannot be
+ * opened. */
 static int open_locked(const char *path, bool *locked, struct error *error)
 {
-    /* set after one unsuccessful wait, because the owner of the lock keeps it */
+    /* set when one wait for the lock was unsuccessful; later calls do not wait */
     static bool waited;
     const struct write_policy policy = {.force = true};
     for (;;) {
@@ -37,14 +38,15 @@ static int open_locked(const char *path, bool *locked, struct error *error)
     }
 }
 
-/* The last HISTORY_LINES of the file go into a new one that takes its place; called under the lock.
- */
+/* Replaces the file by its last lines; the caller holds the lock. */
 static void cut_back(const char *path, struct text last)
 {
     struct error ignored;
     file_write(path, last, (struct write_policy){.force = true}, &ignored);
 }
 
+/* Adds the last HISTORY_LINES lines of the file to readline's history, and shortens a long file if
+ * it is locked. */
 static void history_file_load(const char *path, bool locked)
 {
     struct buffer content = {0};
@@ -69,9 +71,10 @@ static void history_file_load(const char *path, bool locked)
     buffer_free(&content);
 }
 
+/* Loads readline's history from the file; without a file it begins empty. */
 void history_load(void)
 {
-    struct error ignored; /* told with the first line that is to be added */
+    struct error ignored; /* reported when a line is added */
     bool locked;
     using_history();
     stifle_history(HISTORY_LINES);
@@ -84,6 +87,8 @@ void history_load(void)
     free(path);
 }
 
+/* Adds a line to readline's history and to the file. Returns false with an error if the file could
+ * not be written, or was written without the lock. */
 bool history_append(const char *line, struct error *error)
 {
     struct error why = {0};
@@ -97,7 +102,7 @@ bool history_append(const char *line, struct error *error)
     if (fd >= 0) {
         saved =
             text.failed ? error_memory(&why) : append_lines(fd, buffer_text(&text), false, &why);
-        /* some file systems tell only now that the disk is full */
+        /* some file systems report a full disk only at close() */
         if (close(fd) != 0 && errno != EINTR && saved)
             saved = error_set(&why, ERROR_IO, "%s", strerror(errno));
     }
@@ -112,6 +117,7 @@ bool history_append(const char *line, struct error *error)
     return saved && locked;
 }
 
+/* Adds a line to the history; a failure is reported once per program. */
 void history_keep(const char *line, struct reply *reply)
 {
     static bool warned;

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The bytes that the terminal sends, before readline gets them: pastes and the terminal's replies
+ * are taken out. input_read() adds bytes, input_next() takes items. */
 #define _GNU_SOURCE /* memmem */
 #include "terminal/panes.h"
 #include <hooke/base/cancel.h>
@@ -7,10 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Sequences around a paste (bracketed paste mode). */
 #define PASTE_BEGIN "\033[200~"
 #define PASTE_END "\033[201~"
-#define INPUT_MAX (2 * (size_t)LIMIT_LINE) /* [byte] waiting; a longer paste is cut */
+/* [byte] most bytes that wait; a longer paste is cut */
+#define INPUT_MAX (2 * (size_t)LIMIT_LINE)
 
+/* Reads the bytes that are available. `gone` means that poll() reported a hang-up. */
 void input_read(struct input *input, bool gone)
 {
     char chunk[4096];
@@ -26,12 +31,13 @@ void input_read(struct input *input, bool gone)
     if (input->bytes.len - input->head < INPUT_MAX) {
         buffer_put(&input->bytes, (struct text){chunk, (size_t)got});
     }
-    if (input->bytes.failed) { /* the waiting bytes are lost, the keyboard is not */
+    if (input->bytes.failed) { /* the waiting bytes are lost if out of memory, later ones are not */
         input_free(input);
     }
     input->arrived = clock_ns();
 }
 
+/* Returns the bytes that wait, without copying. */
 static struct text waiting(const struct input *input)
 {
     return input->bytes.data
@@ -39,7 +45,8 @@ static struct text waiting(const struct input *input)
                : TEXT("");
 }
 
-/* The text begins with the sequence, or could become it with what is still to come. */
+/* Returns true if the text begins with the sequence. Sets *partly if it ends within it, so that the
+ * rest may still come. */
 static bool begins(struct text text, struct text sequence, bool *partly)
 {
     const size_t len = text.len < sequence.len ? text.len : sequence.len;
@@ -48,6 +55,8 @@ static bool begins(struct text text, struct text sequence, bool *partly)
     return same && len == sequence.len;
 }
 
+/* Takes the next item: a reply of the terminal, a paste (its text is valid until the next call), or
+ * a byte. Returns INPUT_NONE if nothing waits or if a sequence is incomplete. */
 enum input_item input_next(struct input *input, int64_t now, unsigned char *byte,
                            struct text *paste)
 {
@@ -65,7 +74,7 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
                                     text.len - (sizeof PASTE_BEGIN - 1)};
         const char *end = memmem(inside.data, inside.len, PASTE_END, sizeof PASTE_END - 1);
         if (!end && inside.len < INPUT_MAX / 2) {
-            return INPUT_NONE; /* the rest is still to come */
+            return INPUT_NONE; /* the end of the paste has not arrived */
         }
         *paste = (struct text){inside.data, end ? (size_t)(end - inside.data) : inside.len};
         input->head =
@@ -80,6 +89,8 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
     return INPUT_BYTE;
 }
 
+/* Returns the time [clock_ns] at which an incomplete sequence counts as single bytes, or INT64_MAX.
+ */
 int64_t input_due(const struct input *input)
 {
     const struct text text = waiting(input);
@@ -90,6 +101,7 @@ int64_t input_due(const struct input *input)
                : input->arrived + HELD_NS;
 }
 
+/* Returns true if a key waits, not only a reply or a paste. */
 bool input_pending(const struct input *input)
 {
     const struct text text = waiting(input);
@@ -98,6 +110,7 @@ bool input_pending(const struct input *input)
            !begins(text, TEXT(PASTE_BEGIN), &partly) && !partly;
 }
 
+/* Removes the terminal's reply from the waiting bytes. Returns false if it is not there. */
 bool input_strip_reply(struct input *input)
 {
     const struct text text = waiting(input);

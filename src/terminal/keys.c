@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can
- * bind them otherwise.
- */
+/* Keys of the panes. Each is a row that makes a command line. They are bound in readline's keymaps,
+ * so that the user's inputrc can bind them differently. */
 #include <hooke/base/number.h>
 #include <hooke/plot.h>
 #include "terminal/panes.h"
@@ -13,22 +12,25 @@
 
 #define CTRL_X "\030" /* C-x */
 
+/* A key that was pressed. */
 struct press {
     const struct session *session;
-    int count; /* the prefix argument, 1 without one */
+    int count; /* the numeric prefix (M-3), 1 without one */
     int arg;   /* argument of the row */
 };
 
-/* Appends a command line, or the rest of the row's. A function that appends nothing has done its
- * work by itself. */
+/* Function of a row that appends a command line, or what follows the row's text. If the line
+ * remains empty there is nothing to execute. */
 typedef void make(const struct press *press, struct buffer *line);
 
+/* Appends the command that explains the word at the cursor. */
 static void say_help(const struct press *press, struct buffer *line)
 {
     (void)press;
     help_line((struct text){rl_line_buffer, (size_t)rl_end}, (size_t)rl_point, line);
 }
 
+/* Appends the command of the run key: run, pause or continue, by the state of the live run. */
 static void say_run(const struct press *press, struct buffer *line)
 {
     const enum live_state state = press->session->live.state;
@@ -46,6 +48,8 @@ static void say_step(const struct press *press, struct buffer *line)
     buffer_format(line, press->count < 0 ? "back %d" : "step %d", steps);
 }
 
+/* Appends the command that chooses the next charset: braille, block, ascii, braille ... and back
+ * from words. */
 static void say_charset(const struct press *press, struct buffer *line)
 {
     const struct charset *charset = session_charset(press->session);
@@ -64,7 +68,8 @@ static double column_time(const struct session *session)
     return screen_column_time(session, session->front.width, session->front.height);
 }
 
-/* A quarter of what a wide plot shows, in that direction. */
+/* Appends the command that moves the time axis by an eighth of the screen's width, in the direction
+ * press->arg. */
 static void say_pan(const struct press *press, struct buffer *line)
 {
     const double time =
@@ -75,8 +80,8 @@ static void say_pan(const struct press *press, struct buffer *line)
     }
 }
 
-/* Nothing moves beyond the oldest line, where `scroll` may have gone: a page counts from that line
- * on. */
+/* Appends the command that scrolls the log by a page. `scroll` may have gone beyond the oldest
+ * line, so the page counts from that line. */
 static void say_page(const struct press *press, struct buffer *line)
 {
     const struct session *session = press->session;
@@ -89,7 +94,7 @@ static void say_page(const struct press *press, struct buffer *line)
     buffer_format(line, "scroll %d", (new_scroll < max ? new_scroll : max) - scroll);
 }
 
-/* The pane alone; once more: all of them. */
+/* Appends the command that shows a pane alone, or all panes again if it is alone already. */
 static void say_pane(const struct press *press, struct buffer *line)
 {
     const bool full =
@@ -100,7 +105,7 @@ static void say_pane(const struct press *press, struct buffer *line)
 
 /* ---- on the plot ---- */
 
-/* Appends the number of columns, or rows, of what is shown, after `cursor left` and the like. */
+/* Appends a distance in units of the axis to `cursor left` and the like. */
 static void add_step(double step, struct buffer *line)
 {
     if (step > 0) {
@@ -109,11 +114,13 @@ static void add_step(double step, struct buffer *line)
     }
 }
 
+/* Appends the time of as many columns as the prefix tells. */
 static void add_columns(const struct press *press, struct buffer *line)
 {
     add_step(press->count * column_time(press->session), line);
 }
 
+/* Appends as many cells as the prefix tells, in units of the axis press->arg of the portrait. */
 static void add_cells(const struct press *press, struct buffer *line)
 {
     const struct session *session = press->session;
@@ -127,20 +134,22 @@ static void say_start(const struct press *press, struct buffer *line)
     cursor_plane_start(press->session, line);
 }
 
+/* Appends the command that chooses the next kind of points that cursors snap to. */
 static void say_snap(const struct press *press, struct buffer *line)
 {
     const size_t next = ((size_t)press->session->view.cursors.snap + 1) % snap_catalog.count;
     buffer_format(line, "cursor snap %s", catalog_row(&snap_catalog, next)->name);
 }
 
-/* The rest is typed: the prompt has the keys until the line is finished. */
+/* Inserts the beginning of a line into the prompt, which then gets the keys until the line is
+ * finished. */
 static void prompt_text_insert(const char *text)
 {
     rl_set_keymap_from_edit_mode();
     rl_insert_text(text);
 }
 
-/* Puts the typed text into a line of its own, and brings the panes back. */
+/* Begins a command line with the text, and leaves the page for the panes. */
 static void leave_reading(const char *text, struct buffer *line)
 {
     prompt_text_insert(text);
@@ -149,7 +158,7 @@ static void leave_reading(const char *text, struct buffer *line)
 
 /* ---- reading ---- */
 
-/* Repeats a search. Without one, the key begins a command. */
+/* Appends the command that repeats a search; if nothing was searched the key begins a command. */
 static void say_next(const struct press *press, struct buffer *line)
 {
     if (*press->session->view.wanted)
@@ -158,7 +167,8 @@ static void say_next(const struct press *press, struct buffer *line)
         leave_reading("n", line);
 }
 
-/* Runs the recipe of the page. Without one, the key begins a command. */
+/* Appends the command that runs the recipe on the page; if there is none the key begins a command.
+ */
 static void say_recipe(const struct press *press, struct buffer *line)
 {
     if (press->session->view.recipe)
@@ -169,7 +179,8 @@ static void say_recipe(const struct press *press, struct buffer *line)
 
 #define NEXT_ROW "scroll -1"
 
-/* Takes the offer if the cursor is at the end, where the offer is shown. */
+/* Executes the suggestion if the end of the page, where it is shown, is visible; else scrolls by a
+ * row. */
 static void say_enter(const struct press *press, struct buffer *line)
 {
     struct front_program *program = panes_active->program;
@@ -187,16 +198,16 @@ static void say_enter(const struct press *press, struct buffer *line)
 
 /* ---- the table ---- */
 
-/* Action of a key: a command that is the same for the session (SAYS) or looks at the screen only,
- * which is neither shown in the log nor remembered (LOOKS); or the beginning of a line (TYPES). */
+/* Action of a key: a command that counts like a typed one (SAYS); one that only changes the view,
+ * which is neither logged nor remembered (LOOKS); or the beginning of a line (TYPES). */
 enum key_kind { SAYS, LOOKS, TYPES };
 
 static const struct key {
     const char *keys[4];    /* bytes that the terminal sends */
     const char *capability; /* name in terminfo of further bytes, or NULL */
     enum key_kind kind;
-    const char *text; /* NULL if `make` makes it */
-    make *make;       /* NULL if nothing follows */
+    const char *text; /* command line or its beginning, or NULL if `make` writes it all */
+    make *make;       /* function that appends to it, or NULL */
     int arg;
 } keys[] = {
     {{CTRL_X "h"}, "kf1", SAYS, NULL, say_help, 0},
@@ -220,6 +231,7 @@ static const struct key {
     {{"\014"}, NULL, LOOKS, "redraw", NULL, 0},
 };
 
+/* Keys while the cursors are shown on the time plots. */
 static const struct key cursor_keys[] = {
     {{"\033[D", "\033OD", "<"}, "kcub1", LOOKS, "cursor left", add_columns, 0},
     {{"\033[C", "\033OC", ">"}, "kcuf1", LOOKS, "cursor right", add_columns, 0},
@@ -243,7 +255,7 @@ static const struct key cursor_keys[] = {
     {{"q", "\004"}, NULL, SAYS, "cursor off", NULL, 0},
 };
 
-/* The same while a point stands on the portrait. */
+/* Keys while the cursor is a point on the portrait. */
 static const struct key point_keys[] = {
     {{"\033[D", "\033OD", "<"}, "kcub1", LOOKS, "cursor left", add_cells, 0},
     {{"\033[C", "\033OC", ">"}, "kcuf1", LOOKS, "cursor right", add_cells, 0},
@@ -258,7 +270,7 @@ static const struct key point_keys[] = {
     {{"q", "\004"}, NULL, SAYS, "cursor off", NULL, 0},
 };
 
-/* Keys of the log while it has the whole screen; any other key begins a command. */
+/* Keys of the log while it is read on the whole screen; any other key begins a command. */
 static const struct key reading_keys[] = {
     {{" "}, NULL, LOOKS, NULL, say_page, -1},
     {{"\033[A", "\033OA"}, "kcuu1", LOOKS, "scroll 1", NULL, 0},
@@ -272,10 +284,10 @@ static const struct key reading_keys[] = {
     {{"q", "\004", "\007"}, NULL, LOOKS, "scroll close", NULL, 0},
 };
 
-/* ---- from a key to its row: readline only says what was typed ---- */
+/* ---- from a key to its row; readline only reports what was typed ---- */
 
-static Keymap on_plot; /* while the cursors have the keys */
-static Keymap on_text; /* while the log has the whole screen */
+static Keymap on_plot; /* keymap while the cursors have the keys */
+static Keymap on_text; /* keymap while the log is read on the whole screen */
 
 bool keys_on_plot(void)
 {
@@ -287,7 +299,7 @@ bool keys_on_text(void)
     return on_text && rl_get_keymap() == on_text;
 }
 
-/* The first character of a command. */
+/* Begins a command with a character typed on the page (readline callback). */
 static int on_character(int count, int last)
 {
     (void)count;
@@ -299,6 +311,8 @@ static int on_character(int count, int last)
     return 0;
 }
 
+/* Returns sequence i of a key: one of its own, or at last that of terminfo; NULL if there is none.
+ */
 static const char *sequence(const struct key *key, size_t i)
 {
     if (i < COUNT_OF(key->keys)) {
@@ -308,8 +322,8 @@ static const char *sequence(const struct key *key, size_t i)
     return *typed ? typed : NULL;
 }
 
-/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest
- * sequence at its end.
+/* Returns the row whose sequence is the longest at the end of what was typed, if longer than
+ * *longest, which it updates; NULL if there is none. Readline reports the digits of a prefix, too.
  */
 static const struct key *find_key(const struct key *rows, size_t count, size_t *longest)
 {
@@ -329,6 +343,8 @@ static const struct key *find_key(const struct key *rows, size_t count, size_t *
     return found;
 }
 
+/* Acts on a key of the tables (readline callback): executes its command line or inserts its text.
+ * At the plain prompt only help and Ctrl-L have an effect. */
 static int on_key(int count, int last)
 {
     struct buffer line = {0};
@@ -362,12 +378,12 @@ static int on_key(int count, int last)
         key->make(&(struct press){panes_active->program->session, count, key->arg}, &line);
     }
     if (line.len > 0) {
-        /* the page's own command, unlike commands that scroll the page */
+        /* a command of the page itself, unlike those that scroll it */
         const bool entered =
             on_cursors && keys_on_text() && !text_starts(buffer_text(&line), TEXT("scroll "));
         if (entered) {
             history_keep(buffer_view(&line), panes_active->program->reply);
-            using_history(); /* the line being edited is behind it now */
+            using_history(); /* moves to the end of the history */
         }
         enum line_from origin;
         if (entered)
@@ -380,6 +396,7 @@ static int on_key(int count, int last)
     return 0;
 }
 
+/* Binds the sequences of all rows in a keymap. */
 static void keymap_bind(const struct key *rows, size_t count, Keymap map)
 {
     for (size_t r = 0; r < count; r++) {
@@ -392,6 +409,7 @@ static void keymap_bind(const struct key *rows, size_t count, Keymap map)
     }
 }
 
+/* Binds the keys in readline's keymaps, and makes the keymaps of the plot and of the page. */
 void keys_bind(void)
 {
     Keymap const maps[] = {emacs_standard_keymap, vi_insertion_keymap, vi_movement_keymap};
@@ -416,6 +434,7 @@ void keys_bind(void)
     }
 }
 
+/* Chooses the keymap for an empty line: that of the page, of the plot, or of the prompt. */
 void keys_choose(const struct session *session)
 {
     if (session->view.reading && on_text && rl_end == 0) {

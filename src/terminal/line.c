@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readline as both prompts use it: its settings and completion by the interpreter. It asks without
- * a context, so what it needs stands here. */
+/* Sets readline up for both prompts: settings, completion by the interpreter, and workarounds for
+ * its faults. Its callbacks have no context, so what they need is stored here. */
 #define _GNU_SOURCE /* RTLD_NEXT */
 #include "terminal/panes.h"
 
@@ -15,21 +15,26 @@
 #include <readline/readline.h>
 #include <readline/tilde.h>
 
-/* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
+/* Sets *function to readline's own function of this name. The bytes are copied, because ISO C has
+ * no cast from an object pointer to a function pointer. */
 static void line_find_own(void *function, const char *name)
 {
     void *found = dlsym(RTLD_NEXT, name);
     memcpy(function, &found, sizeof found);
 }
 
+/* session whose names are completed */
 static struct session *completing;
+/* line_begin() was called */
 static bool begun;
 
+/* Completions of a word. */
 struct candidates {
     char **match; /* as readline wants them: the common prefix first, NULL at the end */
     size_t count, capacity;
 };
 
+/* Adds a candidate (callback of completion); it is lost if out of memory. */
 static void candidate_append(void *context, const char *candidate, const char *brief)
 {
     (void)brief;
@@ -49,7 +54,8 @@ static void candidate_append(void *context, const char *candidate, const char *b
     }
 }
 
-/* match[0] is the longest common prefix of the others. */
+/* Returns the candidates as readline wants them, match[0] being their longest common prefix, or
+ * NULL if there are none. Readline frees them. */
 static char **candidates_finish(struct candidates *all)
 {
     if (all->count == 0) {
@@ -78,6 +84,7 @@ static char **candidates_finish(struct candidates *all)
 
 #define WORD_BREAKS " \t\n;=,"
 
+/* Ignores a candidate, where only the beginning of the word is wanted. */
 static void ignore(void *context, const char *candidate, const char *brief)
 {
     (void)context;
@@ -85,7 +92,8 @@ static void ignore(void *context, const char *candidate, const char *brief)
     (void)brief;
 }
 
-/* Readline asks where words end. In a formula they do at operators, too. */
+/* Returns the characters at which words end (readline callback), with the operator before the word
+ * in a formula. */
 static char *word_breaks(void)
 {
     static char breaks[] = WORD_BREAKS " ";
@@ -111,8 +119,8 @@ static void put_plain(struct text typed, char quote, struct buffer *name)
     }
 }
 
-/* Appends a name as the line can hold it, in the quote that was begun. Returns false if that quote
- * cannot hold it. */
+/* Appends a file name so that the line is read back as this name, in the quote that was begun; a
+ * folder's name is not closed. Returns false if the quote cannot hold it. */
 static bool put_quoted(const char *name, char quote, bool folder, struct buffer *output)
 {
     const struct text all = text_of(name);
@@ -143,7 +151,7 @@ static bool ends_in(const char *name, const char *ending)
     return len >= end && strcmp(name + len - end, ending) == 0;
 }
 
-/* Folders, and files that end so. */
+/* Adds the folders and files that begin with the typed name; files must end in `ending`. */
 static void collect_files(struct text typed, const char *ending, struct candidates *all)
 {
     const char quote = typed.len > 0 && strchr("'\"", typed.data[0]) ? typed.data[0] : '\0';
@@ -163,8 +171,9 @@ static void collect_files(struct text typed, const char *ending, struct candidat
     buffer_free(&shown);
 }
 
-/* Readline replaces its own word only: what stands between `start` and that stays, where it is as
- * it was typed. */
+/* Shortens candidates by what precedes readline's own word, which is all that it replaces; those
+ * that begin differently are dropped. `start` is where ours begin, `begin` where readline's word
+ * does. */
 static void candidates_cut(struct candidates *all, size_t start, size_t begin)
 {
     const size_t skip = start < begin ? begin - start : 0, count = all->count;
@@ -181,6 +190,7 @@ static void candidates_cut(struct candidates *all, size_t start, size_t begin)
     }
 }
 
+/* Returns the completions of the word before the cursor (readline callback), or NULL. */
 static char **word_complete(const char *word, int begin, int end)
 {
     (void)word;
@@ -189,12 +199,12 @@ static char **word_complete(const char *word, int begin, int end)
     const size_t cursor = (size_t)end;
     rl_attempted_completion_over = 1;
     rl_completion_append_character = ' ';
-    /* The interpreter knows where the argument begins. */
+    /* The interpreter determines where the argument begins. */
     const char *const file =
         command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
                          candidate_append, &all);
     if (file) {
-        while (cursor == start && all.count > 0) /* other completions that could begin there */
+        while (cursor == start && all.count > 0) /* names of files replace other completions */
             free(all.match[all.count--]);
         collect_files((struct text){rl_line_buffer + start, cursor - start}, file, &all);
     }
@@ -206,7 +216,7 @@ static char **word_complete(const char *word, int begin, int end)
     return candidates_finish(&all);
 }
 
-/* ---- where readline 7 to 8.3 crashes or hangs ---- */
+/* ---- workarounds for crashes and endless loops of readline 7 to 8.3 ---- */
 
 /* Drops the undo list, so that editing cannot be undone. */
 static void line_drop_undo(void)
@@ -217,20 +227,18 @@ static void line_drop_undo(void)
         entry->data = NULL;
 }
 
-/*
- * The functions that are weak stand before those of readline and have them do the rest: where
- * readline is linked as an archive its own are taken, faults and all.
- */
+/* The weak functions replace those of readline and call them. If readline is linked as an archive
+ * its own are used, with their faults. */
 __attribute__((weak)) int rl_newline(int count, int key);
 __attribute__((weak)) int rl_insert_text(const char *text);
 
-#define COLUMNS_MIN 12                  /* Columns that a prompt and a part of the line need. */
-#define COUNT_MOST 100                  /* largest count of a repeated key, before its last digit */
-#define REPEATED_MOST ((size_t)1 << 14) /* [byte] of a line, by such keys */
+#define COLUMNS_MIN 12                  /* columns that the prompt and a part of the line need */
+#define COUNT_MOST 100                  /* largest numeric prefix before its last digit is typed */
+#define REPEATED_MOST ((size_t)1 << 14) /* [byte] longest line that a repeated key makes */
 
-/* A cut that is put often is cut and put again: after three times its length is no int any more. No
- * line that is longer would be taken; and where a count makes it, it is no longer than searches for
- * a character, whose time grows with the square of the length, are done with at once. */
+/* Limits the length of the line: text that is yanked, cut and yanked again repeatedly would soon
+ * exceed an int. The limit is that of a line of the interpreter or, for repeated keys, small enough
+ * for searches whose time grows with its square. */
 int rl_insert_text(const char *text)
 {
     static int (*own)(const char *);
@@ -244,8 +252,8 @@ int rl_insert_text(const char *text)
     return own ? own(text) : 0;
 }
 
-/* A line that was left and come back to would be undone by a list of which parts are freed. It need
- * not be: the history keeps it as it is. */
+/* Ends a line without its undo list, parts of which would have been freed if the line was left and
+ * come back to. The history keeps the line as it is. */
 int rl_newline(int count, int key)
 {
     static int (*own)(int, int);
@@ -258,9 +266,8 @@ int rl_newline(int count, int key)
 void line_mend(void)
 {
     const int end = (int)strlen(rl_line_buffer);
-    /* Readline shows a count with each of its digits. vi's put, and what it repeats, are done as
-     * often as is typed: a line of 1e6 times another took minutes. A count that overflows is the
-     * least int, with which delete and rubout call each other for ever. */
+    /* vi's put is done as often as the prefix tells: a million times took minutes. A prefix that
+     * overflows is the smallest int, with which delete and rubout call each other without end. */
     if (rl_numeric_arg > COUNT_MOST)
         rl_numeric_arg = COUNT_MOST;
     if (rl_numeric_arg < -COUNT_MOST)
@@ -272,8 +279,8 @@ void line_mend(void)
     line_drop_undo();
 }
 
-/* Readline divides by a third of the width where lines cannot be broken (TERM=dumb, a height of
- * 1). */
+/* Redisplays the line with a minimal width: readline divides by a third of it where lines cannot be
+ * broken (TERM=dumb, a height of 1). */
 void line_redisplay(void)
 {
     int rows, columns;
@@ -284,8 +291,7 @@ void line_redisplay(void)
     rl_redisplay();
 }
 
-/* Returns true if the line has characters without a width, marks that combine or bytes that are no
- * text. */
+/* Returns true if the line has characters without a width (combining marks) or invalid bytes. */
 static bool has_marks(void)
 {
     wchar_t c;
@@ -299,8 +305,8 @@ static bool has_marks(void)
 
 #define TO_WORD_ENDS "wWeE=*\\"
 
-/* Keys of vi's command mode that go to the end of a word, where what follows the last character is
- * the last one that has a width: it may stand before the present one, and then they never end. */
+/* Replaces keys of vi's command mode that go to the end of a word. Readline's own never end if the
+ * line ends in characters without a width, so words are moved by other functions then. */
 static int go_to_word_end(int count, int key)
 {
     if (has_marks())
@@ -310,12 +316,13 @@ static int go_to_word_end(int count, int key)
     return key == 'e' || key == 'E' ? rl_vi_end_word(count, key) : rl_vi_complete(count, key);
 }
 
+/* Empties the line and returns to the prompt's keymap. */
 void line_drop(void)
 {
     line_drop_undo();
     rl_free_line_state();
     rl_replace_line("", 0);
-    rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
+    rl_set_keymap_from_edit_mode(); /* insertion mode, in vi's */
 }
 
 void line_leave(void)
@@ -330,6 +337,7 @@ void line_leave(void)
     rl_abort(1, 0);
 }
 
+/* Sets readline up at the first call; later calls only change the session. */
 void line_begin(struct session *session)
 {
     completing = session;
@@ -345,8 +353,8 @@ void line_begin(struct session *session)
     rl_basic_word_break_characters = WORD_BREAKS;
     rl_completion_word_break_hook = word_breaks;
     rl_initialize();
-    /* Text of any language can be typed in any locale. The inputrc is read once more, so that it
-     * has the last word. */
+    /* Text of any language can be typed in any locale. The inputrc is read once more afterwards, so
+     * that the user's settings win. */
     rl_variable_bind("input-meta", "on");
     rl_variable_bind("output-meta", "on");
     rl_variable_bind("convert-meta", "off");
@@ -360,22 +368,20 @@ void line_begin(struct session *session)
     history_load();
 }
 
-/* ---- what readline frees ---- */
+/* ---- memory that readline frees ---- */
 
-/*
- * Readline's lists of undo have no owner: the line, its entry of the history and the line that was
- * left for it have the same one, and free it one after the other, or none does. So each part of
- * them is known here, and what readline frees is kept until the line is over: then nobody has a
- * list, and each part is freed once.
- */
+/* Readline's undo lists have no owner: the line, its entry of the history and the copy that was
+ * left for it share one, and free it one after the other, or none does. So their parts are noted
+ * here, and what readline frees is freed only when the line is over, each part once. */
 struct pointers {
     void **item;
     size_t count, capacity;
 };
 
+/* parts of undo lists, and memory that readline has freed */
 static struct pointers parts, freed;
 
-void xfree(void *memory); /* as xmalloc() in crash.c, in readline's place */
+void xfree(void *memory); /* called by readline, as is xmalloc() in crash.c */
 
 /* Adds a pointer, which is lost if out of memory. */
 static void put_pointer(struct pointers *all, void *pointer)

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Kinds of values of options. */
 enum value {
     VALUE_NONE,
     VALUE_FILE,
@@ -63,11 +64,13 @@ static const struct option_row {
 #undef FLAG
 };
 
+/* Returns true if this build has the option: --resume needs the module that keeps sessions. */
 static bool is_in(const struct option_row *row)
 {
     return row->value != VALUE_RESUME || session_keeper();
 }
 
+/* Appends the line of an option for --help. */
 static void put_option(char letter, const char *name, const char *shown, const char *brief,
                        struct buffer *text)
 {
@@ -103,6 +106,7 @@ void options_help(struct buffer *text)
                         "4 input or output failed, 129 130 143 ended by a signal\n");
 }
 
+/* Writes an error about a word of the command line. Returns false. */
 static bool complain(const char *what, const char *word)
 {
     struct buffer safe = {0};
@@ -113,6 +117,7 @@ static bool complain(const char *what, const char *word)
     return false;
 }
 
+/* Reads WIDTHxHEIGHT into the options. Returns false after a message if it is malformed. */
 static bool take_size(struct options *options, const char *value)
 {
     double width;
@@ -132,7 +137,8 @@ static bool take_size(struct options *options, const char *value)
                     value);
 }
 
-/* Returns true if a value has to follow; that of --resume may be left out. */
+/* Returns true if the next word (or NULL) is the option's value; that of --resume may be missing.
+ */
 static bool wants_value(const struct option_row *row, const char *next)
 {
     if (row->value == VALUE_RESUME)
@@ -140,7 +146,7 @@ static bool wants_value(const struct option_row *row, const char *next)
     return row->value == VALUE_MODULE ? row->module->takes_first : row->value != VALUE_NONE;
 }
 
-/* value NULL: none was given. */
+/* Stores an option with its value, NULL if it has none. Returns false after a message. */
 static bool option_take(struct options *options, const struct option_row *row, const char *value)
 {
     char *field = (char *)options + row->offset;
@@ -170,6 +176,7 @@ static bool option_take(struct options *options, const struct option_row *row, c
     return false;
 }
 
+/* Makes a row of a module's option if it has this name. Returns false if not. */
 static bool find_module_option(const struct module_option *option, struct text name,
                                struct option_row *row)
 {
@@ -179,6 +186,8 @@ static bool find_module_option(const struct module_option *option, struct text n
     return true;
 }
 
+/* Finds the row of an option by its long name, those of modules too. Returns false if there is
+ * none. */
 static bool find_long(struct text name, struct option_row *row)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
@@ -208,8 +217,8 @@ static bool refuse_unknown(struct text name, const char *word)
     return false;
 }
 
-/* Reads an option. given is the value in the word itself, or NULL; *next becomes NULL if the next
- * word is the value. */
+/* Stores an option. `given` is the value in the word itself, or NULL; *next is set to NULL if the
+ * next word is used as the value. Returns false after a message. */
 static bool read_option(struct options *options, const struct option_row *row, const char *word,
                         const char *given, const char **next)
 {
@@ -224,6 +233,7 @@ static bool read_option(struct options *options, const struct option_row *row, c
                  : complain("a value is missing after option", word);
 }
 
+/* Reads "--NAME" or "--NAME=VALUE". Returns false after a message. */
 static bool read_long(struct options *options, const char *word, const char **next)
 {
     const char *equals = strchr(word, '=');
@@ -234,7 +244,8 @@ static bool read_long(struct options *options, const char *word, const char **ne
                                  : refuse_unknown(name, word);
 }
 
-/* Letters; behind one that wants a value is its value. */
+/* Reads letters of options such as -qk; a letter with a value takes the rest of the word, or the
+ * next word. Returns false after a message. */
 static bool read_letters(struct options *options, const char *word, const char **next)
 {
     bool ok = true;
@@ -251,6 +262,8 @@ static bool read_letters(struct options *options, const char *word, const char *
     return ok;
 }
 
+/* Reads the words of the command line into options and tasks. Returns false after a message to
+ * standard error. */
 bool options_read(struct options *options, int argc, char **argv)
 {
     *options = (struct options){.task = calloc((size_t)argc + 1, sizeof(struct task))};

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Panes: one loop that waits for the terminal and for signals, feeds readline, executes what was
- * typed and draws. A run that is watched calls back into it between its slices. Readline edits and
- * ncurses draws; neither reads or writes the terminal on its own.
- */
+/* The panes front end: one loop that waits for the terminal and for signals, feeds readline,
+ * executes what was typed and draws. A live run calls back into it between its slices. Readline
+ * edits and ncurses draws; neither reads or writes the terminal itself. */
 #define _GNU_SOURCE /* fopencookie */
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
@@ -19,20 +17,20 @@
 
 #include <readline/readline.h>
 
-#define PASTE_PROMPT "     > " /* Prompt before the further lines of a paste. */
+#define PASTE_PROMPT "     > " /* prompt before the second and later lines of a paste */
 #define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
 #define POLL_CLOSED (POLLHUP | POLLERR | POLLNVAL)
-/* wait for an answer that is still under way before the shell gets to see it */
+/* [ns] time to wait at the end for an answer of the terminal, which the shell would get otherwise
+ */
 #define FAREWELL_NS 300000000
 
-/* The person, the system or the terminal wants an end. */
 bool panes_over(const struct panes *panes)
 {
     return panes_session(panes)->execution.quit || panes->program->next != FRONT_END ||
            signals_ending() || panes->input.closed;
 }
 
-/* ---- what is said ---- */
+/* ---- messages ---- */
 
 static bool panes_say(void *context, struct text text)
 {
@@ -45,7 +43,7 @@ struct sink panes_sink(struct session *session)
     return (struct sink){panes_say, panes_say, session};
 }
 
-/* The first line of a message, for where there is no room for the log. */
+/* Sink function that shows the first line of a message while the log is hidden. */
 static bool panes_note(void *context, struct text text)
 {
     struct panes *panes = context;
@@ -56,6 +54,7 @@ static bool panes_note(void *context, struct text text)
     return true;
 }
 
+/* Sink function that adds text to the log and, while the log is hidden, shows it as a notice. */
 static bool say_here(void *context, struct text text)
 {
     struct panes *panes = context;
@@ -74,6 +73,7 @@ static void panes_warn(struct panes *panes, const struct error *error)
     panes->screen_stale = true;
 }
 
+/* Adds a typed line to the log, behind the prompt; a paste has several. */
 static void log_typed(struct panes *panes, struct text typed)
 {
     struct text line;
@@ -87,7 +87,7 @@ static void log_typed(struct panes *panes, struct text typed)
     }
 }
 
-/* Executes a line that only looks at the screen; it reports nothing, unless it fails. */
+/* Executes a line that only changes the view; failures appear as a notice. */
 static void execute_silently(struct panes *panes, struct text line)
 {
     const struct source nobody = {0};
@@ -99,6 +99,8 @@ static void execute_silently(struct panes *panes, struct text line)
 
 /* ---- drawing ---- */
 
+/* Fills in what the lowest row shows: readline's line, or the keys while the cursors or a page have
+ * them. */
 void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch)
 {
     *prompt = (struct prompt_line){.prompt = text_of(rl_display_prompt),
@@ -118,6 +120,7 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
     }
 }
 
+/* Draws the panes, or only the lowest row, in about `bytes` bytes. Returns how much was sent. */
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
 {
     struct prompt_line prompt;
@@ -141,7 +144,7 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
     return shown;
 }
 
-/* Draws what has to be seen now. Of a run the frames come when it is their time. */
+/* Draws what has changed. Frames of a live run are drawn at the rate of pacing.c. */
 static void draw_due(struct panes *panes, int64_t now)
 {
     struct session *session = panes_session(panes);
@@ -162,6 +165,7 @@ void panes_repaint(struct panes *panes)
     panes->screen_stale = true;
 }
 
+/* Adapts session, readline and the page to the size of the screen. */
 static void take_size(struct panes *panes)
 {
     struct session *session = panes_session(panes);
@@ -169,7 +173,7 @@ static void take_size(struct panes *panes)
     const int line = session->view.reading ? reading_line(session) : 0;
     front->width = panes->screen.width;
     front->height = panes->screen.height;
-    if (session->view.reading) { /* the page begins where it did */
+    if (session->view.reading) { /* the page keeps its first line */
         const int scroll =
             log_rows_newest(&session->log, line + 1, front->width) - (front->height - 1);
         session->view.scroll = scroll > 0 ? scroll : 0;
@@ -180,7 +184,8 @@ static void take_size(struct panes *panes)
 
 /* ---- signals ---- */
 
-/* An answer that comes after we have left would appear at the shell's prompt. */
+/* Waits briefly for the terminal's answer, which would appear at the shell's prompt if it came
+ * later. */
 static void await_answer(struct panes *panes)
 {
     const int64_t deadline = clock_ns() + FAREWELL_NS;
@@ -199,6 +204,7 @@ static void await_answer(struct panes *panes)
     panes->pacing.requested = 0;
 }
 
+/* Stops the program on Ctrl-Z and takes the terminal back when it is continued. */
 static void suspend(struct panes *panes)
 {
     await_answer(panes);
@@ -209,7 +215,8 @@ static void suspend(struct panes *panes)
     take_size(panes);
 }
 
-/* Acts on signals. With forget, the bytes that were read before a Ctrl-C found here are dropped. */
+/* Acts on signals that have arrived: size, stop, continue, Ctrl-C. With `forget` a Ctrl-C drops the
+ * bytes that were read before it. */
 static void heed_signals(struct panes *panes, bool forget)
 {
     signals_drain();
@@ -230,7 +237,8 @@ static void heed_signals(struct panes *panes, bool forget)
         if (forget) {
             input_clear(&panes->input);
         }
-        /* The system itself has thrown away what was under way, in both directions. */
+        /* The terminal driver has discarded the bytes under way in both directions, also the
+         * answer. */
         panes->pacing.requested = 0;
         panes_repaint(panes);
         if (!panes->running) {
@@ -257,6 +265,8 @@ void panes_save(struct panes *panes, bool line)
     }
 }
 
+/* Waits until something is typed, a signal arrives, or `deadline` [clock_ns] or another due time
+ * has come. Returns true if something was typed. */
 bool panes_read(struct panes *panes, int64_t deadline)
 {
     struct session *session = panes_session(panes);
@@ -279,13 +289,13 @@ bool panes_read(struct panes *panes, int64_t deadline)
     const bool typed = any && ready[0].revents;
     if (typed) {
         input_read(&panes->input, (ready[0].revents & POLL_CLOSED) != 0);
-        /* bytes that a Ctrl-C in between has left for us to read were typed after it */
+        /* bytes left after a Ctrl-C were typed after it */
         heed_signals(panes, false);
     }
     return typed;
 }
 
-/* The session is saved when nobody types: a key is seen first. */
+/* Draws, waits and, if nothing was typed, saves the session. */
 void panes_wait(struct panes *panes, int64_t deadline)
 {
     draw_due(panes, clock_ns());
@@ -295,8 +305,8 @@ void panes_wait(struct panes *panes, int64_t deadline)
 
 /* ---- executing ---- */
 
-/* A line typed during a run is executed inside the command that runs: it speaks through a reply of
- * its own. */
+/* Executes the waiting line. During a live run it is executed inside the command `run`, with a
+ * reply of its own. */
 static void execute_line(struct panes *panes)
 {
     struct front_program *program = panes->program;
@@ -319,12 +329,12 @@ static void execute_line(struct panes *panes)
         own.quiet = outer->quiet;
         program->reply = &own;
     } else {
-        panes_show(panes, false, INT_MAX); /* shows that something that takes long has begun */
+        panes_show(panes, false, INT_MAX); /* shows the line before a long command begins */
     }
     buffer_clear(&panes->notice);
     const bool busy = signals_busy(true);
     bool ok = true;
-    int unheeded = 0; /* a Ctrl-C that was not meant for what only looks at the screen */
+    int unheeded = 0; /* a Ctrl-C that is not for a command which only changes the view */
     if (origin == LINE_SILENT) {
         unheeded = atomic_exchange(&interrupt.requested, 0);
         execute_silently(panes, buffer_text(&line));
@@ -333,7 +343,7 @@ static void execute_line(struct panes *panes)
     }
     signals_busy(busy);
     if (origin != LINE_SILENT) {
-        buffer_clear(&program->offer); /* the offer is always the last message */
+        buffer_clear(&program->offer); /* a suggestion must be the last message */
     }
     if (ok && !nested && origin == LINE_TYPED) {
         struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
@@ -367,10 +377,12 @@ static void execute_line(struct panes *panes)
     buffer_free(&line);
 }
 
+/* Handles what has been typed until nothing is left or the panes must end: executes a waiting line,
+ * else takes the next item of the input. */
 void panes_process(struct panes *panes)
 {
     if (!panes->running) {
-        panes->interrupted = false; /* clearing the line answers the Ctrl-C */
+        panes->interrupted = false; /* the line was cleared, nothing else has to stop */
     }
     while (!panes_over(panes) && !panes->interrupted) {
         if (panes->line_waits) {
@@ -398,7 +410,7 @@ void panes_process(struct panes *panes)
 
 /* ---- beginning and end ---- */
 
-/* Hands the bytes that were typed ahead of `plain` over to the prompt. */
+/* Passes bytes that were typed ahead to readline, when `plain` leaves the panes. */
 static void hand_over(struct panes *panes)
 {
     unsigned char byte;
@@ -421,6 +433,8 @@ static ssize_t ignore_output(void *nowhere, const char *bytes, size_t count)
     return (ssize_t)count;
 }
 
+/* Runs the panes until they end or another front end takes over (program->next). If the terminal
+ * cannot show them it warns, and the plain prompt takes over. */
 void panes_run(struct front_program *program)
 {
     struct session *session = program->session;
@@ -428,10 +442,11 @@ void panes_run(struct front_program *program)
     const struct front saved = session->front;
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
     program->next = FRONT_END;
-    line_begin(session); /* line_begin() precedes ncurses: both look the terminal up */
+    line_begin(session); /* precedes ncurses, because both look up the terminal */
     panes.color = saved.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
-    /* Must precede ncurses, which would otherwise handle Ctrl-Z and ignore it while it draws. */
+    /* Handlers are set before ncurses, which would otherwise handle Ctrl-Z and ignore it while it
+     * draws. */
     signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
     panes_active = &panes;
     const bool edits = nowhere && signals_pipe() >= 0 && edit_begin(nowhere);

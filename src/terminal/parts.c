@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parts that modules add to the terminal, and functions that ask each of them. */
+/* The parts that modules add to the terminal layer, and functions that call each of them. */
 #include "terminal/parts.h"
 
 #define MODULE(name) extern const struct terminal_part name##_terminal;
@@ -12,6 +12,7 @@ const struct terminal_part *const terminal_parts[] = {
     NULL,
 };
 
+/* Lets each part set callbacks of a new front end. */
 void terminal_offer(struct front *front, struct streams *streams)
 {
     for (size_t i = 0; terminal_parts[i]; i++)
@@ -19,6 +20,7 @@ void terminal_offer(struct front *front, struct streams *streams)
             terminal_parts[i]->offer(front, streams);
 }
 
+/* Lets each part look at a key; returns the key for readline, or NO_KEY. */
 int terminal_key(int key)
 {
     for (size_t i = 0; terminal_parts[i] && key != NO_KEY; i++)
@@ -27,6 +29,7 @@ int terminal_key(int key)
     return key;
 }
 
+/* Returns the part that keeps the session in a file, or NULL. */
 const struct session_keeper *session_keeper(void)
 {
     size_t i = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shows the progress of a long run or study, and the time left. */
+/* Shows the progress of a long run or study, and the time left, on standard error. */
 #include "terminal/terminal.h"
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>
@@ -11,8 +11,8 @@ static struct progress_line {
     bool visible;
 } progress;
 
-/* Four times a second at most, from one second on. *is_finished: it has ended, and something is to
- * be erased. */
+/* Returns true if the progress should be shown now: after the first second, at most four times a
+ * second. fraction > 1 ends it: *is_finished is set if something was shown and must be erased. */
 bool progress_due(double fraction, bool *is_finished)
 {
     const int64_t now = clock_ns();
@@ -31,6 +31,8 @@ bool progress_due(double fraction, bool *is_finished)
     return progress.visible = true;
 }
 
+/* Appends the progress of a run or of a study (run NULL), with the time left if the fraction is
+ * known. */
 void progress_text(const struct session *session, const struct run *run, double fraction,
                    struct buffer *text)
 {

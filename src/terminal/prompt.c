@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plain prompt: readline for editing, history and completion; everything typed goes to
- * command_exec(). */
+/* The plain prompt: readline edits, keeps a history and completes; everything typed is executed by
+ * the interpreter. */
 #include "terminal/parts.h"
 #include <hooke/base/cancel.h>
 
@@ -15,8 +15,10 @@
 
 /* ---- signals while editing ---- */
 
-static struct front_program *at_prompt; /* readline asks without a context */
+static struct front_program *at_prompt; /* readline's callbacks have no context */
 
+/* Saves the session if that is due, and warns if it fails; `line` tells that a line was executed.
+ */
 static void save_when_due(bool line)
 {
     struct error error;
@@ -25,7 +27,7 @@ static void save_when_due(bool line)
     }
 }
 
-/* Whatever came before: the next alarm rings when the session is to be kept. */
+/* Sets the alarm to the time at which the session must be saved next, or stops it. */
 static void set_alarm(void)
 {
     const int64_t due = keeper_due(), now = clock_ns();
@@ -37,14 +39,15 @@ static void set_alarm(void)
     signals_alarm(delay);
 }
 
+/* Front end's callback after each statement: saves the session if that is due. */
 static void executed(void *context)
 {
     (void)context;
     save_when_due(true);
 }
 
-/* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for
- * what keeps the session. */
+/* Acts on signals while readline waits: Ctrl-C clears the line, Ctrl-Z stops the program with the
+ * terminal restored, the alarm saves the session. */
 static void heed_signals(void)
 {
     signals_drain();
@@ -72,15 +75,15 @@ static void heed_signals(void)
     }
 }
 
-/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the
- * signal that precedes it. */
+/* Returns the next key, or EOF if the program must end. Waits for keys and signals by poll(),
+ * because a blocking read could miss a signal that arrives just before it. */
 static int wait_for_key(FILE *stream)
 {
     struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN},
                               {.fd = signals_pipe(), .events = POLLIN}};
     while (!signals_ending()) {
         const int count = poll(ready, 2, -1);
-        rl_check_signals(); /* readline's own: the size of the window */
+        rl_check_signals(); /* readline itself handles the size of the window */
         if (count < 0 || ready[1].revents) {
             heed_signals();
         } else {
@@ -93,8 +96,8 @@ static int wait_for_key(FILE *stream)
     return EOF;
 }
 
-/* Readline reads the text of a paste without a NUL behind it where the input ends first, and copies
- * it up to one: it never gets to see that end, and nothing of the line is executed. */
+/* Readline's source of keys. If the input ends within a paste, readline would copy the paste's
+ * text, which has no NUL, beyond its end; so the line is discarded before. */
 static int get_key(FILE *stream)
 {
     const int key = wait_for_key(stream);
@@ -105,6 +108,7 @@ static int get_key(FILE *stream)
     return key;
 }
 
+/* Asks a question; returns true if the answer begins with y. */
 static bool confirm(void *context, const char *question)
 {
     struct front_program *program = context;
@@ -125,6 +129,8 @@ static void clear_screen(void *context)
     fflush(stdout);
 }
 
+/* Front end's callback for `plain`, `panes` and `redraw`. Returns false with an error if the change
+ * is not possible. */
 static bool change(void *context, enum front_change change, struct error *error)
 {
     struct front_program *program = context;
@@ -140,7 +146,7 @@ static bool change(void *context, enum front_change change, struct error *error)
     return true;
 }
 
-/* A run that goes on is saved, too. */
+/* Shows the progress of a computation, and saves the session meanwhile if that is due. */
 static void progress(void *context, const struct run *run, double fraction)
 {
     progress_print(((const struct front_program *)context)->session, run, fraction);
@@ -150,6 +156,7 @@ static void progress(void *context, const struct run *run, double fraction)
 
 /* ---- the loop ---- */
 
+/* Executes lines as a script. Returns false if it failed. */
 bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply)
 {
     struct script script;
@@ -175,6 +182,8 @@ void front_greet(struct reply *reply)
                    HOOKE_VERSION);
 }
 
+/* Reads a line by readline, with the label of an active module as prompt. Returns NULL at the end
+ * of input; the caller frees the line. */
 static char *read_line(struct front_program *program)
 {
     signals_watch(1u << HAPPENED_SUSPEND | 1u << HAPPENED_ALARM);
@@ -197,6 +206,7 @@ static bool is_typed_ahead(void)
     return poll(&ahead, 1, 0) > 0;
 }
 
+/* Executes a typed line, through the pager if that is on, and shows the next suggestion. */
 static void execute(struct front_program *program, const char *typed)
 {
     if (text_trim(text_of(typed)).len == 0) {
@@ -215,6 +225,7 @@ static void execute(struct front_program *program, const char *typed)
         offer_next(program, is_typed_ahead());
 }
 
+/* Explains the word at the cursor (F1) and shows the line again. */
 void prompt_explain(void)
 {
     struct front_program *program = at_prompt;
@@ -231,6 +242,7 @@ void prompt_explain(void)
     buffer_free(&line);
 }
 
+/* Sets the callbacks of the session for the plain prompt. */
 static void set_front(struct front_program *program)
 {
     struct front *front = &program->session->front;
@@ -245,6 +257,7 @@ static void set_front(struct front_program *program)
     front->context = program;
 }
 
+/* Runs the plain prompt until it ends or the panes take over (program->next). */
 void prompt_run(struct front_program *program)
 {
     struct session *session = program->session;

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pages for reading text that is longer than the log, on the whole screen. */
+/* Shows text that is longer than the log as pages on the whole screen. */
 #include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
 #include <string.h>
 
-/* Shorter text is read in the log, or scrolled there; so is all text on a lower screen. */
+/* Texts of fewer rows, or on lower screens, are read in the log. */
 #define READING_ROWS 8
 
+/* Appends the prompt of a page: its position in percent, or a notice, and as many of the keys as
+ * fit. */
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text)
 {
     static const char *const keys[2][4] = {
@@ -23,7 +25,7 @@ void reading_prompt(const struct session *session, struct text notice, struct bu
         buffer_put(text, TEXT("end"));
     else
         buffer_format(text, "%d %%", (int)(100.0 * (rows - left) / (rows > 0 ? rows : 1)));
-    /* the most that leaves room for the cursor */
+    /* the longest list of keys that leaves room for the cursor */
     const int width = text_width(buffer_text(text));
     for (size_t i = notice.len > 0; i < COUNT_OF(keys[0]); i++) {
         const char *shown = keys[s->view.recipe != NULL][i];
@@ -34,6 +36,8 @@ void reading_prompt(const struct session *session, struct text notice, struct bu
     }
 }
 
+/* Appends the command that reads the messages since said_before as pages, if the log is too small
+ * for them and nothing was typed meanwhile. */
 void reading_command(const struct panes *panes, uint64_t said_before, struct buffer *line)
 {
     const struct session *session = panes_session(panes);
@@ -49,6 +53,7 @@ void reading_command(const struct panes *panes, uint64_t said_before, struct buf
     buffer_format(line, "scroll read %d", lines);
 }
 
+/* Returns the line at the top of the page, counted from the newest (0). */
 int reading_line(const struct session *session)
 {
     const struct log *log = &session->log;

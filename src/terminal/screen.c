@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never
- * reads and catches no signal. */
+/* The terminal under ncurses: its modes, its size, and the cells shown on it. ncurses only draws;
+ * it never reads and catches no signal. */
 #include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
@@ -23,7 +23,7 @@ const char *screen_capability(const char *name)
     return text && text != (const char *)-1 ? text : "";
 }
 
-static struct buffer gathered; /* tputs has no context */
+static struct buffer gathered; /* output of tputs(), whose callback has no context */
 
 static int character_gather(int c)
 {
@@ -37,7 +37,7 @@ static void screen_send(const char *sequence)
     write_all(STDOUT_FILENO, text_of(sequence), &ignored);
 }
 
-/* Arms the sequences that give the terminal back without ncurses, for the fatal handlers. */
+/* Arms the fatal handlers with the sequences that restore the terminal without ncurses. */
 static void arm_crash(void)
 {
     static const char *const names[] = {"BD", "sgr0", "op", "cnorm", "rmcup"};
@@ -46,7 +46,8 @@ static void arm_crash(void)
             tputs(screen_capability(names[i]), 1, character_gather);
         }
     }
-    if (!*screen_capability("rmcup")) { /* no second screen: below what is shown now */
+    /* a terminal without a second screen gets the cursor at the bottom */
+    if (!*screen_capability("rmcup")) {
         tputs(tiparm(screen_capability("cup"), 998, 0), 1, character_gather);
     }
     buffer_put(&gathered, TEXT("\r\n"));
@@ -56,8 +57,8 @@ static void arm_crash(void)
 
 /* ---- modes ---- */
 
-/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a
- * read never blocks, whatever poll() said before. */
+/* Sets the modes in which every key arrives at once; only Ctrl-C, Ctrl-Z and Ctrl-\ are signals.
+ * VMIN 0 makes reads return at once, whatever poll() reported. */
 static void set_modes(void)
 {
     struct termios modes;
@@ -73,13 +74,15 @@ static void set_modes(void)
     def_prog_mode();
 }
 
+/* Reads the size of the terminal and makes canvases of that size, which stay empty if out of
+ * memory. */
 static void set_size(struct terminal_screen *screen)
 {
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
         screen->width = size.ws_col;
         screen->height = size.ws_row;
-        resizeterm(screen->height, screen->width); /* whatever LINES and COLUMNS say */
+        resizeterm(screen->height, screen->width); /* not the size in LINES and COLUMNS */
     } else {
         getmaxyx(stdscr, screen->height, screen->width);
     }
@@ -94,13 +97,14 @@ static void set_size(struct terminal_screen *screen)
     screen->stale = true;
 }
 
-/* A terminal, and TERMINFO for it. */
+/* Usual terminals, with the value of TERMINFO that describes them. */
 static const struct {
     const char *name, *compiled;
 } terminals[] = {
 #include "terminals.def"
     {NULL, NULL}};
 
+/* Sets TERMINFO if the system has no description of a usual terminal. */
 void describe_terminal(void)
 {
     const char *term = getenv("TERM");
@@ -116,9 +120,11 @@ void describe_terminal(void)
             setenv("TERMINFO", terminals[i].compiled, 1);
 }
 
+/* [cell] smallest screen on which panes are shown */
 #define MIN_WIDTH 20
 #define MIN_HEIGHT 6
 
+/* Returns true if panes can be shown; otherwise returns false with the reason as error. */
 bool panes_possible(struct error *error)
 {
     const char *term = getenv("TERM");
@@ -181,7 +187,7 @@ void screen_leave(struct terminal_screen *screen)
 
 void screen_return(struct terminal_screen *screen)
 {
-    crash_modes(); /* the shell may have changed them meanwhile */
+    crash_modes(); /* the shell may have changed the modes */
     def_shell_mode();
     set_modes();
     set_size(screen);
@@ -211,8 +217,8 @@ void screen_resize(struct terminal_screen *screen)
 
 /* ---- cells ---- */
 
-/* The terminal's own palette, the same as that of printed figures; backgrounds are never painted.
- */
+/* Attributes of styles, in colours of the terminal's palette as in printed figures; backgrounds are
+ * never painted. */
 static const struct style_attributes {
     attr_t attributes;
     short color; /* -1 if there is none */
@@ -227,7 +233,8 @@ static const struct style_attributes {
     [STYLE_ALERT] = {A_NORMAL, COLOR_RED},
 };
 
-/* Only when colour is wanted for the first time: ncurses sends colour sequences from then on. */
+/* Sets colours up when they are wanted for the first time, because ncurses sends colour sequences
+ * from then on. Returns false if there are none. */
 static bool begin_colors(struct terminal_screen *screen)
 {
     if (!screen->color_begun && has_colors() && start_color() == OK && use_default_colors() == OK) {
@@ -247,7 +254,8 @@ void screen_color(struct terminal_screen *screen, bool wanted)
     screen->color_wanted = wanted;
 }
 
-/* A character whose width the C library counts differently would shift the rest of the row. */
+/* Returns the character that is sent for a code point: '?' if the C library counts its width
+ * differently, which would shift the rest of the row. */
 static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint)
 {
     const wchar_t c = (wchar_t)codepoint;
@@ -257,6 +265,7 @@ static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint
     return codepoint < 128 || (screen->utf8 && wcwidth(c) == codepoint_width(codepoint)) ? c : L'?';
 }
 
+/* Writes row y of the canvas to ncurses. */
 static void put_row(struct terminal_screen *screen, int y)
 {
     const struct cell *row = screen->canvas.cell + (size_t)y * (size_t)screen->width;
@@ -282,9 +291,9 @@ static void put_row(struct terminal_screen *screen, int y)
     free(line);
 }
 
-#define MOVE_COST 8 /* [byte] to place the cursor */
+#define MOVE_COST 8 /* [byte] cost of moving the cursor */
 
-/* [byte] about what it takes to make row b look like row a; 0 if it does. */
+/* Returns about how many bytes must be sent to make row b look like row a, 0 if they are equal. */
 static int row_cost(const struct cell *a, const struct cell *b, int n)
 {
     int cost = 0;
@@ -299,11 +308,13 @@ static int row_cost(const struct cell *a, const struct cell *b, int n)
     return cost > 0 ? cost + MOVE_COST : 0;
 }
 
+/* Sends rows from first_row on that have changed, until about `bytes` bytes are sent; the next call
+ * continues there. Returns how much was sent. */
 enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes, int cursor_x,
                        int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
-        set_size(screen); /* there was no memory for it */
+        set_size(screen); /* tries again to get memory */
         return SHOWN_NOTHING;
     }
     const int all = screen->height - first_row;

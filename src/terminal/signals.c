@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Signals only set flags and wake the loop through a pipe; the loops look at them. */
+/* Signal handlers, which only set flags and wake the loops through a pipe; the loops look at the
+ * flags. */
 #define _GNU_SOURCE /* pipe2 */
 #include "terminal/terminal.h"
 #include <hooke/base/cancel.h>
@@ -10,15 +11,20 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-/* time after SIGHUP or SIGTERM by which everything should be saved */
+/* [s] time after SIGHUP or SIGTERM by which everything should be saved */
 #define OVERDUE_SECONDS 10
 
 struct cancel interrupt;
+/* signal that ends the program, or 0 */
 static volatile sig_atomic_t ending;
+/* events that nobody has looked at yet */
 static volatile sig_atomic_t happened[HAPPENED_COUNT];
+/* a command is being executed: nobody looks at Ctrl-Z */
 static volatile sig_atomic_t busy;
+/* pipe that wakes the loops */
 static int ends[2] = {-1, -1};
 
+/* Signal of each event. */
 static const int number_of[HAPPENED_COUNT] = {[HAPPENED_RESIZE] = SIGWINCH,
                                               [HAPPENED_SUSPEND] = SIGTSTP,
                                               [HAPPENED_CONTINUE] = SIGCONT,
@@ -28,12 +34,13 @@ static void signals_wake(void)
 {
     int saved_errno = errno;
     if (ends[1] >= 0) {
-        ssize_t ignored = write(ends[1], "", 1); /* a full pipe wakes as well */
+        ssize_t ignored = write(ends[1], "", 1); /* if the pipe is full the reader wakes anyway */
         (void)ignored;
     }
     errno = saved_errno;
 }
 
+/* Handles Ctrl-C: asks every computation to stop. */
 static void on_interrupt(int number)
 {
     (void)number;
@@ -43,7 +50,8 @@ static void on_interrupt(int number)
 
 static void handle(int number, void (*handler)(int));
 
-/* The program hangs, perhaps in a write to a terminal that takes nothing. */
+/* Ends the program if saving takes too long, perhaps in a write to a terminal that takes nothing.
+ */
 static void on_overdue(int number)
 {
     (void)number;
@@ -51,6 +59,8 @@ static void on_overdue(int number)
     _exit(128 + ending);
 }
 
+/* Handles SIGHUP and SIGTERM: asks computations and loops to end, and sets an alarm in case they do
+ * not. */
 static void on_ending(int number)
 {
     if (!ending) {
@@ -62,6 +72,8 @@ static void on_ending(int number)
     signals_wake();
 }
 
+/* Notes an event for the loops. While a command is busy Ctrl-Z stops the program here, with the
+ * terminal restored. */
 static void on_event(int number)
 {
     if (number == SIGTSTP && busy) {
@@ -69,7 +81,7 @@ static void on_event(int number)
         crash_restore();
         signals_stop();
         errno = saved_errno;
-        /* the terminal is to be taken back, also where the system would not stop us */
+        /* the loop must take the terminal back, even if the system did not stop us */
         number = SIGCONT;
     }
     for (int i = 0; i < HAPPENED_COUNT; i++) {
@@ -80,14 +92,16 @@ static void on_event(int number)
     signals_wake();
 }
 
+/* Installs a handler without SA_RESTART, so that a blocking read returns. */
 static void handle(int number, void (*handler)(int))
 {
     struct sigaction action = {0};
     sigemptyset(&action.sa_mask);
-    action.sa_handler = handler; /* no SA_RESTART: a blocking read returns */
+    action.sa_handler = handler;
     sigaction(number, &action, NULL);
 }
 
+/* Installs the handlers of all front ends. */
 void signals_install(void)
 {
     handle(SIGINT, on_interrupt);
@@ -109,11 +123,13 @@ int signals_ending(void)
     return ending;
 }
 
+/* Installs the handlers of the events in `set` and gives the others back to the system; the alarm
+ * goes to crash_signal(). */
 void signals_watch(unsigned set)
 {
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] == SIGALRM && ending) {
-            continue; /* it says that saving takes too long */
+            continue; /* this alarm limits the time for saving */
         }
         if (number_of[i] == SIGALRM && !(set & 1u << i)) {
             crash_signal(SIGALRM);
@@ -123,6 +139,8 @@ void signals_watch(unsigned set)
     }
 }
 
+/* Sets the alarm, 0 stops it. Has no effect once the program is ending, which has an alarm of its
+ * own. */
 void signals_alarm(int64_t ns)
 {
     const struct itimerval timer = {.it_value = {.tv_sec = (time_t)(ns / 1000000000),
@@ -131,24 +149,26 @@ void signals_alarm(int64_t ns)
     sigemptyset(&ends_it);
     sigaddset(&ends_it, SIGHUP);
     sigaddset(&ends_it, SIGTERM);
-    sigprocmask(SIG_BLOCK, &ends_it, &saved_mask); /* or its own alarm would be set anew */
+    /* the alarm of on_ending() must not be replaced */
+    sigprocmask(SIG_BLOCK, &ends_it, &saved_mask);
     if (!ending)
         setitimer(ITIMER_REAL, &timer, NULL);
     sigprocmask(SIG_SETMASK, &saved_mask, NULL);
 }
 
+/* Tells whether a command is being executed; returns the previous value. A Ctrl-Z that was not
+ * handled yet stops the program. */
 bool signals_busy(bool now)
 {
     const bool was_busy = busy;
     busy = now;
-    if (now &&
-        signals_happened(
-            HAPPENED_SUSPEND)) { /* it came after the last look: nobody would see it for long */
+    if (now && signals_happened(HAPPENED_SUSPEND)) { /* nobody will look at it for long */
         raise(SIGTSTP);
     }
     return was_busy;
 }
 
+/* Returns true if the event has happened since the last call. */
 bool signals_happened(enum signalled what)
 {
     if (!happened[what]) {
@@ -173,6 +193,7 @@ void signals_drain(void)
     }
 }
 
+/* Stops the program as Ctrl-Z would, with the default action; returns when it is continued. */
 void signals_stop(void)
 {
     sigset_t stop, saved_mask;

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* --split DIR: each table of the results in CSV as a file of its own, all or none. */
+/* Option --split DIR: each table of the results in CSV becomes a file in a new folder. All files
+ * appear, or none. */
 #include "terminal/terminal.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <string.h>
 
-/* Returns true for names of files that are removed from a folder that is given up. */
+/* Returns true for names that --split writes, which may be removed if the folder is abandoned. */
 static bool is_part(const char *name)
 {
     const size_t digits = strspn(name, "0123456789"), len = strlen(name);
     return digits >= 3 && name[digits] == '-' && len > 4 && strcmp(name + len - 4, ".csv") == 0;
 }
 
+/* Opens the new folder. Returns false with an error if it exists or cannot be made. */
 bool split_begin(struct split *split, const char *path, bool safe, struct error *error)
 {
     *split = (struct split){.count = 0};
@@ -24,6 +26,7 @@ bool split_begin(struct split *split, const char *path, bool safe, struct error 
     return error_hint(error, "name a folder that is not there yet");
 }
 
+/* Writes the current file into the folder; a failure is kept for split_end(). */
 static void put_part(struct split *split)
 {
     if (split->count > 0 && !split->failed &&
@@ -34,6 +37,7 @@ static void put_part(struct split *split)
     buffer_clear(&split->content);
 }
 
+/* Ends the current file and begins that of the next table (callback of the reply). */
 void split_part(void *context, const char *kind)
 {
     struct streams *streams = context;
@@ -42,6 +46,8 @@ void split_part(void *context, const char *kind)
     snprintf(split->name, sizeof split->name, "%03d-%s.csv", ++split->count, kind);
 }
 
+/* Adds text to the current file. Returns false for text before the first table, which goes to
+ * standard output. */
 bool split_takes(struct split *split, struct text text)
 {
     if (split->count == 0) /* a comment before the first table */
@@ -50,6 +56,8 @@ bool split_takes(struct split *split, struct text text)
     return true;
 }
 
+/* Writes the last file and makes the folder appear. Returns false with an error, and leaves no
+ * folder, if anything failed. */
 bool split_end(struct split *split, struct error *error)
 {
     if (!split->open)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Standard output and standard error as the two ends of a sink; no failed write is forgotten. */
+/* Standard output and standard error as a sink of replies, and the pager. A failed write is
+ * remembered for the exit status. */
 #define _GNU_SOURCE /* O_PATH, pipe2 */
 #include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
@@ -14,16 +15,19 @@
 #include <termios.h>
 #include <unistd.h>
 
+/* [byte] output is written in pieces of this size */
 #define GATHER_BYTES ((size_t)1 << 16)
-/* Output above this size goes straight to the terminal. */
+/* [byte] longer output is not held back for the pager */
 #define HELD_BYTES_MAX ((size_t)1 << 24)
+/* words of $PAGER */
 #define PAGER_WORDS 16
 
 void streams_reserve(void)
 {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-            (void)open("/", O_PATH); /* the lowest number that is free; reads and writes fail */
+            /* open() takes the lowest free number; reads and writes of it fail */
+            (void)open("/", O_PATH);
 }
 
 bool write_all(int fd, struct text text, int *failure)
@@ -32,6 +36,7 @@ bool write_all(int fd, struct text text, int *failure)
     return *failure == 0;
 }
 
+/* Writes the gathered output. Returns false if standard output has failed. */
 bool streams_flush(struct streams *streams)
 {
     if (streams->output.failed) {
@@ -46,7 +51,7 @@ bool streams_flush(struct streams *streams)
     return !streams->broken;
 }
 
-/* Panes or a screenshot may follow at any time: they show the last lines of what was said. */
+/* Adds text to the log, which panes or a screenshot show later. */
 static void shown_text_keep(struct streams *streams, struct text text)
 {
     if (streams->log) {
@@ -54,6 +59,8 @@ static void shown_text_keep(struct streams *streams, struct text text)
     }
 }
 
+/* Sink function for results: to the files of --split, or gathered for standard output. Returns
+ * false once writing has failed. */
 static bool streams_put_output(void *context, struct text text)
 {
     struct streams *streams = context;
@@ -65,11 +72,12 @@ static bool streams_put_output(void *context, struct text text)
     return streams->output.len < limit ? !streams->broken : streams_flush(streams);
 }
 
+/* Sink function for messages, written after the results before them. While output is held back for
+ * the pager, messages join it. */
 static bool streams_put_error(void *context, struct text text)
 {
     struct streams *streams = context;
     shown_text_keep(streams, text);
-    /* messages appear in order among the results */
     if (streams->holding && isatty(STDERR_FILENO)) {
         buffer_put(&streams->output, text);
         return true;
@@ -104,6 +112,8 @@ static void pager_command(char **argv, struct buffer *words)
     argv[count] = NULL;
 }
 
+/* Starts the pager with input_fd as its standard input and default signal handling. Returns false
+ * if it cannot be started. */
 static bool pager_start(char *const *argv, int input_fd, pid_t *pid)
 {
     posix_spawn_file_actions_t actions;
@@ -111,7 +121,7 @@ static bool pager_start(char *const *argv, int input_fd, pid_t *pid)
     sigset_t none, ours;
     sigemptyset(&none);
     sigemptyset(&ours);
-    sigaddset(&ours, SIGPIPE); /* ignored here, which it would inherit */
+    sigaddset(&ours, SIGPIPE); /* ignored here; the pager would inherit that */
     sigaddset(&ours, SIGXFSZ);
     if (posix_spawn_file_actions_init(&actions) != 0)
         return false;
@@ -119,7 +129,8 @@ static bool pager_start(char *const *argv, int input_fd, pid_t *pid)
         posix_spawn_file_actions_destroy(&actions);
         return false;
     }
-    setenv("LESS", "FRX", 0); /* as git does: what fits is left at once, colours are shown */
+    /* as git does: short output is shown without waiting, colours are kept */
+    setenv("LESS", "FRX", 0);
     const short flags = POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
     const bool ok = posix_spawn_file_actions_adddup2(&actions, input_fd, STDIN_FILENO) == 0 &&
                     posix_spawnattr_setsigmask(&attributes, &none) == 0 &&
@@ -131,7 +142,7 @@ static bool pager_start(char *const *argv, int input_fd, pid_t *pid)
     return ok;
 }
 
-/* Returns false if it could not be started, or failed. */
+/* Shows text in the pager and waits for it. Returns false if it could not be started or failed. */
 static bool pager_run(struct text text)
 {
     char *argv[PAGER_WORDS + 1];
@@ -146,7 +157,7 @@ static bool pager_run(struct text text)
         started = pager_start(argv, ends[0], &pid);
         close(ends[0]);
         if (started)
-            write_all(ends[1], text, &ignored); /* it may be left before the end */
+            write_all(ends[1], text, &ignored); /* the user may leave it before the end */
         close(ends[1]);
         while (started && waitpid(pid, &status, 0) < 0 && errno == EINTR)
             if (signals_ending())
@@ -158,7 +169,8 @@ static bool pager_run(struct text text)
     return started && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-/* [row] of a terminal so wide; counted as far as the end of the screen. */
+/* Returns the number of rows that the text takes on a terminal of this width, counted only up to
+ * about `max`. */
 static int rows_of(struct text text, int width, int max)
 {
     struct text line;
@@ -170,6 +182,7 @@ static int rows_of(struct text text, int width, int max)
     return rows;
 }
 
+/* Ends the holding: shows output longer than the screen in the pager, or writes it. */
 void streams_page(struct streams *streams, int width, int height)
 {
     streams->holding = false;

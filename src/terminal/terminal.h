@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Private to the terminal layer: the only place that knows streams, signals, locales, readline and
- * curses. */
+/* Declarations of the terminal layer, the only one that uses standard streams, signals, locales,
+ * readline and curses. main() reads options, then runs batch_run() or a front end (prompt_run(),
+ * panes_run()). */
 #pragma once
 
 #include <hooke/base/file.h>
@@ -19,6 +20,7 @@ struct task { /* -f FILE, FILE, -c TEXT in the order given */
     const char *text;
 };
 
+/* Options of the program's command line. */
 struct options {
     struct task *task;
     int tasks;
@@ -35,17 +37,20 @@ struct options {
 /* Reads the options. Returns false after a message to standard error, for exit status 2. */
 bool options_read(struct options *options, int argc, char **argv);
 void options_free(struct options *options);
+/* Appends the text of --help. */
 void options_help(struct buffer *text);
 
 /* ---- standard streams ---- */
 
+/* Standard output and standard error. */
 struct streams {
     struct buffer output;
-    bool broken;         /* standard output cannot be written; remembered until exit */
-    int failure;         /* errno of that */
+    bool broken;         /* standard output could not be written; remembered until exit */
+    int failure;         /* errno of the failed write */
     struct log *log;     /* log that keeps messages for the screen as well, or NULL */
     struct split *split; /* takes the tables; NULL if they go to standard output */
-    bool holding;        /* output of a line waits until its length is known */
+    /* the output of a line is held back until it is known whether it needs the pager */
+    bool holding;
 };
 
 /* --split DIR: each table of results in CSV as a file, DIR/001-run.csv and so on (split.c). */
@@ -58,10 +63,14 @@ struct split {
     struct error error;
 };
 
+/* Opens the folder. Returns false with an error if it exists. */
 bool split_begin(struct split *split, const char *path, bool safe, struct error *error);
+/* Begins the file of the next table (callback of the reply). */
 void split_part(void *streams, const char *kind); /* another begins */
+/* Adds text to the current file. Returns false before the first table. */
 bool split_takes(struct split *split, struct text text);
-bool split_end(struct split *split, struct error *error); /* all files appear, or none */
+/* Writes the folder; all files appear or, with an error, none. */
+bool split_end(struct split *split, struct error *error);
 
 /* Reserves the numbers of standard streams before anything is opened: a closed stream keeps its
  * number, so that no file of the user receives messages. */
@@ -69,32 +78,36 @@ void streams_reserve(void);
 /* Results are gathered and written in large pieces, always before a message; messages are written
  * at once. */
 struct sink streams_sink(struct streams *streams);
+/* Writes the gathered output. Returns false if standard output has failed. */
 bool streams_flush(struct streams *streams);
 void streams_free(struct streams *streams);
-/* Ends the holding: what is longer than the screen goes through $PAGER (less where it is empty),
- * a program with arguments between blanks, without a shell; where that fails, and where it is
- * shorter, it is written. */
+/* Ends the holding: output that is longer than the screen is shown in $PAGER ("less" if empty), a
+ * program with arguments separated by blanks, started without a shell. Shorter output, or all if
+ * that fails, is written. */
 void streams_page(struct streams *streams, int width, int height);
 /* Writes all of the text, continuing after signals. On failure *failure is errno. */
 bool write_all(int fd, struct text text, int *failure);
 
 /* ---- --safe, kept by the kernel (confine/landlock.c) ---- */
 
-int confine_version(void); /* version of Landlock; 0 if this kernel has none */
+int confine_version(void); /* Returns the version of Landlock, or 0 if this kernel has none. */
 /* Allows this program to write only beneath these folders (NULL if there is none), and to run no
  * program. Open files stay open. Returns false if the kernel does not support that. */
 bool confine_writing(const char *const *folder, int folders, struct error *error);
-void confine_say(struct buffer *text); /* a line for --version */
+/* Appends the line of --version that tells whether the kernel enforces --safe. */
+void confine_say(struct buffer *text);
 
 /* ---- signals ---- */
 
 extern struct cancel interrupt; /* set by Ctrl-C */
 
+/* Installs the handlers that all front ends need. */
 void signals_install(void);
-int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0 if there is none */
-void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
+/* Returns the number of the signal that ends the program (SIGHUP, SIGTERM), or 0. */
+int signals_ending(void);
+void signals_hang_up(void); /* Acts as on SIGHUP, for a terminal that is gone without a signal. */
 
-/* Other events; each is noticed once. */
+/* Other events that signals report. */
 enum signalled {
     HAPPENED_RESIZE,
     HAPPENED_SUSPEND,
@@ -103,15 +116,16 @@ enum signalled {
     HAPPENED_COUNT
 };
 
-/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back: to
- * the system, an alarm to crash_signal(). */
+/* Installs handlers for the events in the set (bits 1 << enum signalled); the others get the
+ * system's action, an alarm that of crash_signal(). */
 void signals_watch(unsigned set);
-bool signals_happened(enum signalled what); /* and forgets it */
-/* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the
- * handler. Returns what it was. */
+/* Returns true if the event has happened, and forgets it. */
+bool signals_happened(enum signalled what);
+/* Tells whether a command is being executed, during which Ctrl-Z stops the program from inside the
+ * handler. Returns the previous value. */
 bool signals_busy(bool now);
-/* SIGALRM, which is to be watched, comes after that time; 0 if there is none. Not once the end has
- * begun. */
+/* Makes HAPPENED_ALARM happen after a time [ns]; 0 stops the alarm. No effect once the program is
+ * ending. */
 void signals_alarm(int64_t ns);
 /* Returns a descriptor that becomes readable with every signal, or -1 if no pipe could be made.
  * signals_drain() reads it empty. */
@@ -152,26 +166,26 @@ struct front_program {
     const struct options *options;
     struct streams *streams;
     struct reply *reply;
-    enum front_kind next; /* set by `plain` and `panes`: who takes over */
-    struct buffer offer;  /* the line that an empty Enter takes: it is shown */
-    struct buffer later;  /* rest that did not fit, offered after the first part was taken */
-    struct buffer passed; /* the last offer, as long as it is not taken: it is shown once */
-    bool taken;           /* the line that is executed is an offer */
-    bool withheld;        /* there may be an offer, which an empty Enter shows */
+    enum front_kind next; /* front end that takes over, set by the commands `plain` and `panes` */
+    struct buffer offer;  /* suggestion on the screen, which an empty Enter executes */
+    struct buffer later;  /* rest of the suggestion, offered after the first part was taken */
+    struct buffer passed; /* last suggestion, which is not shown a second time until it is taken */
+    bool taken;           /* the line being executed is the suggestion */
+    bool withheld;        /* a suggestion is held back, which an empty Enter shows */
 };
 
-/* Takes the locale of the environment: character widths come from it; numbers, messages and the
- * order of names never do. For programs that talk: others need no tables. */
+/* Loads the locale of the environment, for the widths of characters only; numbers, messages and
+ * sorting never depend on it. Only front ends that need character widths call this. */
 void front_load_locale(void);
-/* Finds the abilities of this output: charset from the locale, colour, size. `fd` receives
- * figures. */
-void front_probe(struct front *front, const struct options *options, int fd);
-/* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped.
+/* Finds charset, colour and size of the output `fd`, which receives figures. Options have priority.
  */
+void front_probe(struct front *front, const struct options *options, int fd);
+/* Executes the tasks, then standard input if `input` is set. Returns at their end, on `quit`, or at
+ * the first error without --keep-going. */
 void batch_run(struct session *session, const struct options *options, bool input,
                struct reply *reply, struct streams *streams);
-/* Both return when the person leaves, the program is to end, or program->next says who takes over.
- */
+/* Run a front end. Both return when the user leaves, the program must end, or program->next names
+ * the front end that takes over. */
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
 /* Shows, after a typed line, in one line the next command that a module suggests, which an empty
@@ -181,19 +195,19 @@ void panes_run(struct front_program *program);
 void offer_next(struct front_program *program, bool typed_ahead);
 /* Shows, after an empty line that has taken nothing, the suggestion that was held back. */
 void offer_again(struct front_program *program, bool typed_ahead);
-/* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
- * malloc()ed, and so is the result, in its place. */
+/* Returns the line to execute: the suggestion if nothing was typed. `typed` is malloc()ed and
+ * freed, or returned; the caller frees the result. */
 char *offer_take(struct front_program *program, char *typed);
-/* Sees to it that ncurses and readline know a usual terminal where the system does not describe
- * it: TERMINFO says it then (terminfo(5), "Fetching Compiled Descriptions"). */
+/* Sets TERMINFO (terminfo(5), "Fetching Compiled Descriptions") if the system does not describe a
+ * usual terminal, so that ncurses and readline know it. */
 void describe_terminal(void);
 /* Returns true if panes can be shown; otherwise sets *error. */
 bool panes_possible(struct error *error);
-/* F1 at the plain prompt: what the word at the cursor is; the line stays. */
+/* Explains the word at the cursor (F1 at the plain prompt); the line is unchanged. */
 void prompt_explain(void);
 /* Returns a sink that writes to the log, before and after the panes appear. */
 struct sink panes_sink(struct session *session);
-/* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
+/* Executes $XDG_CONFIG_HOME/hooke/rc.hk, if it belongs to the user and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
  * error. Returns false if it did. */
@@ -201,11 +215,15 @@ bool typed_run(struct session *session, struct text typed, struct reply *reply);
 /* Runs lines as a script of that name, or typed ones where it is NULL. Returns false if it
  * failed. */
 bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply);
+/* Writes the line that greets the user. */
 void front_greet(struct reply *reply);
 
 /* ---- progress of long computations (progress.c) ---- */
 
+/* Returns true if the progress should be shown now; fraction > 1 ends it, and *is_finished is set
+ * if it must be erased. */
 bool progress_due(double fraction, bool *is_finished);
+/* Appends the progress of a run, or of a study if run is NULL. */
 void progress_text(const struct session *session, const struct run *run, double fraction,
                    struct buffer *text);
 /* Writes the progress to standard error; meant for front.progress, with the session as context. */
@@ -213,10 +231,10 @@ void progress_print(void *context, const struct run *run, double fraction);
 
 /* ---- readline, common to both prompts (line.c) ---- */
 
-/* Settings and completion; once, before anything else of readline. */
+/* Sets readline up, before anything else of it is used; later calls only change the session. */
 void line_begin(struct session *session);
-/* Corrects the end of the line if readline's own lies behind it (a repeated yank in vi's command
- * mode), where its searches never end; keeps a count small. */
+/* Corrects readline's end of the line if it lies behind the text (after a repeated yank in vi's
+ * command mode), where its searches would never end; limits numeric prefixes. */
 void line_mend(void);
 void line_redisplay(void); /* rl_redisplay_function where readline draws */
 /* Empties the line. */
@@ -230,13 +248,16 @@ void line_over(void);
 
 /* ---- files of the user ---- */
 
-/* path in $XDG_STATE_HOME, else ~/.local/state */
+/* Returns the path of a file in $XDG_STATE_HOME/hooke, else in ~/.local/state/hooke, and creates
+ * the folder if `create` is set. Returns NULL if there is none; the caller frees it. */
 char *state_path(const char *name, bool create);
 
 #define HISTORY_LINES 5000
 
-void history_load(void); /* readline's history from the file, the last HISTORY_LINES lines */
+/* Loads the last HISTORY_LINES lines of the file into readline's history. */
+void history_load(void);
 /* Adds a line to readline's history and, under a lock, to the file. Returns false if the file
  * cannot keep it. */
 bool history_append(const char *line, struct error *error);
-void history_keep(const char *line, struct reply *reply); /* the same; a failure is said once */
+/* Adds a line to the history; warns at the first failure. */
+void history_keep(const char *line, struct reply *reply);

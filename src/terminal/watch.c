@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that the session calls in the panes: watching the terminal between two slices of a
- * run, and drawing into a file. */
+/* Callbacks of the session in the panes: the terminal is served between two slices of a run, and
+ * the screen is written into files. */
 #include "terminal/panes.h"
 #include <hooke/base/cancel.h>
 
@@ -13,13 +13,15 @@ static void echo_typed(struct panes *panes)
         panes_show(panes, true, INT_MAX);
 }
 
+/* Serves the terminal between two slices of a live run until `deadline` [clock_ns]: keys, lines,
+ * drawing. Returns false if the run must stop. */
 static bool slice(void *context, struct session *session, int64_t deadline)
 {
     struct panes *panes = context;
     (void)session;
     signals_busy(false);
     panes->running = true;
-    /* keys are heard and seen before a frame, which may take as long as a slice, and after it */
+    /* keys are handled before a frame, which may take as long as a slice, and after it */
     panes_read(panes, 0);
     do {
         panes_process(panes);
@@ -40,6 +42,7 @@ static void clear(void *context)
     log_clear(&panes_session(context)->log);
 }
 
+/* Appends the screen as text. */
 static bool shot_text(void *context, const struct session *session, struct buffer *text,
                       struct error *error)
 {
@@ -53,6 +56,7 @@ static bool shot_text(void *context, const struct session *session, struct buffe
     return ok;
 }
 
+/* Writes the screen to a file. */
 static bool shot_file(void *context, const struct session *session, const char *path,
                       struct write_policy policy, struct error *error)
 {
@@ -66,6 +70,8 @@ static bool shot_file(void *context, const struct session *session, const char *
     return ok;
 }
 
+/* Changes the front end: to the plain prompt, or draws everything again. Returns false with an
+ * error for the panes themselves. */
 static bool change(void *context, enum front_change change, struct error *error)
 {
     struct panes *panes = context;
@@ -102,7 +108,7 @@ static void show_progress(void *context, const struct run *run, double fraction)
     if (due) {
         progress_text(panes->program->session, run, fraction, &panes->notice);
     }
-    const bool busy = signals_busy(false); /* Ctrl-Z waits until it is drawn */
+    const bool busy = signals_busy(false); /* no stop while it is drawn */
     panes_show(panes, false, INT_MAX);
     signals_busy(busy);
 }
@@ -112,6 +118,7 @@ static void executed(void *context)
     panes_save(context, true);
 }
 
+/* Sets the callbacks of the panes that the session calls. */
 void watch_offer(struct panes *panes, struct front *front)
 {
     *front = (struct front){.interactive = true,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The two cursors: lines on the time plots, and the table of what they measure in place of the log.
- */
+/* Draws the two cursors: as lines on the time plots, and as the table of what they measure, which
+ * replaces the log while they are shown. */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
@@ -9,17 +9,20 @@
 
 #include <stdio.h>
 
+/* lines of the table */
 #define TABLE_ROWS 6
 /* Width [cell] from which the pane also names the curve that the cursors snap to. */
 #define CURSOR_DETAILS_WIDTH 54
 
-/* A piece of the frame without writing, where a letter can stand. */
+/* Returns true if a cell of the frame has no text, so that a letter can be written there. */
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
 {
     return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint ==
            (screen->charset->plain ? '-' : 0x2500);
 }
 
+/* Draws the cursors of the session on a time plot: dotted lines behind the curve and, if wanted,
+ * their letters on the upper frame. */
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
                   struct canvas *canvas, struct rectangle area, bool letters)
 {
@@ -32,7 +35,7 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
             !figure_cell(layout, cursors->cursor[i].t, layout->y.first_value, &column, &row))
             continue;
         int x = area.x + layout->left + column, y = area.y + layout->top;
-        for (row = 0; row < layout->rows; row++) { /* the curve stays in front */
+        for (row = 0; row < layout->rows; row++) { /* cells of a curve are not overwritten */
             const struct cell *cell =
                 &canvas->cell[(size_t)(y + row) * (size_t)canvas->width + (size_t)x];
             if (cell->codepoint == ' ' || cell->style == STYLE_DIM)
@@ -44,6 +47,7 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
     }
 }
 
+/* Appends the line of one cursor: its time, the value there, and the crossing or amplitude. */
 static void put_cursor(struct buffer *output, const struct cursors *cursors, int i)
 {
     buffer_format(output, "%s%c  ", i == cursors->active ? ">" : " ", "AB"[i]);
@@ -61,7 +65,7 @@ static void put_cursor(struct buffer *output, const struct cursors *cursors, int
                   unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->cursor[i].crossing > 0)
         buffer_format(output, "  up-crossing #%d", cursors->cursor[i].crossing);
-    /* the portrait sheet shows the amplitude here */
+    /* A cursor beside a crossing shows the amplitude there. */
     else if (isfinite(cursors->cursor[i].amplitude)) {
         const double factor = unit ? unit->factor : 1;
         buffer_format(output, "  amplitude %.2f %s", cursors->cursor[i].amplitude / factor,
@@ -69,6 +73,7 @@ static void put_cursor(struct buffer *output, const struct cursors *cursors, int
     }
 }
 
+/* Appends the time between the cursors and, if periods lie between them, period and frequency. */
 static void put_interval(struct buffer *output, const struct cursor_reading *reading)
 {
     buffer_format(output, " B-A = %.4f s", reading->dt);
@@ -82,6 +87,8 @@ static void put_interval(struct buffer *output, const struct cursor_reading *rea
     buffer_put(output, TEXT(" Hz"));
 }
 
+/* Appends the period that the scene predicts, the deviation from it, decrement and Q, as far as
+ * they are known. */
 static void put_theory(struct buffer *output, const struct cursor_reading *reading)
 {
     const char *name = reading->theory_name;
@@ -94,7 +101,7 @@ static void put_theory(struct buffer *output, const struct cursor_reading *readi
                       reading->quality);
 }
 
-/* Draws the table of the point on a portrait. */
+/* Draws the table of the point on a portrait: its state, and the keys that move it. */
 static void plane_table(const struct screen *screen, struct rectangle area)
 {
     struct buffer said = {0};
@@ -112,6 +119,7 @@ static void plane_table(const struct screen *screen, struct rectangle area)
     buffer_free(&said);
 }
 
+/* Draws the table of the two cursors, or of the point on a portrait, into the area of the log. */
 void cursors_table(const struct screen *screen, struct rectangle area)
 {
     const struct session *session = screen->session;

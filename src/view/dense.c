@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording alone that is too dense for marks is drawn as a line, which breaks where nothing was
+/* Draws a recording that is too dense for marks as a line, which is interrupted where nothing was
  * recorded. */
 #include "view/internal.h"
 
 #define DENSE_SAMPLES 2 /* Samples per column from which a curve is dense. */
 
-/* The samples of a curve, with a NAN wherever a column or more of the time has none. Returns NULL
- * if out of memory. */
+/* Returns a copy of a curve of points as a line, with a gap (NAN) wherever a column of the plot or
+ * more has no sample. Returns NULL if out of memory. */
 static const struct curve *joined(struct arena *arena, const struct curve *source, int columns)
 {
     const double *t = source->t ? source->t : source->x;
@@ -40,6 +40,8 @@ static const struct curve *joined(struct arena *arena, const struct curve *sourc
     return curve;
 }
 
+/* Turns a figure's only curve, if it has more than DENSE_SAMPLES points per column, into a line.
+ * Returns false if out of memory. */
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
 {
     if (figure->curves != 1 || !figure->curve[0].points ||

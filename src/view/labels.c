@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names in a legend: where the frame has no room for all of them the runs go by their numbers, as
- * in the list of runs, so that no mark stays unexplained. */
+/* Shortens a legend: if the frame has no room for the names of all runs, they are replaced by the
+ * runs' numbers, as in the list of runs, so that every mark is explained. */
 #include <hooke/run.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/plot.h>
@@ -8,10 +8,10 @@
 
 #include <stdio.h>
 
-#define FRAME_CELLS 8 /* Cells of a frame that neither title nor legend can use. */
-/* Cells of a legend's entry beside its label, for the mark and blanks. */
+#define FRAME_CELLS 8 /* [cell] part of a frame that neither title nor legend can use */
+/* [cell] width of a legend's entry beside its label, for the mark and blanks */
 #define LEGEND_MARK_CELLS 4
-#define POWER_CELLS 6 /* Cells of "1e-12 " in a title. */
+#define POWER_CELLS 6 /* [cell] width of "1e-12 " in a title */
 
 void labels_shorten(struct screen *screen, int width, int height,
                     const struct figure_request *request, struct figure *figure)

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table.
- */
+/* Layouts of the screen: how the height is divided among its parts, and which panes are placed
+ * where. A layout is a row of a table. */
 #include <hooke/plot.h>
 #include "view/internal.h"
 
-/* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+/* frame, axis with labels, and four rows of curve; the log is reduced to one row before plots
+ * become lower */
 #define PLOT_ROWS 8
-#define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
-#define CURVE_ROWS 3   /* smallest number of rows of curves in each of them */
+#define SHARED_ROWS 3  /* axis, labels and lower frame of panes that share them */
+#define CURVE_ROWS 3   /* smallest number of rows of curve in each of these panes */
 #define PHASE_MIN 24   /* [cell] */
 #define PHASE_LABELS 7 /* [cell] frame and labels of the phase plot beside its square */
 
@@ -32,10 +33,13 @@ struct division screen_division(const struct session *session, int height)
     return d;
 }
 
+/* Panes of a layout, in a left and a right column. */
 struct arrangement {
-    bool shared; /* the panes of the left column share one time axis */
+    bool shared; /* panes of the left column share one time axis */
+    /* panes have a number in their frame */
     bool numbered;
-    int first; /* share of the first pane of the left column, the others have 1 */
+    /* height of the left column's first pane, in units of the height of each other pane */
+    int first;
     int lefts, rights;
     enum plot_kind left[3], right[2];
 };
@@ -64,8 +68,8 @@ static const struct arrangement arrangements[] = {
     [LAYOUT_LOG] = {.first = 1},
 };
 
-/* The panes that make sense here. An orbit, where there is one, says more than the phase plot of
- * one coordinate. */
+/* Chooses those of the wanted panes that the session has something to show in. A phase plot becomes
+ * an orbit if there is one, unless the phase plot has the focus. Returns their number. */
 static int choose_panes(const struct session *session, const enum plot_kind *wanted, int count,
                         enum plot_kind *chosen)
 {
@@ -78,6 +82,7 @@ static int choose_panes(const struct session *session, const enum plot_kind *wan
     return n;
 }
 
+/* Returns true if a plot is among the panes. */
 static bool panes_include(const enum plot_kind *pane, int count, enum plot_kind wanted)
 {
     for (int i = 0; i < count; i++)
@@ -86,8 +91,8 @@ static bool panes_include(const enum plot_kind *pane, int count, enum plot_kind 
     return false;
 }
 
-/* One column from top to bottom. Returns how many places it has: panes for which there is no height
- * are left out. */
+/* Stacks panes in one column from top to bottom; those for which there is no height are left out.
+ * Returns the number placed. */
 static int stack_column(struct rectangle area, const struct arrangement *a,
                         const enum plot_kind *pane, int count, struct placed_pane *placed)
 {
@@ -102,10 +107,11 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
         rows = area.height - common - frames, y = area.y;
     for (int i = 0; i < count; i++) {
         bool last = i == count - 1;
-        /* The upper one of two full plots is a little higher: 15 and 12 of 27 rows. */
-        /* the rest needs its own */
+        /* rows that remain if each pane below gets its minimum */
         int max = rows - (y - area.y - (shared ? i : 0)) - CURVE_ROWS * (count - 1 - i);
         int fraction = smaller((rows * (i ? 1 : a->first) + fractions / 2) / fractions, max);
+        /* The upper one of two panes without a shared axis is a little higher: 15 and 12 of 27
+         * rows. */
         int height = shared ? fraction + 1 : (area.height * 5 + 4) / 9;
         if (last)
             height = area.y + area.height - y;
@@ -118,7 +124,8 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
     return count;
 }
 
-/* The phase plot is square: twice as many columns as rows. */
+/* Returns the width of the right column: a phase plot alone in it is about square, with twice as
+ * many columns as rows. */
 static int right_width(const struct arrangement *a, const enum plot_kind *right, int rights,
                        struct rectangle area)
 {
@@ -128,6 +135,8 @@ static int right_width(const struct arrangement *a, const enum plot_kind *right,
     return larger(smaller(square, max), PHASE_MIN);
 }
 
+/* Places the panes of the layout. Plots that the session cannot show are left out; the focused plot
+ * replaces the first one if the layout does not contain it. */
 int screen_panes(const struct session *session, struct rectangle area, int height,
                  struct placed_pane placed[PLACED_MAX])
 {
@@ -141,7 +150,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PLOT_POSITION;
-    if (session_charset(session)->words) { /* read line by line: one at a time */
+    if (session_charset(session)->words) { /* screen readers read line by line */
         const bool offered = plot_offered(session, view_focus(view));
         placed[0] = (struct placed_pane){.pane = offered ? view_focus(view)
                                                  : lefts ? left[0]
@@ -149,7 +158,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
                                          .area = area};
         return 1;
     }
-    /* The focused one stands in the first place if the layout does not have it. */
+    /* The focused plot is always shown. */
     if (plot_offered(session, view_focus(view)) && !panes_include(left, lefts, view_focus(view)) &&
         !panes_include(right, rights, view_focus(view)))
         *(lefts ? left : right) = view_focus(view);
@@ -164,7 +173,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
                                  {area.x + area.width - width, area.y, width, area.height}};
     int n = stack_column(sides[0], a, left, lefts, placed),
         all = n + stack_column(sides[1], a, right, rights, placed + n);
-    for (int i = 0; i < all && a->numbered; i++) /* row by row, as one reads */
+    for (int i = 0; i < all && a->numbered; i++) /* numbers go row by row */
         placed[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;
 }

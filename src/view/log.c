@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The log: the last lines that commands said, from the top as on paper; once the pane is full the
- * newest line is the lowest. What is longer than the pane is wide goes on in the next row. */
+/* Draws the log: the last lines of commands and replies. They begin at the top of the pane; once it
+ * is full the newest line is the lowest. Longer lines continue in the next row. */
 #define _GNU_SOURCE /* memmem */
 #include <hooke/base/safe_text.h>
 #include "view/internal.h"
 
 #include <string.h>
 
+/* Draws one line of text, cut with a mark if it is wider than `width`. */
 void line_draw(const struct screen *screen, int x, int y, int width, struct text text,
                enum style style)
 {
@@ -20,6 +21,7 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
         canvas_put(screen->canvas, end + word, y, screen->charset->plain ? '>' : 0x2026, STYLE_DIM);
 }
 
+/* Returns the style of a line: bold for commands, alert for errors. */
 static enum style style_of(struct text line)
 {
     if (text_starts(line, TEXT("hooke> ")))
@@ -29,16 +31,18 @@ static enum style style_of(struct text line)
                : STYLE_PLAIN;
 }
 
+/* Draws the part of the log that the view is scrolled to. */
 void log_draw(const struct screen *screen, struct rectangle area)
 {
     const struct log *log = &screen->session->log;
     const struct text newest = text_of(log_line(log, 0));
     if (area.height == 1 &&
-        screen->session->view.scroll <= 0) { /* the beginning of a line says more than its end */
+        /* a single row shows the beginning of the newest line */
+        screen->session->view.scroll <= 0) {
         line_draw(screen, area.x, area.y, area.width, newest, style_of(newest));
         return;
     }
-    /* Back from the newest line to that of the first row that is seen. */
+    /* Goes back from the newest line to the line of the first visible row. */
     const int wanted = area.height + larger(screen->session->view.scroll, 0);
     int rows = 0, oldest = 0;
     while (oldest < log->count && rows < wanted)

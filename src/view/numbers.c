@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new
- * number changes few cells. */
+/* Draws the numbers line: energy, its error, the number of the run, the keys. Fields have fixed
+ * columns, so that a new number changes few cells. */
 #include <hooke/run.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
@@ -9,15 +9,18 @@
 #include <stdio.h>
 
 #define LEAD_CELLS 2 /* Cells of the line before the first field. */
+/* [cell] width of the screen from which the long list of keys is shown */
 #define KEYS_LONG 110
 
+/* Returns the value of an observable at the present state of a run. */
 static double present(const struct run *run, const char *name)
 {
     const struct row *row = catalog_find(&observable_catalog, text_of(name));
     return run_observable(run, observable_from(row));
 }
 
-/* Appends "E=1.741 mJ" with four digits, in the unit of the start as long as that is near. */
+/* Appends "E=1.741 mJ" with four digits, in the unit that suits the initial energy while both are
+ * of similar size, so that the unit does not change all the time. */
 static void put_energy(struct buffer *output, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) +
@@ -31,7 +34,8 @@ static void put_energy(struct buffer *output, const struct run *run, double ener
                   unit ? " " : "", unit ? unit->row.name : "");
 }
 
-/* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
+/* Appends "dE/E0=-3.1e-6", the relative error of the energy or, where drag or a drive changes the
+ * energy, of its balance. */
 static void put_error(struct buffer *output, const struct run *run, double error)
 {
     int exponent = error != 0 ? (int)floor(log10(fabs(error))) : 0;
@@ -43,7 +47,8 @@ static void put_error(struct buffer *output, const struct run *run, double error
     buffer_format(output, "%s=%+.1fe%d", run->plan.ledger ? "E bal" : "dE/E0", mantissa, exponent);
 }
 
-/* Puts ` text ` into the line if it fits; returns the column after it. */
+/* Writes a field with a blank on both sides from column x on, at least `min` wide, if it fits.
+ * Returns the column of the next field, or x if it does not fit. */
 static int put_field(const struct screen *screen, int x, int y, struct text text, int min,
                      enum style style)
 {
@@ -56,6 +61,7 @@ static int put_field(const struct screen *screen, int x, int y, struct text text
     return x + width + 3;
 }
 
+/* Writes energy, error and run number as far as they fit. Returns the column after them. */
 static int put_numbers(const struct screen *screen, int x, int y)
 {
     const struct run *run = session_run(screen->session);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they
- * are while a curve grows. */
+/* Makes and draws the panes: the plots on the screen. Each is a figure of the session whose axes
+ * stay the same while a curve grows. panes_draw() is the entry. */
 #include <hooke/run.h>
 #include <hooke/base/unit.h>
 #include <hooke/plot.h>
@@ -8,12 +8,14 @@
 
 #include <stdio.h>
 
-#define CAPTION_WIDTH 40    /* [cell] from here on the phase plot has it in its title */
+/* [cell] width from which the phase plot shows its note in the upper frame */
+#define CAPTION_WIDTH 40
 #define LIVE_WINDOW_PARTS 4 /* A live view advances by one of this many parts of its window. */
-#define PAGES_COLLECTED 2   /* noise is drawn anew, cell by cell: less often */
+#define PAGES_COLLECTED 2   /* the same during collection, where every advance redraws noise */
 
-/* ---- what is asked of the session ---- */
+/* ---- requests for figures ---- */
 
+/* Returns the time [s] at which a run with fixed steps will end, or NAN if that is not known. */
 static double planned_end(const struct run *run)
 {
     const double span =
@@ -21,7 +23,8 @@ static double planned_end(const struct run *run)
     return span > 0 ? run->system.t0 + (run->t < run->system.t0 ? -span : span) : NAN;
 }
 
-/* The present run, then those laid over it; none beside what is being collected. */
+/* Lists the indices of the runs to draw: the current run, then its overlays with the same model.
+ * Returns their number, 0 while a recording is collected. */
 static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);
@@ -33,14 +36,15 @@ static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLA
         for (int r = 0; r < session->runs.count; r++) {
             const struct run *run = session->runs.slot[r]->run;
             if (run->number == session->view.overlay[i] && run != present &&
-                run->system.model == present->system.model) /* another has other variables */
+                run->system.model == present->system.model) /* other models have other variables */
                 placed[count++] = r;
         }
     }
     return count;
 }
 
-/* Returns the range fixed by `range`, or NULL if there is none. */
+/* Returns the user's range as a request for an axis, or NULL if it is automatic (or out of memory).
+ */
 static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
 {
     struct figure_range *fixed =
@@ -50,7 +54,8 @@ static const struct figure_range *fixed_range(struct screen *screen, const doubl
     return fixed;
 }
 
-/* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
+/* Returns the request for the figure of a pane. `width` [cell] decides how much time is shown and
+ * is the same for all panes of a screen; `alone` is true if there is one pane. */
 static struct figure_request make_request(struct screen *screen, enum plot_kind pane, int width,
                                           bool alone, int runs[1 + LIMIT_OVERLAY])
 {
@@ -117,6 +122,7 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
 
 /* ---- one pane ---- */
 
+/* Returns the title of a pane with its number, or NULL if out of memory. */
 static const char *numbered_title(struct screen *screen, const struct placed_pane *placed)
 {
     char text[64];
@@ -131,7 +137,7 @@ static const char *numbered_title(struct screen *screen, const struct placed_pan
 
 int pane_drawn_height(const struct placed_pane *placed)
 {
-    /* axis, labels and lower frame will not be seen */
+    /* these rows are covered by the pane below */
     return placed->area.height + (placed->open ? 3 : 0);
 }
 
@@ -143,7 +149,7 @@ struct shared_time {
     bool alone; /* there is one pane */
 };
 
-/* One window, whatever the panes show of it. */
+/* Chooses the window of time that all time plots of the screen share, for the first of them. */
 static struct shared_time share_time(struct screen *screen, const struct placed_pane *placed,
                                      int placed_count)
 {
@@ -161,6 +167,8 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
     return time;
 }
 
+/* Makes the figure of one pane: the session's, or empty axes with the reason if there is none.
+ * Adapts titles, labels and legend to the pane. Returns false if out of memory. */
 static bool make_figure(struct screen *screen, const struct placed_pane *placed,
                         const struct shared_time *time, struct figure *figure)
 {
@@ -184,7 +192,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
     }
     if (time->known && plot_is_timed(placed->pane))
         figure->x = time->window.axis;
-    if (row->pane_label) /* an energy is called by the figure's title: it may be the kinetic one */
+    if (row->pane_label) /* an energy has the figure's title, which may be "kinetic" */
         figure->y.label = row->energy ? figure->title : row->pane_label;
     figure->title = numbered_title(screen, placed);
     figure->has_point = figure->has_point && plot_is_plane(placed->pane);
@@ -192,7 +200,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         figure->caption = figure->note;
         figure->note = NULL;
     }
-    /* The curves are those of the first pane, unless that has none of a run. */
+    /* Lower panes have no legend, because their curves are those of the first. */
     if (screen->charset->words)
         return figure->title != NULL;
     if (plot_is_plane(placed->pane) || (placed->joined && !plot_row(placed[-1].pane)->residual)) {
@@ -210,7 +218,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
     return figure->title != NULL;
 }
 
-/* A parameter was changed here while the run went on. */
+/* Draws a mark on the time axis wherever a parameter was changed during the run. */
 static void draw_marks(const struct screen *screen, const struct figure_layout *layout,
                        struct canvas *canvas, struct rectangle area)
 {
@@ -223,7 +231,7 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
                        mark, STYLE_BOLD);
 }
 
-/* Corners become branches where a pane continues the frame above. */
+/* Turns the upper corners of a pane that continues the frame above into branches. */
 static void draw_branches(const struct screen *screen, struct rectangle area)
 {
     if (screen->charset->plain)
@@ -232,6 +240,7 @@ static void draw_branches(const struct screen *screen, struct rectangle area)
     canvas_put(screen->canvas, area.x + area.width - 1, area.y, 0x2524, STYLE_DIM);
 }
 
+/* Copies a pane's visible rows from its own canvas to the screen. */
 static void copy_rows(const struct canvas *source, struct canvas *target, struct rectangle area)
 {
     for (int y = 0; y < area.height; y++)
@@ -240,7 +249,8 @@ static void copy_rows(const struct canvas *source, struct canvas *target, struct
                 source->cell[(size_t)y * (size_t)source->width + (size_t)x];
 }
 
-/* While a run goes on only where it stands is said: in the state line. */
+/* Draws a pane in words, for screen readers: only its title while a run is in progress, because it
+ * would change all the time. */
 static void words_pane(struct screen *screen, const struct placed_pane *placed,
                        const struct figure *figure)
 {
@@ -252,6 +262,8 @@ static void words_pane(struct screen *screen, const struct placed_pane *placed,
         figure_draw(figure, screen->canvas, area.x, area.y, width, area.height, screen->charset);
 }
 
+/* Draws the figure of a pane on a canvas of its own, with cursors and marks, and copies its visible
+ * rows to the screen. Returns false if out of memory. */
 static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
                       const struct figure *figure)
 {
@@ -282,7 +294,7 @@ static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
     return true;
 }
 
-/* Returns the width that the labels of all panels of a figure need. */
+/* Returns the width [cell] of the widest y label of a pane's panels. */
 static int widest_gutter(const struct screen *screen, const struct placed_pane *placed,
                          const struct figure *figure)
 {
@@ -298,7 +310,8 @@ static int widest_gutter(const struct screen *screen, const struct placed_pane *
     return gutter;
 }
 
-/* All time plots over each other get labels of the same width, so that their axes are aligned. */
+/* Makes the figures of all panes. Time plots in one column get labels of the same width, so that
+ * their axes are aligned. Returns false if out of memory. */
 bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure)
 {
@@ -329,6 +342,8 @@ bool panes_draw(struct screen *screen, const struct placed_pane *placed, int pla
     return true;
 }
 
+/* Computes the size of a cell in units of a pane's axes; cell[0] is horizontal. Returns false if
+ * the pane is not shown. */
 bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, int placed_count,
                       enum plot_kind pane, double cell[2])
 {
@@ -346,6 +361,8 @@ bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, i
     return true;
 }
 
+/* Finds the time axis of the focused time plot, or of the first one. Returns its columns, or 0 if
+ * there is no time plot. */
 int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,
                     double span[2])
 {

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The line being edited. What is longer than the screen scrolls sideways, by half a screen at a
- * time. */
+/* Draws the line being edited, in the last row. A longer line scrolls sideways, by half a screen at
+ * a time. */
 #include <hooke/base/safe_text.h>
 #include "view/internal.h"
 
 #include <stdio.h>
 
+/* [byte] longest form of a character that is shown as text, with its NUL */
 #define ESCAPE_SIZE 8
 
-/* Takes the next thing off the text as it is shown: a code point, `^J` for a control character,
- * `\xNN` for a byte that is no UTF-8. */
+/* Takes the next character off the text and returns how it is shown: itself, `^J` for a control
+ * character, `\xNN` for a byte that is no UTF-8 (written to output). */
 static struct text next_piece(struct text *text, char output[ESCAPE_SIZE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */
@@ -30,7 +31,7 @@ static struct text next_piece(struct text *text, char output[ESCAPE_SIZE])
     return piece;
 }
 
-/* [cell] of the first `bytes` of the text. */
+/* Returns the width [cell] of the first `bytes` of the text. */
 static int shown_width(struct text text, size_t bytes)
 {
     size_t remaining = bytes < text.len ? text.len - bytes : 0;
@@ -41,7 +42,7 @@ static int shown_width(struct text text, size_t bytes)
     return width;
 }
 
-/* Columns from..to of the text, from column x of the screen on. */
+/* Draws the columns column_begin..column_end of the text, from column x of the screen on. */
 static void draw_part(const struct screen *screen, struct text text, int column_begin,
                       int column_end, int x, int y, enum style style)
 {
@@ -61,6 +62,8 @@ static void draw_part(const struct screen *screen, struct text text, int column_
     }
 }
 
+/* Draws the prompt and the part of the line around the cursor, with < and > where it is cut. Sets
+ * *cursor_x to the cursor's column. */
 void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y,
                  int *cursor_x)
 {
@@ -68,7 +71,7 @@ void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, 
     int total = shown_width(prompt->line, prompt->line.len),
         cursor = shown_width(prompt->line, prompt->cursor);
 
-    if (lead > width / 2 && lead + total >= width) /* the line matters more */
+    if (lead > width / 2 && lead + total >= width) /* no room for both */
         lead = 0;
     else
         draw_part(screen, prompt->prompt, 0, lead, 0, y, STYLE_BOLD);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a
- * screen. */
+/* Ranges of the panes' axes that stay the same while a curve grows: ends are rounded to quarter
+ * steps of the labels and include the values that are expected. */
 #include <hooke/run.h>
 #include <hooke/data.h>
 #include <hooke/base/numeric.h>
@@ -8,8 +8,9 @@
 #include <hooke/plot.h>
 #include "view/internal.h"
 
-#define RANGE_TOLERANCE 0.01 /* A range is not widened for less than this part of it. */
-/* A time axis is extended to the next label if that is within this part of it. */
+/* A range is not widened for values that exceed it by less than this fraction. */
+#define RANGE_TOLERANCE 0.01
+/* A time axis is extended to the next label if that is within this fraction of its length. */
 #define LABEL_REACH 0.06
 
 bool run_in_progress(const struct session *session)
@@ -27,6 +28,7 @@ bool view_has_time_range(const struct view *view)
     return is_range(view->x) && plot_is_timed(view_focus(view));
 }
 
+/* Extends an extent to include a finite value. */
 static void extend(struct extent *extent, double value)
 {
     if (isfinite(value)) {
@@ -35,11 +37,10 @@ static void extend(struct extent *extent, double value)
     }
 }
 
-/*
- * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About
- * zero an oscillation gets as much room below as above. What varies by rounding only is left as it
- * is.
- */
+/* Fixes the range of an axis to the extent, rounded outwards to quarter steps of its labels, so
+ * that it changes rarely and not in every frame. An oscillation about zero gets the same room on
+ * both sides. An extent of rounding errors only is left automatic. `rows` is the height of the
+ * pane. */
 static void axis_settle(struct axis *axis, struct extent extent, int rows)
 {
     if (extent.low < 0 && extent.high > 0 &&
@@ -73,7 +74,8 @@ void ranges_reach_label(struct axis *axis, int columns)
         axis->last_value = next;
 }
 
-/* So do those of what is being collected, where it is known by now. */
+/* Extends an extent to the amplitude of the recording that is being collected, as far as it is
+ * known. */
 static void extend_collected(const struct session *session, const struct figure *figure,
                              enum plot_kind pane, bool vertical, struct extent *extent)
 {
@@ -90,8 +92,8 @@ static void extend_collected(const struct session *session, const struct figure 
     extend(extent, middle + size);
 }
 
-/* While a run goes on the range holds the amplitude the scene is expected to have, from the first
- * frame on. */
+/* Extends an extent, while a run is in progress, to the amplitude that the scene is expected to
+ * have, so that the first frame already shows the final range. */
 static void extend_expected(const struct session *session, const struct figure *figure,
                             enum plot_kind pane, bool vertical, struct extent *extent)
 {
@@ -111,7 +113,7 @@ static void extend_expected(const struct session *session, const struct figure *
         return;
     }
     if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
-        return; /* it falls: an event may catch it */
+        return; /* no restoring force: the position has no expected range */
     bool speed = row->vertical == VERTICAL_RATE &&
                  (row->horizontal == ACROSS_TIME || (vertical && !figure->equal));
     double size = system->scale[speed ? system->n / 2 : 0];
@@ -119,7 +121,7 @@ static void extend_expected(const struct session *session, const struct figure *
     extend(extent, system->order == 2 ? -size : 0);
 }
 
-/* Extends the axis to whole decades. */
+/* Fixes a logarithmic axis to whole decades around the extent. */
 static void settle_decades(struct axis *axis, struct extent extent)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
@@ -133,7 +135,8 @@ static void settle_decades(struct axis *axis, struct extent extent)
         pow(10, fmax(ceil(high - RANGE_TOLERANCE), floor(low + RANGE_TOLERANCE) + 1)) * factor;
 }
 
-/* The axes of one panel; the run that goes on is the first curve. */
+/* Chooses the axes of one panel of a figure; expected values count for the panel of the first
+ * curve, which is the run in progress. */
 static void settle_panel(const struct screen *screen, const struct placed_pane *placed,
                          const struct figure *figure, int panel, struct axis *x, struct axis *y)
 {

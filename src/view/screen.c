@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The screen: state line, panes, log, numbers, prompt from top to bottom. */
+/* Draws the screen from top to bottom: state line, panes, log (or table of the cursors), numbers,
+ * prompt; and answers questions about its layout. */
 #include "view/internal.h"
 
+/* Draws everything but the prompt. Sets *ok to false if out of memory. */
 static void draw_parts(struct screen *screen, const struct prompt_line *prompt, bool *ok)
 {
     const struct session *session = screen->session;
@@ -28,6 +30,8 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
         numbers_draw(screen, prompt->hint, y);
 }
 
+/* Draws the whole screen into the canvas, blank above the prompt if out of memory, and returns
+ * false then. Sets the position of the cursor; the pointers may be NULL. */
 bool screen_draw(const struct session *session, const struct prompt_line *prompt,
                  struct canvas *canvas, int *cursor_x, int *cursor_y)
 {
@@ -51,6 +55,7 @@ bool screen_draw(const struct session *session, const struct prompt_line *prompt
     return ok;
 }
 
+/* Draws only the last row, with the prompt. */
 void screen_draw_prompt(const struct session *session, const struct prompt_line *prompt,
                         struct canvas *canvas, int *cursor_x, int *cursor_y)
 {
@@ -64,12 +69,14 @@ void screen_draw_prompt(const struct session *session, const struct prompt_line 
     arena_reset(&screen.arena);
 }
 
+/* Returns the number of rows of the log on a screen of this size. */
 int screen_log_rows(const struct session *session, int width, int height)
 {
     (void)width;
     return screen_division(session, height).log;
 }
 
+/* Returns by how many rows the log can be scrolled back. */
 int screen_log_max(const struct session *session, int width, int height)
 {
     const int rows = log_rows_newest(&session->log, session->log.count, width);
@@ -77,6 +84,7 @@ int screen_log_max(const struct session *session, int width, int height)
     return larger(rows - screen_log_rows(session, width, height), session->view.cursors.shown);
 }
 
+/* Places the panes as screen_draw() does. Returns their number. */
 static int place_panes(const struct session *session, int width, int height,
                        struct placed_pane placed[PLACED_MAX])
 {
@@ -85,6 +93,8 @@ static int place_panes(const struct session *session, int width, int height,
     return division.plots ? screen_panes(session, area, height, placed) : 0;
 }
 
+/* Computes the size of a cell in units of the axes of the focused pane. Returns false if it is not
+ * shown. */
 bool screen_plane_cell(const struct session *session, int width, int height, double cell[2])
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};
@@ -96,6 +106,7 @@ bool screen_plane_cell(const struct session *session, int width, int height, dou
     return fine;
 }
 
+/* Finds the time axis of the screen. Returns its columns, or 0 if there is none. */
 static int time_axis(const struct session *session, int width, int height, double span[2])
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The screen as text: the same cells that ncurses shows. */
+/* Writes the screen as text, with the same cells that ncurses shows. Without a screen it has the
+ * size that was asked for and an empty prompt. */
 #include <hooke/base/file.h>
 #include <hooke/view.h>
 
+/* Appends the screen as lines of text. Returns false with an error if out of memory. */
 bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
                      int height, struct buffer *text, struct error *error)
 {
@@ -18,6 +20,7 @@ bool screenshot_text(const struct session *session, const struct prompt_line *pr
     return (ok && !text->failed) || error_memory(error);
 }
 
+/* Writes the screen as a text file. Returns false with an error. */
 bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width,
                      int height, const char *path, struct write_policy policy, struct error *error)
 {
@@ -28,11 +31,11 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
     return ok;
 }
 
-/* ---- without a screen: as large as asked for, the prompt empty
- * -------------------------------------------- */
+/* ---- callbacks for a front end without a screen ---- */
 
 static const struct prompt_line empty_prompt = {.prompt = {"hooke> ", 7}};
 
+/* Sets the size of the front end, or 80x24 if it has none. */
 static void choose_size(const struct session *session, int *width, int *height)
 {
     *width = session->front.width ? session->front.width : 80;
@@ -65,6 +68,7 @@ static bool time_shown(void *context, const struct session *session, double span
     return screen_time_shown(session, width, height, span);
 }
 
+/* Sets the callbacks of a front end that draw a screen without a terminal. */
 void screenshot_offer(struct front *front)
 {
     front->time_shown = time_shown;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The state line: what is simulated, how, and how far it is. The longest form that fits. */
+/* Draws the state line: the scene, its parameters, the method, and the progress of the run, in the
+ * longest form that fits. */
 #define _GNU_SOURCE /* memmem */
 #include "view/internal.h"
 
@@ -12,7 +13,7 @@
 
 #include <string.h>
 
-/* Parts of each form of the line, from the longest to the shortest. */
+/* Parts of one form of the line. The forms are ordered from the longest to the shortest. */
 struct line_form {
     bool scene, start, parameters, method, step, steps, state;
     bool blanks; /* blanks between numbers and units, bars between the parts */
@@ -30,6 +31,8 @@ static const struct line_form forms[] = {
     {false, false, false, false, false, false, false, false},
 };
 
+/* Appends a quantity with three digits, without the blank before its unit unless `blanks` is set.
+ */
 static void put_quantity(struct buffer *output, double value, enum quantity quantity, bool blanks)
 {
     struct buffer text = {0};
@@ -40,17 +43,19 @@ static void put_quantity(struct buffer *output, double value, enum quantity quan
     buffer_free(&text);
 }
 
+/* Appends "NAME=VALUE"; rates have no unit, because 1/s is understood. */
 static void put_parameter(struct buffer *output, const struct scene *scene, int i, const char *gap)
 {
     const struct param_row *param = param_at(scene, i);
     buffer_format(output, "%s%s=", gap, param->row.name);
-    if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
+    if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* the unit 1/s is left out */
         buffer_short(output, scene->value[i], 3);
     else
         buffer_quantity(output, scene->value[i], param->quantity, 3);
 }
 
-/* Those that matter, `max` in all; where it starts only on request. */
+/* Appends at most `max` parameters that have an effect in the scene and, if `start` is set, its
+ * initial values. */
 static void put_parameters(struct buffer *output, const struct scene *scene, int max, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
@@ -69,7 +74,7 @@ static void put_parameters(struct buffer *output, const struct scene *scene, int
     }
 }
 
-/* 2 decimals, more where the step is finer. */
+/* Returns the number of decimals of times: 2, or up to 4 if the step dt has more. */
 static int time_decimals(double dt)
 {
     int decimals = 2;
@@ -79,6 +84,8 @@ static int time_decimals(double dt)
     return decimals;
 }
 
+/* Appends the state of the run (RUNNING with its speed, PAUSED, DIVERGED), its time and steps, or
+ * the state of a module that is active, such as a collection. */
 static void put_progress(struct buffer *output, const struct session *session,
                          const struct line_form *form)
 {
@@ -114,11 +121,13 @@ static void put_progress(struct buffer *output, const struct session *session,
         buffer_format(output, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
 }
 
+/* A method and the settings that it uses. */
 struct solving {
     const struct method *method;
     struct run_settings settings;
 };
 
+/* Appends the step or the tolerance, such as " dt=10 ms". */
 static void put_step(struct buffer *output, const struct solving *solving,
                      const struct line_form *form)
 {
@@ -130,7 +139,7 @@ static void put_step(struct buffer *output, const struct solving *solving,
         put_quantity(output, solving->settings.dt, QUANTITY_TIME, form->blanks);
 }
 
-/* Appends the method of the curve, and that of the next run if it differs. */
+/* Appends the method of the current run and, if it differs, that of the next run. */
 static void put_method(struct buffer *output, const struct session *session,
                        const struct line_form *form)
 {
@@ -149,6 +158,7 @@ static void put_method(struct buffer *output, const struct session *session,
         put_step(output, &next, form);
 }
 
+/* Appends the line in one form, with at most `parameters` parameters. */
 static void put_form(struct buffer *output, const struct session *session,
                      const struct line_form *form, int parameters)
 {
@@ -171,7 +181,7 @@ static void put_form(struct buffer *output, const struct session *session,
     buffer_free(&progress);
 }
 
-/* The word that tells the state stands out, but is there without colours too. */
+/* Draws a word of the line again in its own style; the word is readable without colours, too. */
 static void mark_word(const struct screen *screen, int y, struct text line, const char *word,
                       enum style style)
 {
@@ -180,7 +190,7 @@ static void mark_word(const struct screen *screen, int y, struct text line, cons
         canvas_text(screen->canvas, (int)(cursor - line.data), y, text_of(word), style);
 }
 
-/* Two blanks become one. */
+/* Replaces runs of blanks by single blanks. */
 static void tighten(struct buffer *text)
 {
     size_t n = 0;
@@ -190,6 +200,8 @@ static void tighten(struct buffer *text)
     text->len = n;
 }
 
+/* Draws the longest form that fits into the width: parameters are dropped one by one before the
+ * form becomes shorter. */
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};
@@ -203,8 +215,7 @@ void state_line_draw(const struct screen *screen, int y)
             tighten(&text);
         if (text_width(buffer_text(&text)) <= width)
             break;
-        if (forms[i].parameters && !forms[i].steps &&
-            parameters > 2) /* the last ones go before all do */
+        if (forms[i].parameters && !forms[i].steps && parameters > 2) /* drops the last parameter */
             parameters =
                 smaller(parameters, (int)scene_params(&screen->session->setup.scene)->count) - 1;
         else

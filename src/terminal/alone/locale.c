@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two locales without a file, in place of the C library's: C, and UTF-8 where the environment asks
- * for any locale of that charset. The library's own are files that another system does not have, or
- * has in another version's format. What readline and ncurses ask of a locale is here. Of the
- * static program only; as POSIX.1-2017 says of each function. */
-#undef _FORTIFY_SOURCE /* its inline forms would stand for the functions defined here */
+/* Two locales without files for the static program, in place of the C library's: C, and UTF-8 where
+ * the environment names any locale of that charset. The library's own locales are files that
+ * another system lacks or has in another format. These are the functions that readline and ncurses
+ * call; each behaves as POSIX.1-2017 describes it. */
+#undef _FORTIFY_SOURCE /* its inline forms would replace the functions defined here */
 #define _GNU_SOURCE    /* strcasestr, wcwidth */
 #include <hooke/base/safe_text.h>
 
@@ -22,6 +22,7 @@
 
 static bool utf8;
 
+/* Returns the locale that the environment names, or "C". */
 static const char *wished(void)
 {
     static const char *const variable[] = {"LC_ALL", "LC_CTYPE", "LANG"};
@@ -33,7 +34,8 @@ static const char *wished(void)
     return "C";
 }
 
-/* Linked in place of setlocale, which stands in one object with what newlocale needs. */
+/* Linked in place of setlocale (option --wrap), whose object file also contains what newlocale
+ * needs. */
 char *__wrap_setlocale(int category, const char *name);
 char *__wrap_setlocale(int category, const char *name)
 {
@@ -60,7 +62,8 @@ size_t __ctype_get_mb_cur_max(void)
     return utf8 ? 4 : 1;
 }
 
-/* Returns the length in bytes of a sequence that begins so, or 0 if none does. */
+/* Returns the length in bytes of the UTF-8 sequence that begins with this byte, or 0 if none does.
+ */
 static int sequence_length(unsigned char first)
 {
     if (first < 0x80)
@@ -72,10 +75,12 @@ static int sequence_length(unsigned char first)
     return first < 0xF0 ? 3 : 4;
 }
 
-/* A state has the bytes that are still to come, the length of all, and the bits so far. */
+/* The state holds the number of bytes that are missing (low 3 bits of __count), the length of the
+ * sequence, and the bits read so far. */
 size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
                mbstate_t *restrict state)
 {
+    /* Smaller code points need a shorter sequence, so that longer ones are invalid. */
     static const unsigned smallest[] = {0, 0, 0x80, 0x800, 0x10000};
     static mbstate_t own;
     state = state ? state : &own;
@@ -219,8 +224,8 @@ int iswprint(wint_t wide)
     return wide != 0 && wcwidth((wchar_t)wide) >= 0;
 }
 
-/* Returns true for ASCII letters and digits, and for all characters beyond ASCII but signs and
- * blanks: enough to move by words. */
+/* Returns true for ASCII letters and digits and for all characters beyond ASCII except signs and
+ * blanks, which is enough for moving by words. */
 int iswalnum(wint_t wide)
 {
     const unsigned c = wide | 0x20;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The functions of readline before which ours stand (line.c), by name: the archive that the
- * static program is linked with has them once more, as own_NAME (see `make static`). */
+/* The functions of readline that line.c replaces, by name, for the static program: the archive that
+ * it is linked with contains them a second time as own_NAME (see `make static`). */
 #include <dlfcn.h>
 #include <string.h>
 

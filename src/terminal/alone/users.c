@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lists users for readline's ~NAME from /etc/passwd alone. The C library's own function would
- * load its services from the system that it was linked on. Used in the static program only. */
+/* Lists users for readline's ~NAME from /etc/passwd alone, in the static program: the C library's
+ * own functions would load libraries of the system that it was linked on. */
 #include <pwd.h>
 #include <stdio.h>
 #include <string.h>

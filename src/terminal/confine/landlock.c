@@ -15,7 +15,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* The same for all processors, alpha apart. */
+/* Numbers of the system calls, the same for all processors except alpha. */
 #ifdef SYS_landlock_create_ruleset
 enum {
     CREATE = SYS_landlock_create_ruleset,
@@ -37,30 +37,35 @@ enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
 #define MAKE_OTHERS (UINT64_C(0x1e40)) /* devices, sockets, pipes, links */
 /* Right to move files to other folders, from version 2 on. */
 #define ACCESS_REFER (UINT64_C(1) << 13)
-#define ACCESS_TRUNCATE (UINT64_C(1) << 14) /* Exists from version 3 on. */
+#define ACCESS_TRUNCATE (UINT64_C(1) << 14) /* Right to truncate files, from version 3 on. */
 /* Rights to bind and to connect by TCP, from version 4 on. */
 #define ACCESS_NETWORK (UINT64_C(3))
 
+/* Argument of the kernel: rights that are denied unless a rule allows them. */
 struct ruleset {
     uint64_t files, network;
 };
 
+/* Rule of the kernel: rights that are allowed beneath a folder (a descriptor). */
 struct beneath {
     uint64_t allowed;
     int32_t folder;
 } __attribute__((packed));
 
+/* Returns the version of Landlock that the kernel has, or 0 for none. */
 int confine_version(void)
 {
     const long version = syscall(CREATE, NULL, (size_t)0, ASK_VERSION);
     return version > 0 ? (int)version : 0;
 }
 
+/* Adds a rule that allows these rights beneath a path. A path that does not exist needs none.
+ * Returns false with errno set if the kernel refuses it. */
 static bool allow(int rules, const char *path, uint64_t allowed)
 {
     struct beneath beneath = {.allowed = allowed};
     beneath.folder = open(path, O_PATH | O_CLOEXEC);
-    if (beneath.folder < 0) /* nothing is there: nothing is written there */
+    if (beneath.folder < 0) /* nothing can be written to a path that does not exist */
         return errno == ENOENT || errno == ENOTDIR || errno == EACCES;
     const bool ok = syscall(ADD, rules, RULE_PATH_BENEATH, &beneath, 0) == 0;
     const int number = errno;
@@ -69,6 +74,7 @@ static bool allow(int rules, const char *path, uint64_t allowed)
     return ok;
 }
 
+/* Allows writing beneath the folders (NULL is skipped) and to /dev/null and the terminal. */
 static bool allow_all(int rules, uint64_t writing, const char *const *folder, int folders)
 {
     static const char *const devices[] = {"/dev/null", "/dev/tty"};
@@ -101,6 +107,7 @@ bool confine_writing(const char *const *folder, int folders, struct error *error
     return ok;
 }
 
+/* Appends the line of --version that tells whether the kernel enforces --safe. */
 void confine_say(struct buffer *text)
 {
     const int version = confine_version();
