@@ -155,7 +155,7 @@ print nu/2                | 'let nu = VALUE'       | let nu = 2; print nu/2     
 run nu                    | 'let nu = VALUE'       | let nu = 2; run nu            | t = 2 s
 run until y < nu          | 'let nu = VALUE'       | let nu = 0; run until y < nu  | t =
 event low when y < nu do record | 'param nu = VALUE' | param nu = 0; event low when y - nu < 0 do record | event low
-method rk4; sweep k=10:20:5 measure=nu | measures are amplitude | method rk4; sweep k=10:20:5 measure=amplitude | 15
+method rk4; sweep k=10:20:5 measure=nu | possible are amplitude | method rk4; sweep k=10:20:5 measure=amplitude | 15
 method rk4; sweep k=10:20:nu | 'let nu = VALUE'    | let nu = 5; method rk4; sweep k=10:20:nu measure=period | 15
 run 5 s; measure nu       | it is one of: period   | run 5 s; measure period       | T =
 GUESSES

@@ -21,7 +21,7 @@ static bool check_above_0(const struct sweep_axis *axis, struct text name, struc
     const bool setting = axis->target == SWEEP_DT || axis->target == SWEEP_TOL;
     if (!setting || (axis->begin > 0 && axis->end > 0))
         return true;
-    error_at(error, name, "%s must be > 0, from one end to the other", axis->name);
+    error_at(error, name, "all values of %s must be > 0", axis->name);
     return error_hint(error, axis->target == SWEEP_DT ? "for example dt=1ms:100ms:x2"
                                                       : "for example tol=1e-9:1e-3:x10");
 }
@@ -33,7 +33,7 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
         return unknown_parameter(parser->session, name, TEXT(""), error);
     const struct method *method = parser->session->setup.method;
     if (axis->target == SWEEP_TOL && !(method->flags & METHOD_ADAPTIVE)) {
-        error_at(error, name, "%s has fixed steps: tol says nothing to it", method->row.name);
+        error_at(error, name, "%s has fixed steps and does not use tol", method->row.name);
         return error_hint(error, "'sweep dt=1ms:100ms:x2' varies them; 'method dopri5' adapts");
     }
     struct value_grid grid = {.quantity = axis->quantity};
@@ -65,7 +65,7 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
     if (!text_split(&rest, '/', &part) || real_parse(part, &number) != REAL_OK ||
         real_parse(rest, &total) != REAL_OK || !(number >= 1 && number <= total && total <= 1e9) ||
         number != floor(number) || total != floor(total)) {
-        error_at(error, all, "--shard needs a part and how many there are, as in --shard 2/8");
+        error_at(error, all, "--shard needs a part and the number of parts, as in --shard 2/8");
         return false;
     }
     request->shard = (int64_t)number;
@@ -108,8 +108,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
     if (!text_is(name, "threads")) {
         error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64),
                  name.data);
-        return error_hint(
-            error, "it has --threads N, --shard I/N, --resume FILE, --dry-run, --full and --force");
+        return error_hint(error, "the options are --threads N, --shard I/N, --resume FILE, "
+                                 "--dry-run, --full and --force");
     }
     struct item shown = {0};
     if (!count_read(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
@@ -156,7 +156,7 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
             continue;
         }
         if (name.len == 0 || !text_starts(parser.rest, TEXT("="))) {
-            error_at(error, argument, "sweep takes NAME=FROM:TO");
+            error_at(error, argument, "'sweep' needs NAME=FROM:TO");
             return error_hint(error, "for example: sweep omega=6:12:0.1 measure=amplitude");
         }
         parser.rest = text_after(parser.rest, 1);
@@ -172,7 +172,7 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
             continue;
         }
         if (request->axes == 2)
-            return error_at(error, argument, "a sweep has one or two parameters");
+            return error_at(error, argument, "'sweep' needs one or two parameters");
         struct sweep_axis *axis = &request->axis[request->axes];
         if (!read_axis(&parser, name, axis, error))
             return false;
@@ -280,7 +280,7 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
     }
     if (stopped && sweep.finished > 0) {
         sweep_keep_stopped(session, statement, &sweep);
-        error_hint(error, "'continue' computes the others");
+        error_hint(error, "'continue' computes the other points");
     }
     sweep_free(&sweep);
     return ok;

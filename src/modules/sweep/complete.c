@@ -11,7 +11,7 @@ bool sweep_complete(struct completion *c, const struct command *command, struct 
     if (strcmp(command->row.name, "sweep") != 0)
         return false;
     if (text_is(last_word(prefix), "at")) {
-        complete_offer(c, "period", "each of the drive");
+        complete_offer(c, "period", "each period of the drive");
         complete_events(c);
         complete_columns(c, NULL);
         return true;
@@ -23,7 +23,7 @@ bool sweep_complete(struct completion *c, const struct command *command, struct 
         c->word = (struct text){paren + 1, (size_t)(c->word.data + c->word.len - paren - 1)};
     else {
         complete_catalog(c, &sweep_measure_catalog);
-        complete_offer(c, "rms", "root of the mean square: rms(v)");
+        complete_offer(c, "rms", "root mean square: rms(v)");
     }
     complete_columns(c, NULL);
     return true;

@@ -83,11 +83,12 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
     reply_quantity(reply, "seconds", seconds, "s");
     reply_real(reply, "bytes", bytes);
     reply_real(reply, "shards", shards);
-    reply_line(reply, "%lld of %lld points: %.3g s at %.3g points a second, %.3g bytes of CSV",
+    reply_line(reply, "%lld of %lld points: %.3g s at %.3g points per second, %.3g bytes of CSV",
                (long long)shard.count, (long long)shard.total, seconds, rate, bytes);
-    reply_line(reply, "all %lld: %.3g s; %.0f shard%s of an hour each at most (measured on %lld)",
-               (long long)shard.total, whole, shards, shards > 1 ? "s" : "",
-               (long long)sample.points);
+    reply_line(
+        reply,
+        "all %lld points: %.3g s, or %.0f shard%s of at most an hour each (estimated from %lld)",
+        (long long)shard.total, whole, shards, shards > 1 ? "s" : "", (long long)sample.points);
     reply_end(reply);
     return true;
 }

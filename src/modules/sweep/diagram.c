@@ -86,8 +86,8 @@ static void put_repeats(const struct session *session, const struct swept *swept
     swept_map(session, swept,
               (struct heat){.title = "repeats", .unit = "", .factor = 1, .letters = "*0123456789+"},
               repeats_of, 0, height, arena, text);
-    buffer_put(text, TEXT("1, 2 ..: after so many events its states come again, +: after 10 or "
-                          "more, *: they do not, or not yet\n"));
+    buffer_put(text, TEXT("number: the states repeat after that many events; +: 10 or more; *: "
+                          "not, or not yet\n"));
 }
 
 /* ---- in words ---- */
@@ -105,7 +105,7 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
                                       (isnan(repeats) && isnan(swept_repeats(swept, end)))))
             end++;
         if (++lines > max) {
-            buffer_put(text, TEXT("  ... (all of them: export FILE table)\n"));
+            buffer_put(text, TEXT("  ... (export FILE table writes all)\n"));
             return;
         }
         buffer_format(text, "  %s = %s", axis->name,
@@ -145,12 +145,12 @@ void diagram_text(const struct session *session, const struct swept *swept, int 
         put_density(session, swept, rows > 0 ? left - SHORT_STRETCHES : whole, arena, text);
         put_stretches(swept, rows > 0 ? SHORT_STRETCHES - 1 : DIAGRAM_ROWS, text);
     }
-    buffer_format(text, "%lld points of the section, after %lld left out at each value\n",
+    buffer_format(text, "%lld points of the section; at each value the first %lld are left out\n",
                   (long long)all, (long long)section->skip);
     sweep_summary(sweep, text);
     if (fewer > 0)
         buffer_format(text,
-                      "%lld have fewer than %lld: no event came for as long as the duration\n",
+                      "%lld have fewer than %lld, because no event happened for one duration\n",
                       (long long)fewer, (long long)section->keep);
     sweep_failures(sweep, text);
 }

@@ -72,7 +72,7 @@ static bool is_wrong(const struct sweep_scan *scan, const char *what)
     char name[SAFE_NAME_SIZE];
     error_set(scan->error, ERROR_IO, "%s, line %lld: %s",
               safe_name(text_of(scan->file->path), name), (long long)scan->lines.number, what);
-    return error_hint(scan->error, "the file is left as it is");
+    return error_hint(scan->error, "the file is unchanged");
 }
 
 static uint64_t head_sum(struct text head)
@@ -99,11 +99,11 @@ static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
     const bool other = (file->seal.len > 0 && !text_equal(buffer_text(&file->seal), line)) ||
                        (file->heads > 0 && head_sum(buffer_text(&file->head)) != sum);
     if (other)
-        return is_wrong(scan, "this is of another sweep than what comes before");
+        return is_wrong(scan, "this belongs to another sweep than the lines before");
     if (file->seal.len == 0)
         buffer_put(&file->seal, line);
     if (scan->rows_seen > file->rows_max)
-        return is_wrong(scan, "a point above is there twice");
+        return is_wrong(scan, "a point above appears twice");
     file->seals++;
     scan->sealed = true;
     return !file->seal.failed || error_memory(scan->error);
@@ -122,7 +122,7 @@ static bool take_head(struct sweep_scan *scan, struct text line)
         file->head = scan->head;
         scan->head = (struct buffer){0};
     } else if (!text_equal(buffer_text(&file->head), buffer_text(&scan->head))) {
-        return is_wrong(scan, "this is of another sweep than what comes before");
+        return is_wrong(scan, "this belongs to another sweep than the lines before");
     }
     buffer_clear(&scan->head);
     return true;
@@ -151,7 +151,7 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     const int64_t point = strtoll(line.data, &end, 10),
                   offset = scan->lines.offset - (int64_t)line.len;
     if (!(line.data[0] >= '0' && line.data[0] <= '9') || *end != ',' || errno != 0)
-        return is_wrong(scan, "this is no row of a sweep");
+        return is_wrong(scan, "this is not a row of a sweep");
     scan->sealed = false;
     const int64_t next = last ? last->first + last->count : -1;
     const bool same = last && point == next - 1 && offset == last->end;
@@ -174,7 +174,7 @@ static bool take_line(struct sweep_scan *scan, struct text line)
     uint64_t sum;
     long long a, b;
     if (file->unfinished && (comment || text_starts(line, TEXT("point,"))))
-        return is_wrong(scan, "what comes before was not whole when it was put here");
+        return is_wrong(scan, "the part before was incomplete when it was added");
     if (comment && sscanf(line.data, "# unfinished, shard %lld/%lld", &a, &b) == 2) {
         file->unfinished = true;
         file->shard = a;
@@ -218,12 +218,12 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
             file->end = scan.lines.offset;
         }
         if (ok && cancelled_at(file->cancel, (size_t)scan.lines.number))
-            ok = error_set(error, ERROR_CANCELLED, "stopped: nothing was changed");
+            ok = error_set(error, ERROR_CANCELLED, "stopped; nothing was changed");
     }
     if (ok && !torn && !feof(scan.lines.stream))
-        ok = is_wrong(&scan, "it cannot be read from here on");
+        ok = is_wrong(&scan, "it cannot be read beyond this line");
     if (ok && file->blocks > scan.begun && file->rows_max > 0 && scan.rows_seen > file->rows_max)
-        ok = is_wrong(&scan, "a point above is there twice");
+        ok = is_wrong(&scan, "a point above appears twice");
     file->size = scan.lines.offset;
     if (ok)
         cut_point(&scan);
@@ -261,7 +261,7 @@ bool sweep_file_put(struct sweep_file *file, int fd, struct text lines, struct e
     if (!append_lines(fd, lines, true, &why)) {
         error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(file->path), name),
                   why.text);
-        return error_hint(error, "what it has is kept; the same statement goes on with it");
+        return error_hint(error, "its points are kept; the same command continues with it");
     }
     file->end = file->size = file->end + (int64_t)lines.len;
     return true;
@@ -315,8 +315,9 @@ bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text he
     }
     writer_put(writer, seal);
     if (!ok && cancelled(file->cancel))
-        return error_set(error, ERROR_CANCELLED, "stopped: all points are there, not yet in order");
-    return ok || error_set(error, ERROR_IO, "what was written cannot be read again");
+        return error_set(error, ERROR_CANCELLED,
+                         "stopped: all points are computed, but not yet sorted");
+    return ok || error_set(error, ERROR_IO, "the written data cannot be read again");
 }
 
 /* ---- checking files together ---- */
@@ -374,12 +375,13 @@ static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
             i < all->blocks ? all->block[i] : (struct sweep_block){.first = all->total};
         const int64_t end = block.first + block.count;
         put_difference(&differences, next, block.first, "missing");
-        put_difference(&differences, block.first, end < next ? end : next, "there more than once");
+        put_difference(&differences, block.first, end < next ? end : next,
+                       "present more than once");
         points += block.count;
         missing += block.first > next ? block.first - next : 0;
         next = end > next ? end : next;
     }
-    put_difference(&differences, all->total, next, "none of this sweep");
+    put_difference(&differences, all->total, next, "not points of this sweep");
     if (differences.count > DIFFERENCES_SHOWN)
         reply_line(reply, "and %lld more", (long long)differences.count - DIFFERENCES_SHOWN);
     reply_close(reply);
@@ -388,7 +390,7 @@ static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
     reply_int(reply, "points", points);
     reply_int(reply, "total", all->total);
     reply_int(reply, "missing", missing);
-    const char *verdict = differences.count ? "not whole" : "whole, each there once";
+    const char *verdict = differences.count ? "incomplete" : "complete, each point once";
     reply_line(reply, "%d file%s, %lld points of %lld: %s", files, files == 1 ? "" : "s",
                (long long)points, (long long)all->total, verdict);
     reply_end(reply);

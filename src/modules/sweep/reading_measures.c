@@ -39,7 +39,7 @@ static int add_measure(struct sweep_request *request, const struct sweep_measure
         if (same_measure(&request->measure[m], measure))
             return m;
     if (request->measures == SWEEP_MEASURES) {
-        error_at(error, where, "a sweep takes %d measures at once", SWEEP_MEASURES);
+        error_at(error, where, "a sweep can have at most %d measures", SWEEP_MEASURES);
         return -1;
     }
     request->measure[request->measures] = *measure;
@@ -101,13 +101,13 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
     }
     const struct text rest = text_trim(text_after(text, used));
     if (rest.len > 0) {
-        error_at(error, rest, "this does not belong to an expression");
+        error_at(error, rest, "this cannot be part of an expression");
         return NULL;
     }
     expression->quantity = quantity_of(expr);
     expression->expr = expr_settle(expr, &scope, column_slot, &slots, parser->arena);
     if (slots.many)
-        error_at(error, text, "more than %d columns in an expression", SWEEP_COLUMNS);
+        error_at(error, text, "the expression has more than %d columns", SWEEP_COLUMNS);
     else if (!expression->expr)
         error_memory(error);
     return !slots.many && expression->expr ? expression : NULL;
@@ -235,7 +235,7 @@ static bool find_reductions(struct formula_reader *r)
         const size_t begin = (size_t)(word.data - text.data), len = close + 1 - begin;
         struct reduction *made = &r->reduction[r->reductions];
         if (r->reductions == REDUCTIONS_MAX)
-            return error_at(r->error, word, "more than %d reductions in an expression",
+            return error_at(r->error, word, "the expression has more than %d reductions",
                             REDUCTIONS_MAX);
         if (!read_reduction(r, slice(text, begin, close + 1), word, inner, made))
             return false;
@@ -333,7 +333,7 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
     const struct expr *expr = expr_compile(copy, &scope, r->parser->arena, &used, r->error);
     if (expr && text_trim(slice(copy, used, copy.len)).len > 0) {
         error_at(r->error, text_trim(slice(copy, used, copy.len)),
-                 "this does not belong to an expression");
+                 "this cannot be part of an expression");
         expr = NULL;
     }
     /* errors point into what was typed */
@@ -391,7 +391,7 @@ static bool read_item(struct parser *parser, struct text item, struct sweep_requ
     struct sweep_measure *shown = &request->shown[request->columns];
     struct error why = {0};
     if (request->columns == SWEEP_MEASURES)
-        return error_at(error, item, "a sweep takes %d measures at once", SWEEP_MEASURES);
+        return error_at(error, item, "a sweep can have at most %d measures", SWEEP_MEASURES);
     if (find_measure(request->scene->model, item, shown, &why)) {
         request->place[request->columns++] = add_measure(request, shown, item, error);
         return request->place[request->columns - 1] >= 0;

@@ -76,7 +76,7 @@ static bool read_side(struct parser *parser, const struct expr_scope *scope, str
         return names_explain(parser->session, error);
     const bool turns = other.direction != 0 || other.touching;
     if (other.right || (turns && (event->direction != 0 || event->touching)))
-        return error_at(error, parser->rest, "of a section both sides are expressions");
+        return error_at(error, parser->rest, "both sides of a section must be expressions");
     if (!expr_compare(event->left, &other.left, parser->arena, error))
         return false;
     event->right = other.left;
@@ -144,9 +144,9 @@ static bool is_driven(const struct session *session, struct text where, struct e
         return false;
     if (system_drive(&system) > 0)
         return true;
-    error_at(error, where, "nothing is driven with one period here");
+    error_at(error, where, "this scene has no drive with a period");
     return error_hint(error,
-                      "sections are where an expression passes a value, too: at v = 0 falling");
+                      "a section may also be where an expression passes a value: at v = 0 falling");
 }
 
 bool read_section(struct session *session, const struct arguments *args, struct text text,
@@ -156,7 +156,7 @@ bool read_section(struct session *session, const struct arguments *args, struct 
     const struct events *events = session->setup.events;
     const struct event_line *line = NULL;
     if (text.len == 0)
-        return error_at(error, text, "after 'at' comes an event: at period, at v = 0 falling");
+        return error_at(error, text, "'at' needs an event: at period, at v = 0 falling");
     for (int i = 0; events && i < events->count; i++)
         if (text_is(text, events->line[i].name))
             line = &events->line[i];
@@ -188,22 +188,23 @@ bool finish_section(struct sweep_request *request, bool measured, struct error *
     if (!section->wanted)
         return section->skip < 0 && section->keep < 0
                    ? true
-                   : error_set(error, ERROR_COMMAND,
-                               "skip= and keep= are for sections: sweep ... at period skip=100");
+                   : error_set(
+                         error, ERROR_COMMAND,
+                         "skip= and keep= work only with sections: sweep ... at period skip=100");
     request->section.skip = section->skip < 0 ? SWEEP_SKIP_USUAL : section->skip;
     request->section.keep = section->keep < 0 ? SWEEP_KEEP_USUAL : section->keep;
     if (section->skip + section->keep > LIMIT_EVENT_RECORDS)
-        return error_set(error, ERROR_COMMAND, "skip= and keep= are at most %d together",
+        return error_set(error, ERROR_COMMAND, "the sum of skip= and keep= must be at most %d",
                          LIMIT_EVENT_RECORDS);
     if (request->columns > 0)
         return error_set(error, ERROR_COMMAND,
-                         "at a section columns are kept, no expressions: measure=%s",
+                         "at a section only columns can be kept, not expressions: measure=%s",
                          request->scene->model->variable[0].name);
     for (int m = 0; m < request->measures && measured; m++)
         if (!sweep_at_section(&request->measure[m])) {
-            error_set(error, ERROR_COMMAND, "'%s' is not known at one moment",
+            error_set(error, ERROR_COMMAND, "'%s' has no value at a single moment",
                       sweep_measure_name(&request->measure[m]));
-            return error_hint(error, "at a section columns are kept: measure=%s",
+            return error_hint(error, "at a section only columns can be kept: measure=%s",
                               request->scene->model->variable[0].name);
         }
     return measured || all_variables(request->scene->model, request, error);

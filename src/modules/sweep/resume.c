@@ -88,10 +88,11 @@ static bool read_statement(struct session *session, const struct arguments *args
     struct error why = {0};
     safe_name(text_of(file->path), name);
     if (!copy) {
-        error_set(error, ERROR_IO, "%s does not say which sweep it is of", name);
-        return error_hint(error, file->blocks > 0
-                                     ? "it is a shard that is whole: what it is of, the first says"
-                                     : "sweep NAME=FROM:TO --resume FILE begins one");
+        error_set(error, ERROR_IO, "%s does not name the sweep that it belongs to", name);
+        return error_hint(error,
+                          file->blocks > 0
+                              ? "it is a complete shard; only the first shard describes the sweep"
+                              : "sweep NAME=FROM:TO --resume FILE begins one");
     }
     struct sweep_request read = sweep_request_begin(session);
     if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0)
@@ -160,12 +161,12 @@ static bool refuse_head(const struct growing_file *g, struct error *error)
     }
     safe_text(&one, text_starts(a, TEXT("# ")) ? text_after(a, 2) : a, false);
     safe_text(&other, text_starts(b, TEXT("# ")) ? text_after(b, 2) : b, false);
-    error_set(error, ERROR_IO, "%s is of another sweep: it has '%.200s', here it is '%.200s'",
+    error_set(error, ERROR_IO, "%s belongs to another sweep: it has '%.200s', but this is '%.200s'",
               safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
     buffer_free(&one);
     buffer_free(&other);
-    return error_hint(error, "the file is left as it is: take another name, or the set-up that "
-                             "its # lines say");
+    return error_hint(error,
+                      "the file is unchanged; use another name, or the set-up in its # lines");
 }
 
 /* A file without points is the beginning of a head, as of a program that was killed. */
@@ -193,9 +194,9 @@ static bool compare_sweep(const struct growing_file *g, struct error *error)
         return refuse_head(g, error);
     safe_name(text_of(file->path), name);
     if (!text_equal(buffer_text(&file->seal), buffer_text(&g->seal))) {
-        error_set(error, ERROR_IO, "%s is of another sweep, or of this one in another set-up",
-                  name);
-        return error_hint(error, "the file is left as it is");
+        error_set(error, ERROR_IO,
+                  "%s belongs to another sweep, or to this sweep with another set-up", name);
+        return error_hint(error, "the file is unchanged");
     }
     return !file->unfinished ||
            (file->shard == request->shard && file->shards == request->shards) ||
@@ -218,8 +219,8 @@ static bool arrange_points(struct growing_file *g, struct error *error)
         if (outside || block->first < next) {
             error_set(error, ERROR_IO, "%s has point %lld %s", safe_name(text_of(file->path), name),
                       (long long)block->first,
-                      outside ? "or some behind it that are not of this shard" : "twice");
-            return error_hint(error, "the file is left as it is");
+                      outside ? "or later points that do not belong to this shard" : "twice");
+            return error_hint(error, "the file is unchanged");
         }
         next = block->first + block->count;
     }
@@ -380,7 +381,7 @@ static bool prepare_resume(struct growing_file *g, const struct arguments *args,
     study_sweep_stretch(request, &g->all);
     if (g->all.count == 0)
         return error_set(error, ERROR_COMMAND,
-                         "this shard has no points: there are more shards than points");
+                         "this shard has no points because there are more shards than points");
     if (!put_head(g->session, request, &g->head))
         return error_memory(error);
     sweep_seal(buffer_text(&g->head), g->all.total,
@@ -418,7 +419,7 @@ static void reply_file(const struct growing_file *g, double seconds, struct repl
     if (timed)
         snprintf(took, sizeof took, " in %.3g s", seconds);
     reply_real(reply, "seconds", timed ? seconds : NAN);
-    reply_line(reply, "%s: points %lld to %lld of %lld, whole; %lld computed now%s", name,
+    reply_line(reply, "%s: points %lld to %lld of %lld, complete; %lld computed now%s", name,
                (long long)all->first, (long long)(all->first + all->count - 1),
                (long long)all->total, (long long)g->computed, took);
     reply_end(reply);
@@ -432,7 +433,7 @@ static void say_kept(const struct growing_file *g, struct error *error)
         has += g->file.block[i].count;
     error_set(error, ERROR_CANCELLED, "stopped: %s has %lld of %lld points",
               safe_name(text_of(g->file.path), name), (long long)has, (long long)g->all.count);
-    error_hint(error, "'continue', or the same statement, goes on with it");
+    error_hint(error, "'continue' or the same command continues it");
 }
 
 bool sweep_into_file(struct session *session, const struct arguments *args,
@@ -451,7 +452,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
         return error_memory(error);
     char name[SAFE_NAME_SIZE];
     bool ok = request->axes > 0 || is_there(g.file.path) ||
-              (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
+              (error_set(error, ERROR_IO, "%s does not exist", safe_name(options->file, name)) ||
                error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
     ok = ok && prepare_resume(&g, args, error) && growing_file_complete(&g, options->force, error);
     report_fraction(&session->front, 2);

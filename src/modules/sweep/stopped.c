@@ -70,7 +70,8 @@ bool sweep_continue(struct session *session, const struct arguments *args, struc
     buffer_free(&now);
     if (!same) {
         error_set(error, ERROR_COMMAND, "the sweep that was stopped had another set-up");
-        return error_hint(error, "'sweep' starts it with the present one, 'run' a run");
+        return error_hint(error,
+                          "'sweep' starts it again with the present set-up, 'run' starts a run");
     }
     const char *statement = arena_text(args->arena, text_of(stopped->statement));
     if (!statement)

@@ -6,7 +6,7 @@
 static const struct catalog *const catalogs[] = {&sweep_measure_catalog, NULL};
 
 const struct module sweep_module = {
-    .row = {"sweep", "", "one or two quantities varied: tables, maps, orbit diagrams", "", NULL},
+    .row = {"sweep", "", "varies one or two quantities: tables, maps, orbit diagrams", "", NULL},
     .needs = "lanes",
     .part_size = sizeof(struct sweep_part),
     .part_free = sweep_part_free,
@@ -15,7 +15,7 @@ const struct module sweep_module = {
         {
             .word = "check-sweep",
             .shown = " FILES",
-            .brief = "whether they, shards of a sweep or a whole one, have each point once",
+            .brief = "check that files of a sweep, or its shards, have each point once",
             .wants = "files",
             .run = sweep_check,
         },

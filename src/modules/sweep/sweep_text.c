@@ -83,7 +83,7 @@ static void sweep_table_put(const struct session *session, const struct swept *s
     text_table_put(&table, text);
     static const char *const ordinal[] = {"", "", "nd", "rd", "th"};
     if (every > 1)
-        buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n",
+        buffer_format(text, "(every %lld%s point; export FILE table writes all)\n",
                       (long long)every, ordinal[every < 4 ? every : 4]);
 }
 
@@ -184,7 +184,7 @@ static void put_watched(const struct swept *swept, struct buffer *text)
         first = first ? first : name;
     }
     if (first)
-        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n",
+        buffer_format(text, ": for %s, the first variable; 'measure=%s(%s)' for another\n",
                       model->variable[0].name, first, model->variable[1].name);
 }
 
@@ -201,7 +201,7 @@ static void put_attractor(const struct swept *swept, const struct sweep_attracto
     else
         buffer_format(text, " %2.0f  ", a->number);
     if (irregular)
-        buffer_put(text, TEXT("does not repeat within 1000 looks"));
+        buffer_put(text, TEXT("does not repeat within 1000 checks"));
     else if (a->number == 0)
         buffer_put(text, TEXT("equilibrium"));
     else if (a->known && b->kind == BASIN_ORBIT)
@@ -236,7 +236,7 @@ static void put_starts(const struct swept *swept, struct buffer *text)
                   model_state(swept->model, (struct text){name.data, name.len - 1}) >= 0;
     }
     if (starts == sweep->axes)
-        buffer_put(text, TEXT("only starts differ: 'basins' says which attractor each comes to\n"));
+        buffer_put(text, TEXT("only starts differ; 'basins' shows the attractor of each start\n"));
 }
 
 void sweep_summary(const struct sweep *sweep, struct buffer *text)
@@ -250,17 +250,17 @@ void sweep_summary(const struct sweep *sweep, struct buffer *text)
         buffer_format(text, " in %.3g s", sweep->seconds);
     buffer_format(text, ", %.3g steps", sweep->steps);
     if (sweep->side_by_side > 0)
-        buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
+        buffer_format(text, ", %lld computed in parallel lanes", (long long)sweep->side_by_side);
     buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
 }
 
 void sweep_failures(const struct sweep *sweep, struct buffer *text)
 {
     if (sweep->failed > 0)
-        buffer_format(text, "%lld did not get to the end (diverged and the like)\n",
+        buffer_format(text, "%lld did not reach the end (diverged or stopped)\n",
                       (long long)sweep->failed);
     if (sweep->refused > 0)
-        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused,
+        buffer_format(text, "%lld were refused, the first because %s\n", (long long)sweep->refused,
                       sweep->reason);
 }
 
@@ -272,8 +272,7 @@ static void put_remarks(const struct swept *swept, struct buffer *text)
         if (!has_values(swept, m) && swept->measure[m].kind == SWEEP_PERIOD &&
             sweep->finished > sweep->failed + sweep->refused)
             buffer_put(text, TEXT("no period: the last third of the duration has fewer than two "
-                                  "maxima; give it a longer "
-                                  "duration\n"));
+                                  "maxima; use a longer duration\n"));
     sweep_summary(sweep, text);
     put_watched(swept, text);
     for (int k = 0; k < swept->attractors; k++)

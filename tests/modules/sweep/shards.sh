@@ -29,7 +29,7 @@ ok "its rows are those of the sweep that is printed" $?
 seal='^# sweep [0-9a-f]\{16\}: 1420 points in all, at most 1 row each$'
 tail -n 1 whole.csv | grep -q "$seal"
 ok "the last line says that it is whole" $?
-"$hooke" --check-sweep whole.csv | grep -q '1420 points of 1420: whole'
+"$hooke" --check-sweep whole.csv | grep -q '1420 points of 1420: complete'
 ok "--check-sweep says so, too" $?
 
 # kill_often WHOLE TIMES: how long it takes here decides when it is killed, earlier each time; three
@@ -76,9 +76,9 @@ ok "shards one after another (cat) are the whole, byte for byte" $?
 tail -n 1 shard.3.csv | grep -q "$seal"
 ok "the last line of a shard says that it is whole, too" $?
 cat shard.[45].csv shard.[213].csv >merged.csv
-"$hooke" --check-sweep merged.csv | grep -q '1 file, 1420 points of 1420: whole' && run "$scene; $sweep --resume merged.csv" && cmp -s merged.csv whole.csv
+"$hooke" --check-sweep merged.csv | grep -q '1 file, 1420 points of 1420: complete' && run "$scene; $sweep --resume merged.csv" && cmp -s merged.csv whole.csv
 ok "in another order they have all points, and become it" $?
-"$hooke" --check-sweep shard.5.csv shard.[1-4].csv >out && grep -q '5 files, 1420 points of 1420: whole' out
+"$hooke" --check-sweep shard.5.csv shard.[1-4].csv >out && grep -q '5 files, 1420 points of 1420: complete' out
 ok "each for itself, together they are checked" $?
 cat shard.5.csv shard.2.csv >some.csv
 "$hooke" --check-sweep some.csv >out
@@ -88,15 +88,15 @@ run "$scene; $sweep --resume some.csv" && cmp -s some.csv whole.csv
 ok "and computed" $?
 cat shard.1.csv shard.2.csv shard.2.csv >twice.csv
 "$hooke" --check-sweep twice.csv >out
-[ $? -eq 1 ] && grep -q 'points 286 to 571 are there more than once' out
+[ $? -eq 1 ] && grep -q 'points 286 to 571 are present more than once' out
 ok "a shard that is there twice is told" $?
 refused twice.csv 'has point 286 twice' 4 "$scene; $sweep --resume twice.csv"
 ok "and refused" $?
-refused shard.2.csv 'has point 286 or some behind it that are not of this shard' 4 "$scene; $sweep --shard 3/5 --resume shard.2.csv"
+refused shard.2.csv 'has point 286 or later points that do not belong to this shard' 4 "$scene; $sweep --shard 3/5 --resume shard.2.csv"
 ok "a shard is not taken for another one" $?
-refused shard.2.csv 'is of another sweep, or of this one in another set-up' 4 "$scene; gamma = 1; $sweep --shard 2/5 --resume shard.2.csv"
+refused shard.2.csv 'belongs to another sweep, or to this sweep with another set-up' 4 "$scene; gamma = 1; $sweep --shard 2/5 --resume shard.2.csv"
 ok "nor for that of another set-up" $?
-refused shard.2.csv 'does not say which sweep it is of' 4 "$scene; sweep --resume shard.2.csv"
+refused shard.2.csv 'does not name the sweep that it belongs to' 4 "$scene; sweep --resume shard.2.csv"
 ok "which sweep it is of, the first shard says" $?
 # One that is not whole has its head. The limit of a process stands for a disk that is full.
 (ulimit -f 10 && trap '' XFSZ && exec "$hooke" -n -q -c "$scene; $sweep --shard 3/5 --resume alone.csv") >out 2>err
@@ -108,9 +108,9 @@ before=$(stat -c '%i %Y' whole.csv)
 run "$scene; $sweep --resume whole.csv" && [ "$(stat -c '%i %Y' whole.csv)" = "$before" ]
 ok "what is whole is left alone" $?
 
-refused whole.csv "of another sweep: it has 'set-up = method rk4', here it is 'set-up = gamma = 1 1/s'" 4 "scene driven; gamma = 1; method rk4; duration = 2 s; sweep --resume whole.csv"
+refused whole.csv "belongs to another sweep: it has 'set-up = method rk4', but this is 'set-up = gamma = 1 1/s'" 4 "scene driven; gamma = 1; method rk4; duration = 2 s; sweep --resume whole.csv"
 ok "another set-up is refused" $?
-refused whole.csv 'of another sweep' 4 "$scene; sweep omega=5:12:0.05 gamma=0.1:2:0.2 --resume whole.csv"
+refused whole.csv 'belongs to another sweep' 4 "$scene; sweep omega=5:12:0.05 gamma=0.1:2:0.2 --resume whole.csv"
 ok "other ranges are refused" $?
 sed 's/duration 2 s/duration 3 s/' whole.csv >edited.csv
 "$hooke" --check-sweep edited.csv >out 2>err
@@ -121,24 +121,24 @@ sed '1000d;1100,1110d' whole.csv >edited.csv
 [ $? -eq 1 ] && grep -q 'point [0-9]* is missing' out && run "$scene; $sweep --resume edited.csv" && cmp -s edited.csv whole.csv
 ok "rows that are missing are told, and computed" $?
 sed '1000{p}' whole.csv >edited.csv
-refused edited.csv 'a point above is there twice' 4 "$scene; $sweep --resume edited.csv"
+refused edited.csv 'a point above appears twice' 4 "$scene; $sweep --resume edited.csv"
 ok "a row that is there twice is noticed" $?
 cp whole.csv edited.csv && "$hooke" -n -q -c "$scene; gamma = 1; $sweep --shard 5/5 --resume other.csv" && cat other.csv >>edited.csv
-refused edited.csv 'this is of another sweep than what comes before' 4 "$scene; $sweep --resume edited.csv"
+refused edited.csv 'this belongs to another sweep than the lines before' 4 "$scene; $sweep --resume edited.csv"
 "$hooke" --check-sweep shard.[1-4].csv other.csv >out 2>err
-[ $? -eq 4 ] && grep -q 'other.csv, line [0-9]*: this is of another sweep' err
+[ $? -eq 4 ] && grep -q 'other.csv, line [0-9]*: this belongs to another sweep' err
 ok "shards of two sweeps are told apart" $?
 head -c 3000 whole.csv >torn.csv && dd if=/dev/zero bs=100 count=1 2>/dev/null >>torn.csv
 run "$scene; $sweep --resume torn.csv" && cmp -s torn.csv whole.csv
 ok "zeros at the end, as after a loss of power, are cut" $?
 printf 'my notes\n' >notes.csv
-refused notes.csv 'line 1: this is no row of a sweep' 4 "$scene; $sweep --resume notes.csv"
+refused notes.csv 'line 1: this is not a row of a sweep' 4 "$scene; $sweep --resume notes.csv"
 ok "another file is left as it is" $?
 head -n 300 whole.csv >torn.csv && echo 'and a remark' >>torn.csv
-refused torn.csv 'this is no row of a sweep' 4 "$scene; $sweep --resume torn.csv"
+refused torn.csv 'this is not a row of a sweep' 4 "$scene; $sweep --resume torn.csv"
 ok "what somebody wrote at the end of an unfinished one is not lost" $?
 printf '' >empty.csv
-refused empty.csv 'does not say which sweep it is of' 4 "$scene; sweep --resume empty.csv"
+refused empty.csv 'does not name the sweep that it belongs to' 4 "$scene; sweep --resume empty.csv"
 ok "an empty file without ranges" $?
 run "$scene; sweep --resume none.csv"
 [ $? -eq 4 ] && [ ! -e none.csv ]
@@ -178,7 +178,7 @@ for sweep in 'sweep F0=1:1.1:0.01 at period skip=20 keep=15' 'sweep F0=1:1.1:0.0
     run "$scene; $sweep --resume whole.csv" && "$hooke" -n -q --format csv -c "$scene; $sweep" | sed '1d; s/^sweep,//' >rows && sed '/^#/d; /^point/d' whole.csv | cmp -s - rows
     ok "${sweep#sweep }: its rows are those that are printed" $?
     for shard in 1 2 3; do run "$scene; $sweep --shard $shard/3 --resume shard.$shard.csv" || break; done
-    cat shard.?.csv | cmp -s - whole.csv && "$hooke" --check-sweep shard.?.csv | grep -q ' of 1[12]: whole, each'
+    cat shard.?.csv | cmp -s - whole.csv && "$hooke" --check-sweep shard.?.csv | grep -q ' of 1[12]: complete, each'
     ok "shards one after another are the whole" $?
     (ulimit -f 4 && trap '' XFSZ && exec "$hooke" -n -q -c "$scene; $sweep --resume part.csv") >out 2>err
     [ -s part.csv ] && ! cmp -s part.csv whole.csv && run "$scene; sweep --resume part.csv" && cmp -s part.csv whole.csv

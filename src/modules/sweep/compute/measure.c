@@ -49,23 +49,25 @@ double sweep_axis_value(const struct sweep_axis *axis, int i)
 /* ---- measures ---- */
 
 static const struct row rows[] = {
-    [SWEEP_AMPLITUDE] = {"amplitude", "",
-                         "half the swing of the first variable in the last third of the duration",
-                         "", NULL},
-    [SWEEP_PERIOD] = {"period", "", "mean time between its maxima there", "", NULL},
-    [SWEEP_MEAN] = {"mean", "", "its mean over that time", "", NULL},
-    [SWEEP_MAX] = {"max", "", "its largest value from the start on; max(z) of z, and so on", "",
+    [SWEEP_AMPLITUDE] =
+        {"amplitude", "",
+         "half the peak-to-peak value of the first variable in the last third of the duration", "",
+         NULL},
+    [SWEEP_PERIOD] = {"period", "", "mean time between its maxima in the last third", "", NULL},
+    [SWEEP_MEAN] = {"mean", "", "its mean over the last third", "", NULL},
+    [SWEEP_MAX] = {"max", "", "its largest value in the whole run; max(z) for z, and so on", "",
                    NULL},
-    [SWEEP_MIN] = {"min", "", "its smallest", "", NULL},
-    [SWEEP_ERROR] = {"error", "", "largest distance from the exact solution, over the amplitude",
-                     "", NULL},
+    [SWEEP_MIN] = {"min", "", "its smallest value in the whole run", "", NULL},
+    [SWEEP_ERROR] = {"error", "",
+                     "largest distance from the exact solution, divided by the amplitude", "",
+                     NULL},
     [SWEEP_ENERGY_ERROR] = {"energy_error", "", "largest error of the energy balance", "",
                             "energy-error"},
     [SWEEP_STEPS] = {"steps", "", "steps taken", "", NULL},
     [SWEEP_EVALS] = {"evals", "", "force evaluations", "", NULL},
-    [SWEEP_REACHED] = {"reached", "", "the time reached: of what diverges, when it did", "", NULL},
+    [SWEEP_REACHED] = {"reached", "", "the time reached, or the time when it diverged", "", NULL},
     [SWEEP_ATTRACTOR] = {"attractor", "",
-                         "what it ends in: 0 equilibrium, 1 orbit, of a drive how many of its "
+                         "the attractor: 0 equilibrium, 1 orbit, with a drive the number of its "
                          "periods, -1 does not repeat",
                          "", NULL},
 };
@@ -100,16 +102,15 @@ static bool unknown(const struct model *model, struct text name, bool column, st
         suggestion_offer(&suggestion, model->variable[i].name);
     for (int i = 0; i < model_observed(model); i++)
         suggestion_offer(&suggestion, model_observed_variable(model, i).name);
-    error_at(error, name, "'%.*s' is nothing that a sweep measures",
-             (int)(name.len < 64 ? name.len : 64), name.data);
+    error_at(error, name, "a sweep cannot measure '%.*s'", (int)(name.len < 64 ? name.len : 64),
+             name.data);
     suggestion_hint(&suggestion, error);
     if (column)
-        return error_hint(error,
-                          "in parentheses stands what 'print' knows of a run: y, energy ...");
-    return error_hint(error,
-                      "measures are amplitude, period, mean, max, min (of z: max(z)), "
-                      "error, energy_error, steps, "
-                      "evals, reached, attractor, and what 'print' knows of a run: y, energy ...");
+        return error_hint(error, "the parentheses need a quantity of a run, such as y or energy");
+    return error_hint(
+        error,
+        "possible are amplitude, period, mean, max, min (of z: max(z)), error, energy_error, "
+        "steps, evals, reached, attractor, and quantities of a run such as y, energy ...");
 }
 
 /* max(z): the name before the parenthesis is a row that is watched. */

@@ -102,7 +102,7 @@ bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *c
         settings.record =
             (struct recording_rule){.rule = RECORD_TIMES, .interval = crossings->period};
         if (!(crossings->period > 0))
-            ok = error_set(&error, ERROR_COMMAND, "nothing is driven with one period");
+            ok = error_set(&error, ERROR_COMMAND, "this scene has no drive with a period");
     }
     if (ok)
         crossings->run = run_create(&worker->scene, request->method, &settings, span, &error);

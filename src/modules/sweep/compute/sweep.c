@@ -83,10 +83,10 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
     const double bytes = (double)sweep->count * ((double)sweep->measures * sizeof(double) + 1);
     if (bytes > (double)RESULTS_MAX) {
         error_set(error, ERROR_COMMAND,
-                  "%lld points with %d result%s each need %.3g bytes, %zu are the most",
+                  "%lld points with %d result%s each need %.3g bytes; the limit is %zu",
                   (long long)sweep->count, sweep->measures, sweep->measures > 1 ? "s" : "", bytes,
                   RESULTS_MAX);
-        return error_hint(error, "take fewer points, or a part: --shard 1/%.0f",
+        return error_hint(error, "use fewer points, or a part: --shard 1/%.0f",
                           ceil(bytes / (double)RESULTS_MAX));
     }
     const size_t n = (size_t)sweep->count;
@@ -450,6 +450,6 @@ bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struc
                                (long long)sweep->finished, (long long)sweep->count)
                    : error_memory(error);
     if (sweep->refused == sweep->count && sweep->count > 0)
-        return error_set(error, ERROR_COMMAND, "every point is refused: %s", sweep->reason);
+        return error_set(error, ERROR_COMMAND, "every point was refused: %s", sweep->reason);
     return true;
 }
