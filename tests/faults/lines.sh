@@ -52,7 +52,7 @@ else
     sensor broken 2>/dev/null &
     timeout 120 strace -f -qq -o /dev/null -P "$work/broken" -P broken -e inject=read:error=EIO:when=2+ "$hooke" -n -c 'collect broken to=read.txt' \
         >read.out 2>&1
-    grep -q '(unplugged)' read.out && grep -q 'broken is gone: Input/output error' read.out
+    grep -q '(unplugged)' read.out && grep -q 'broken was disconnected: Input/output error' read.out
     ok "a device that fails is told from one that ends" $? "$(cat read.out)"
     wait
 fi

@@ -37,7 +37,7 @@ static bool take_reading(const struct session *session, const struct recording *
     for (size_t i = 0; i < recording->rows; i++) {
         double value = column->value[i];
         if (cancelled_at(session->front.cancel, i))
-            return error_set(error, ERROR_CANCELLED, "stopped: nothing was calibrated");
+            return error_set(error, ERROR_CANCELLED, "stopped; nothing was calibrated");
         if (!(recording->t[i] >= t_begin && recording->t[i] <= t_end) || !isfinite(value))
             continue;
         if (c->known)
@@ -49,7 +49,8 @@ static bool take_reading(const struct session *session, const struct recording *
     raw->mean = mean;
     raw->scatter = raw->n > 1 ? sqrt(squares / (double)(raw->n - 1)) : 0;
     return raw->n >= READING_SAMPLES_MIN ||
-           error_set(error, ERROR_COMMAND, "%s has %zu samples from %.6g to %.6g s: too few",
+           error_set(error, ERROR_COMMAND,
+                     "%s has only %zu samples from %.6g to %.6g s, which is too few",
                      recording->name, raw->n, t_begin, t_end);
 }
 
@@ -88,7 +89,7 @@ static void calibration_reply(const struct calibration *c, struct reply *reply)
     struct buffer text = {0};
     calibration_put(c, &text);
     if (!c->known)
-        reply_line(reply, "what is collected is taken as it comes");
+        reply_line(reply, "values are used without calibration");
     else
         reply_line(reply, "y: %s is %s, %s is %s; %s for each%s%s",
                    with_unit_name(c->read[0], c->unit[0]).text,
@@ -125,13 +126,13 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
     const struct unit *const units[4] = {raw[0].unit, unit[0], raw[1].unit, unit[1]};
     struct calibration c;
     if (!(apart > READING_SEPARATION_SIGMAS * noise)) {
-        error_set(error, ERROR_COMMAND, "it read %s both times: that is one point",
+        error_set(error, ERROR_COMMAND, "it read %s both times, so there is only one point",
                   with_unit(raw[0].mean, raw[0].unit).text);
-        return error_hint(error, "was it moved, and is it the right column?");
+        return error_hint(error, "check that it was moved and that the column is right");
     }
     for (int i = 0; i < 2; i++)
         if (raw[i].scatter > READING_SCATTER_MAX * apart)
-            reply_warning(reply, "it moved: the readings at %s scatter by %.2g%s%s",
+            reply_warning(reply, "it was not at rest: the readings at %s scatter by %.2g%s%s",
                           with_unit(truth[i], unit[i]).text, raw[i].scatter, raw[i].unit ? " " : "",
                           raw[i].unit ? raw[i].unit->row.name : "");
     if (!calibration_make(value, units, &c, error))
@@ -155,11 +156,11 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
     struct recording *recording = growing(session);
     struct raw raw[2];
     if (!now || !now->aim.waits) {
-        error_set(error, ERROR_COMMAND, "no calibration waits for a point");
-        return error_hint(error, "while it is collected: calibrate y 20 cm 40 cm");
+        error_set(error, ERROR_COMMAND, "no calibration is waiting for a point");
+        return error_hint(error, "while collecting, type: calibrate y 20 cm 40 cm");
     }
     if (!recording)
-        return error_set(error, ERROR_COMMAND, "nothing has come yet");
+        return error_set(error, ERROR_COMMAND, "no data have arrived yet");
     const double end = recording->t[recording->rows - 1];
     const int i = now->aim.taken;
     if (!take_reading(session, recording, end - READING_SECONDS, end, &raw[i], error))
@@ -172,7 +173,7 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
         now->aim.read[0] = raw[0].mean;
         now->aim.scatter[0] = raw[0].scatter / sqrt((double)raw[0].n);
         now->aim.read_unit = raw[0].unit;
-        reply_line(reply, "hold it at %s, then: calibrate take",
+        reply_line(reply, "hold it at %s, then type: calibrate take",
                    with_unit(now->aim.truth[1], now->aim.truth_unit[1]).text);
         return true;
     }
@@ -200,12 +201,12 @@ static bool take_windows(struct session *session, struct text remaining, const d
             if (real_scan(remaining, '.', &edge[k], &used) != REAL_OK || used == 0 ||
                 (delimiter ? used >= remaining.len || remaining.data[used] != delimiter
                            : used != remaining.len))
-                return error_at(error, all, "at= takes two windows [s]: at=0:2,5:7");
+                return error_at(error, all, "at= needs two windows [s], as in at=0:2,5:7");
             used += delimiter != '\0';
             remaining = text_after(remaining, used);
         }
         if (!recording)
-            return error_at(error, all, "there is no recording whose means could be taken");
+            return error_at(error, all, "there is no recording to calibrate from");
         if (!take_reading(session, recording, edge[0], edge[1], &raw[i], error))
             return false;
     }
@@ -225,8 +226,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
                             error);
     if (!now) {
         error_set(error, ERROR_COMMAND, "nothing is being collected");
-        return error_hint(error, "at=0:2,5:7 says when the current recording was held there; or "
-                                 "READ1 TRUE1 READ2 TRUE2");
+        return error_hint(error, "give the times of both positions in the current recording, "
+                                 "at=0:2,5:7; or READ1 TRUE1 READ2 TRUE2");
     }
     now->aim.waits = true;
     now->aim.taken = 0;
@@ -234,7 +235,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
         now->aim.truth[i] = truth[i];
         now->aim.truth_unit[i] = unit[i];
     }
-    reply_line(reply, "hold it at %s, then: calibrate take", with_unit(truth[0], unit[0]).text);
+    reply_line(reply, "hold it at %s, then type: calibrate take",
+               with_unit(truth[0], unit[0]).text);
     return true;
 }
 
@@ -260,14 +262,15 @@ HANDLER(calibrate)
     const struct recording *recording = session_recording(session);
     if (!text_is(name->item->text, "y") &&
         !(recording && text_is(name->item->text, recording->column[recording->value].name)))
-        return error_at(error, name->where, "calibrated is the value: calibrate y 20 cm 40 cm");
+        return error_at(error, name->where,
+                        "only the value can be calibrated: calibrate y 20 cm 40 cm");
     struct text rest = points->count ? points->item->text : TEXT("");
     const int n = calibration_values(&rest, value, unit, 4);
     if (n == 2)
         return two_truths(session, rest, value, unit, reply, error);
     if (n != 4 || rest.len > 0) {
         error_at(error, points->count ? points->where : name->where,
-                 "calibrate takes two true values, or READ1 TRUE1 READ2 TRUE2");
+                 "'calibrate' needs two true values, or READ1 TRUE1 READ2 TRUE2");
         return error_hint(error, "calibrate y 20 cm 40 cm; calibrate y 19.6 cm 20 cm 39.1 cm 40 "
                                  "cm");
     }
@@ -285,7 +288,7 @@ HANDLER(zero)
         session_collecting(session) ? growing(session) : session_recording(session);
     struct raw raw;
     if (!recording) {
-        error_set(error, ERROR_COMMAND, "nothing has come whose mean could be zero");
+        error_set(error, ERROR_COMMAND, "there are no data for a zero");
         return error_hint(error, "collect SOURCE for=2s; zero; collect again");
     }
     const double end = recording->t[recording->rows - 1],
@@ -308,7 +311,7 @@ HANDLER(zero)
         c.truth[1] -= truth;
     }
     c.decided = true;
-    reply_line(reply, "zero is where it reads %s: the mean of the last %.3g s, scatter %.2g",
+    reply_line(reply, "the zero is now at the reading %s (mean of the last %.3g s, scatter %.2g)",
                with_unit(mean, raw.unit).text, last, raw.scatter);
     calibration_keep(session, &c, reply);
     return true;

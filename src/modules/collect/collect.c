@@ -3,7 +3,7 @@
 #include "modules/collect/collecting.h"
 
 const struct module collect_module = {
-    .row = {"collect", "", "recordings from sensors as they come", "", NULL},
+    .row = {"collect", "", "recordings from sensors while they measure", "", NULL},
     .needs = "recording solving",
     .part_size = sizeof(struct collect_part),
     .prompt = {.next = collect_next, .state = collect_state},

@@ -76,7 +76,8 @@ static void say_end(const struct collection *c, const struct recording *recordin
                collection_status(c));
     buffer_free(&others);
     if (c->look.end == FEED_UNPLUGGED)
-        reply_warning(c->reply, "%s is gone%s%s: 'collect continue' goes on when it is back",
+        reply_warning(c->reply,
+                      "%s was disconnected%s%s; 'collect continue' resumes when it is back",
                       c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
 }
 
@@ -108,7 +109,7 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
         error_set(error, ERROR_IO, "%s", buffer_view(&missed));
     buffer_free(&missed);
     if (!gave_up && !error->hint[0])
-        error_hint(error, "its lines are kept in %.100s: 'load' reads them", c->to_shown);
+        error_hint(error, "its lines are kept in %.100s; 'load' reads them", c->to_shown);
     return gave_up;
 }
 
@@ -116,12 +117,13 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
 static bool say_unread(const struct collection *c, struct error *error)
 {
     const struct error why = *error;
-    error_set(error, why.code, "%llu %s from %s, no recording: %s",
+    error_set(error, why.code, "%llu %s from %s, but no recording: %s",
               (unsigned long long)(c->look.lines + c->there),
-              c->look.lines + c->there == 1 ? "line came" : "lines came", c->from_shown, why.text);
+              c->look.lines + c->there == 1 ? "line arrived" : "lines arrived", c->from_shown,
+              why.text);
     return error_hint(error,
-                      "its lines are kept in %.60s: 'load' with y=, sep= or decimal= may read "
-                      "them; or is baud=%ld not its speed?",
+                      "its lines are kept in %.60s; 'load' with y=, sep= or decimal= may read "
+                      "them; or baud=%ld may be wrong",
                       c->to_shown, c->baud);
 }
 
@@ -135,8 +137,9 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     if (c->look.lines + c->there == 0) {
         if (!c->again)
             unlink(c->path); /* it has a heading, and nothing else */
-        error_set(error, ERROR_IO, "nothing came from %s", c->from_shown);
-        return error_hint(error, "is it connected and switched on? 'cat' shows what it says");
+        error_set(error, ERROR_IO, "no data arrived from %s", c->from_shown);
+        return error_hint(error,
+                          "check that it is connected and switched on; 'cat' shows what it sends");
     }
     struct recording *recording = recording_load(c->path, &options, error);
     if (!recording)
@@ -166,8 +169,9 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     collect_say_fit(c);
     if (c->look.end != FEED_FAILED)
         return true;
-    error_set(error, ERROR_IO, "%s took no more (%s): what it has is whole, %llu %s lost",
+    error_set(error, ERROR_IO,
+              "%s could not take more data (%s); what it contains is complete, but %llu %s lost",
               c->to_shown, c->look.failure, (unsigned long long)c->look.unwritten,
               c->look.unwritten == 1 ? "line is" : "lines are");
-    return error_hint(error, "it is a recording now; 'collect continue' goes on with it");
+    return error_hint(error, "it is now a recording; 'collect continue' extends it");
 }

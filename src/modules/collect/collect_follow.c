@@ -84,7 +84,7 @@ static void look_at_calibration(struct collection *c)
         return;
     c->calibration = *wanted;
     if (!collect_put_calibration(c, &error))
-        reply_warning(c->reply, "the calibration is not in the file: %s", error.text);
+        reply_warning(c->reply, "the calibration was not written to the file: %s", error.text);
     collect_view_restart(&c->view);
     c->live.laid.model = NULL; /* the overlaid run is computed anew */
     const int place = collect_own_place(c->session);
@@ -134,21 +134,21 @@ static void say_waiting(struct collection *c)
     if (!c->said_silent && look->lines == 0 && look->now - c->t_begin > SILENT_S) {
         c->said_silent = true;
         if (look->bytes == 0)
-            reply_note(c->reply,
-                       "%s has said nothing for %.0f s: waiting for its first line; "
-                       "Ctrl-C ends it",
-                       c->source, SILENT_S);
+            reply_note(
+                c->reply,
+                "%s has sent nothing for %.0f s; waiting for its first line (Ctrl-C ends this)",
+                c->source, SILENT_S);
         else
             reply_note(c->reply,
-                       "%s has sent %llu bytes, but no end of line: is baud=%ld its speed? "
-                       "waiting; Ctrl-C ends it",
+                       "%s has sent %llu bytes but no line end; baud=%ld may be wrong; waiting "
+                       "(Ctrl-C ends this)",
                        c->from_shown, (unsigned long long)look->bytes, c->baud);
     }
     if (!c->said_none && look->lines > 20 && look->now - look->first > SILENT_S &&
         collect_own_place(c->session) < 0 && c->view.problem.text[0]) {
         c->said_none = true;
-        reply_note(c->reply, "no sample yet in %llu lines: %s", (unsigned long long)look->lines,
-                   c->view.problem.text);
+        reply_note(c->reply, "there is no sample yet in %llu lines: %s",
+                   (unsigned long long)look->lines, c->view.problem.text);
     }
 }
 

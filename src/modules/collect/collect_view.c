@@ -152,7 +152,9 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
         trigger->direction = text_is(way, "falling") ? -1 : 0;
     text_skip_blanks(&parser->rest);
     if (trigger->name.len == 0 || trigger->direction == 0)
-        return error_at(error, all, "trigger= is NAME rising or falling VALUE: \"y rising 22 cm\"");
+        return error_at(
+            error, all,
+            "trigger= needs NAME rising VALUE or NAME falling VALUE, as in \"y rising 22 cm\"");
     if (!parse_value(parser, "the trigger", QUANTITY_OTHER, &item, error) ||
         !refuse_rest(parser, &item, error))
         return false;
@@ -190,14 +192,15 @@ static bool refuse_trigger(const struct trigger *trigger, const struct recording
     char name[SAFE_NAME_SIZE];
     struct buffer names = {0};
     if (column)
-        return error_set(error, ERROR_COMMAND, "the trigger cannot come: %s is %s %s, %s is none",
+        return error_set(error, ERROR_COMMAND,
+                         "the trigger cannot happen: %s is %s %s, but %s is not",
                          safe_name(text_of(column->name), name), quantity_article(column->quantity),
                          quantity_name(column->quantity), trigger->unit->row.name);
-    error_set(error, ERROR_COMMAND, "the trigger cannot come: no column is called '%s'",
+    error_set(error, ERROR_COMMAND, "the trigger cannot happen because no column is called '%s'",
               safe_name(trigger->name, name));
     for (int i = 0; i < recording->columns && names.len < 100; i++)
         buffer_format(&names, ", %s", safe_name(text_of(recording->column[i].name), name));
-    error_hint(error, "trigger=\"y ...\" is the value; the columns are %s",
+    error_hint(error, "trigger=\"y ...\" means the value; the columns are %s",
                buffer_view(&names) + (names.len > 2 ? 2 : 0));
     buffer_free(&names);
     return false;
@@ -241,7 +244,7 @@ void trigger_missed(const struct trigger *trigger, const struct recording *recor
             high = fmax(high, column->value[i]);
             n++;
         }
-    buffer_format(output, "the trigger never came: %s", safe_name(trigger->said, name));
+    buffer_format(output, "the trigger never happened: %s", safe_name(trigger->said, name));
     if (n > 0)
         buffer_format(output, "; %s was %.6g to %.6g%s%s in %zu samples",
                       safe_name(trigger->name, name), low, high, column->unit[0] ? " " : "",

@@ -120,12 +120,12 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
          (stat(c->path, &own) == 0 && st.st_ino == own.st_ino && st.st_dev == own.st_dev))) {
         error_set(error, ERROR_IO, "cannot collect from %s: %s", c->from_shown,
                   access(c->source, F_OK) != 0 ? strerror(errno)
-                                               : "it is where the lines would go");
+                                               : "the lines would be written to it");
         return -1;
     }
     if (!c->again && lstat(c->path, &st) == 0) {
         error_set(error, ERROR_IO, "%s exists", c->to_shown);
-        error_hint(error, "to=FILE names another; 'collect continue' goes on with the current one");
+        error_hint(error, "to=FILE names another file; 'collect continue' extends the current one");
         return -1;
     }
     const int fd = append_open(c->path, session_policy(c->session, false), 0666, error);
@@ -178,7 +178,7 @@ static bool collection_start(struct collection *c, const struct arguments *args,
     if (!part)
         return error_memory(error);
     if (!feed)
-        return error_set(error, ERROR_COMMAND, "nothing can be collected here");
+        return error_set(error, ERROR_COMMAND, "this program cannot collect data");
     c->from_shown = shown(args, c->source);
     c->to_shown = shown(args, c->path);
     if (!c->from_shown || !c->to_shown)
@@ -240,15 +240,15 @@ static bool steer(struct session *session, const struct arguments *args, struct 
     const bool pause = has_argument(args, "pause"), continues = has_argument(args, "continue");
     if (!pause && !continues && !has_argument(args, "stop"))
         return error_set(error, ERROR_COMMAND,
-                         "a recording is being collected: 'stop' ends it, and keeps it");
+                         "a recording is already being collected; 'stop' ends and keeps it");
     if (!pause && !continues) {
         now->stop = true;
         return true;
     }
     session->front.feed->pause(now->feed, pause);
     now->state = pause ? COLLECT_PAUSED : COLLECT_GOES_ON;
-    reply_line(reply, pause ? "paused: what comes now is dropped; 'collect continue' goes on"
-                            : "collecting goes on");
+    reply_line(reply, pause ? "paused: arriving data are dropped; 'collect continue' resumes"
+                            : "collecting continues");
     return true;
 }
 
@@ -268,7 +268,7 @@ static bool repeat(struct session *session, const struct arguments *args, struct
     const struct text word = peek_word(parser.rest, "");
     parser.rest = (struct text){word.data + word.len, parser.rest.len - word.len};
     if (!text_is(word, "collect"))
-        return error_set(error, ERROR_COMMAND, "its file does not say how it was collected");
+        return error_set(error, ERROR_COMMAND, "its file does not record how it was collected");
     *again = (struct arguments){.command = args->command,
                                 .word = word,
                                 .scope = args->scope,
@@ -276,7 +276,7 @@ static bool repeat(struct session *session, const struct arguments *args, struct
                                 .where = args->where};
     return parse_arguments(&parser, args->command, again, error) &&
            (has_argument(again, "SOURCE") ||
-            error_set(error, ERROR_COMMAND, "its file does not say what it was collected from"));
+            error_set(error, ERROR_COMMAND, "its file does not name its source"));
 }
 
 /* Its time goes on as the clock on the wall did. */
@@ -302,7 +302,7 @@ static bool name_it(struct collection *c, const struct arguments *args, struct e
     if (!c->path)
         c->path = path.len ? arena_text(args->arena, path) : free_name(args, c->source);
     if (!c->path)
-        return error_set(error, ERROR_IO, "no name for the file: to=FILE gives it one");
+        return error_set(error, ERROR_IO, "the file has no name; give one with to=FILE");
     if (as.len > 0 && (as.len > LIMIT_NAME || peek_name(as).len != as.len))
         return error_at(
             error, as,
@@ -328,18 +328,19 @@ HANDLER(collect)
     if (!again)
         return error_memory(error);
     if (session->live.state == LIVE_RUNNING || session->execution.reacting)
-        return error_set(error, ERROR_COMMAND, "a run goes on: pause it before");
+        return error_set(error, ERROR_COMMAND, "a run is in progress; pause it first");
     if (has_argument(args, "pause") || has_argument(args, "stop"))
         return error_set(error, ERROR_COMMAND, "nothing is being collected");
     if (anew && !repeat(session, args, again, error))
         return false;
     if (continues && !go_on_after(&c, session_recording(session)))
-        return error_set(error, ERROR_IO, "its file is gone");
+        return error_set(error, ERROR_IO, "its file no longer exists");
     const struct text source = argument_text(anew ? again : args, "SOURCE");
     const bool input = text_is(source, "-");
     if (source.len == 0)
-        return error_set(error, ERROR_COMMAND, "collect needs a SOURCE: a device, a pipe, or -") ||
-               error_hint(error, "'load FILE' reads a recording that is there already");
+        return error_set(error, ERROR_COMMAND,
+                         "'collect' needs a SOURCE: a device, a pipe, or -") ||
+               error_hint(error, "'load FILE' reads an existing recording");
     if (input && !check_input(session, source, error))
         return false;
     const struct recording *previous = anew ? session_recording(session) : NULL;

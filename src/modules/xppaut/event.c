@@ -29,18 +29,19 @@ static bool add_reset(const struct ode_reader *reader, struct text reset, bool *
     struct error *error = reader->ode->error;
     const char *equals = memchr(reset.data, '=', reset.len);
     if (!equals)
-        return ode_error(error, reader->line, "an event sets NAME=FORMULA");
+        return ode_error(error, reader->line, "an event needs NAME=FORMULA");
     const struct text name = text_trim((struct text){reset.data, (size_t)(equals - reset.data)}),
                       formula = {equals + 1, reset.len - (size_t)(equals + 1 - reset.data)};
     if (text_is(name, "out_put") || text_is(name, "no_interp"))
-        return ode_error(error, reader->line, "events have no '%.*s'", (int)name.len, name.data);
+        return ode_error(error, reader->line, "events cannot use '%.*s'", (int)name.len, name.data);
     if (text_is(name, "arret")) {
         *stops = true;
         return true;
     }
     const struct ode_symbol *symbol = ode_find(reader->ode, name);
     if (!symbol || (symbol->kind != ODE_VARIABLE && symbol->kind != ODE_PARAM))
-        return ode_error(error, reader->line, "an event sets a variable or a parameter, not '%.*s'",
+        return ode_error(error, reader->line,
+                         "an event can set a variable or a parameter, but not '%.*s'",
                          (int)(name.len < 40 ? name.len : 40), name.data);
     buffer_format(output, "%s = ", symbol->as);
     if (!ode_formula(reader, formula, output))
@@ -57,12 +58,11 @@ bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
     const struct text sign = peek_word(rest, "{");
     rest = text_after(rest, sign.len);
     if (text_is(sign, "0"))
-        return ode_error(ode->error, line->number,
-                         "an event of sign 0 is where a step ends on it by chance: 1 or -1");
+        return ode_error(ode->error, line->number, "an event needs the sign 1 or -1");
     if (!(text_is(sign, "1") || text_is(sign, "-1") || text_is(sign, "+1")) ||
         !braced(&rest, &condition) || !braced(&rest, &resets))
         return ode_error(ode->error, line->number,
-                         "an event is global 1 {CONDITION} {NAME=FORMULA;...}, or -1");
+                         "write an event as global 1 {CONDITION} {NAME=FORMULA;...}, or -1");
     struct buffer when = {0}, commands = {0};
     bool stops = false, fine = ode_formula(&reader, condition, &when);
     buffer_put(&when, text_is(sign, "-1") ? TEXT(" falling") : TEXT(" rising"));

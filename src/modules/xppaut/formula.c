@@ -46,7 +46,7 @@ static bool ode_text_put(struct ode_writing *w, const char *text)
 {
     buffer_put(w->output, text_of(text));
     if (w->output->len > LONGEST)
-        return ode_writing_fail(w, "with its functions written out the formula is too long",
+        return ode_writing_fail(w, "the formula is too long after its functions are inserted",
                                 TEXT(""), "");
     return true;
 }
@@ -108,10 +108,11 @@ static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, s
         return ode_value_put(w, symbol, name);
     if (owner && owner->kind == ODE_DERIVED && symbol->kind != ODE_PARAM &&
         symbol->kind != ODE_DERIVED)
-        return ode_writing_fail(w, "'", name, "' is no parameter: it changes");
+        return ode_writing_fail(w, "'", name, "' is not a parameter: it changes");
     if (owner && owner->kind == symbol->kind && owner->index <= symbol->index)
-        return ode_writing_fail(w, "'", name,
-                                "' comes later: XPPAUT takes its value of the step before");
+        return ode_writing_fail(
+            w, "'", name,
+            "' is defined later, where XPPAUT would use its value of the previous step");
     return ode_text_put(w, symbol->as);
 }
 
@@ -250,14 +251,14 @@ static bool refuse_call(struct ode_writing *w, struct text name)
 {
     static const struct {
         const char *name, *why;
-    } known[] = {{"delay", "delays are not for scenes: "},
-                 {"del_shft", "delays are not for scenes: "},
-                 {"ran", "random numbers are not for scenes: "},
-                 {"normal", "random numbers are not for scenes: "},
-                 {"poisson", "random numbers are not for scenes: "},
-                 {"hom_bcs", "boundary conditions are not for scenes: "},
-                 {"ishift", "values by place are not for scenes: "},
-                 {"set", "formulas do not set anything in scenes: "}};
+    } known[] = {{"delay", "scenes have no delays: "},
+                 {"del_shft", "scenes have no delays: "},
+                 {"ran", "scenes have no random numbers: "},
+                 {"normal", "scenes have no random numbers: "},
+                 {"poisson", "scenes have no random numbers: "},
+                 {"hom_bcs", "scenes have no boundary conditions: "},
+                 {"ishift", "scenes have no values by index: "},
+                 {"set", "formulas cannot set values in scenes: "}};
     for (size_t i = 0; i < COUNT_OF(known); i++)
         if (text_is(name, known[i].name))
             return ode_writing_fail(w, known[i].why, name, "");
@@ -293,12 +294,12 @@ static bool put_shift(struct ode_writing *w, node expr, const struct scope *scop
                                         ? ode_find(ode, expr->argument[0]->name)
                                         : NULL;
     if (!base || !ode_node_value(expr->argument[1], scope, 0, &shift))
-        return ode_writing_fail(w, "", expr->name, "() takes a name and a number of places");
+        return ode_writing_fail(w, "", expr->name, "() needs a name and a shift");
     for (int i = 0; i < ode->symbols; i++)
         if (ode->symbol[i].kind == base->kind && base->kind < ODE_FUNCTION &&
             ode->symbol[i].index == base->index + floor(shift))
             return put_symbol(w, &ode->symbol[i], ode->symbol[i].name);
-    return ode_writing_fail(w, "there is nothing so many places behind ", base->name, "");
+    return ode_writing_fail(w, "there is no such index after ", base->name, "");
 }
 
 /* Its text as a function of what it is called with. */
@@ -307,7 +308,8 @@ static bool put_function(struct ode_writing *w, node expr, struct ode_symbol *fu
 {
     struct ode *ode = w->reader->ode;
     if (function->arguments != expr->arguments)
-        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
+        return ode_writing_fail(w, "", expr->name,
+                                "() is called with the wrong number of arguments");
     if (!function->body)
         function->body = ode_parse(ode->arena, function->line, function->text, ode->error);
     const struct scope inner = {.outer = scope, .function = function, .argument = expr->argument};
@@ -320,13 +322,14 @@ static bool put_places(struct ode_writing *w, node expr, struct ode_symbol *symb
 {
     double place;
     if (expr->arguments != 1)
-        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
+        return ode_writing_fail(w, "", expr->name,
+                                "() is called with the wrong number of arguments");
     if (symbol->kind == ODE_TABLE) {
         const node sum = ode_table_at(w->reader->ode, symbol, expr->argument[0]);
         return sum && formula_put(w, sum, scope, may);
     }
     if (!ode_node_value(expr->argument[0], scope, 0, &place))
-        return ode_writing_fail(w, "the place in '", symbol->name, "' has to be a number");
+        return ode_writing_fail(w, "the index in '", symbol->name, "' has to be a number");
     const node sum = ode_net_at(w->reader->ode, symbol, place);
     return sum && formula_put(w, sum, NULL, may);
 }
@@ -348,7 +351,8 @@ static bool put_call(struct ode_writing *w, node expr, const struct scope *scope
     if (builtin == end)
         return refuse_call(w, expr->name);
     if (builtin->arguments != expr->arguments)
-        return ode_writing_fail(w, "", expr->name, "() is called with another number of arguments");
+        return ode_writing_fail(w, "", expr->name,
+                                "() is called with the wrong number of arguments");
     if (!ode_text_put(w, builtin->as) || !ode_text_put(w, "("))
         return false;
     for (int i = 0; i < expr->arguments; i++)
@@ -363,11 +367,11 @@ static bool put_sum(struct ode_writing *w, node expr, const struct scope *scope)
     struct scope inner = {.outer = scope};
     if (!ode_node_value(expr->argument[0], scope, 0, &first) ||
         !ode_node_value(expr->argument[1], scope, 0, &last))
-        return ode_writing_fail(w, "the ends of a sum have to be numbers", TEXT(""), "");
+        return ode_writing_fail(w, "the limits of a sum must be numbers", TEXT(""), "");
     first = floor(first);
     last = floor(last);
     if (!(last - first < TERMS))
-        return ode_writing_fail(w, "a sum of too many terms", TEXT(""), "");
+        return ode_writing_fail(w, "the sum has too many terms", TEXT(""), "");
     if (!(first <= last))
         return ode_text_put(w, "0");
     if (!ode_text_put(w, "("))
@@ -438,7 +442,7 @@ static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope
         return ode_number_put(w, expr->number);
     case NODE_INDEX:
         return enclosing_sum ? ode_number_put(w, enclosing_sum->index)
-                             : ode_writing_fail(w, "i' outside of a sum", TEXT(""), "");
+                             : ode_writing_fail(w, "i' is used outside of a sum", TEXT(""), "");
     case NODE_NAME:
         return ode_name_put(w, expr->name, scope, may);
     case NODE_CALL:
@@ -462,7 +466,7 @@ static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope
 static bool formula_put(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     if (++w->depth > DEEPEST)
-        return ode_writing_fail(w, "functions that call each other, or too many of them", TEXT(""),
+        return ode_writing_fail(w, "functions call each other, or too many are nested", TEXT(""),
                                 "");
     const bool fine = put_kind(w, expr, scope, may);
     w->depth--;

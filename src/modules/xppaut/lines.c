@@ -31,8 +31,8 @@ static bool ode_line_add(struct ode_lines *r, struct text text, int number)
         return true;
     r->bytes += text.len;
     if (r->count == ODE_LINES || r->bytes > ODE_TEXT)
-        return ode_error(r->error, number, "arrays make more than %d lines or %zu bytes", ODE_LINES,
-                         ODE_TEXT);
+        return ode_error(r->error, number, "arrays expand to more than %d lines or %zu bytes",
+                         ODE_LINES, ODE_TEXT);
     if (r->count == r->capacity) {
         const int capacity = r->capacity ? 2 * r->capacity : 64;
         struct ode_line *more = arena_array(r->arena, (size_t)capacity, sizeof *more);
@@ -76,14 +76,15 @@ static bool subscript(struct text inside, const long *j, int number, long *value
     struct text rest = letter ? text_trim(text_after(inside, 1)) : inside;
     const char sign = letter && rest.len > 0 ? rest.data[0] : '+';
     if (letter && !j)
-        return ode_error(error, number, "[j] outside of an array");
+        return ode_error(error, number, "[j] is used outside of an array");
     if (letter && rest.len > 0)
         rest = text_trim(text_after(rest, 1));
     size_t digits = !letter && rest.len > 0 && rest.data[0] == '-';
     while (digits < rest.len && rest.data[digits] >= '0' && rest.data[digits] <= '9')
         digits++;
     if (digits != rest.len || (!letter && rest.len == 0) || !strchr("+-*", sign))
-        return ode_error(error, number, "[%.*s] is no place in an array: a number, j, j+1 or j*2",
+        return ode_error(error, number,
+                         "[%.*s] is not an index of an array; use a number, j, j+1 or j*2",
                          (int)(inside.len < 40 ? inside.len : 40), inside.data);
     if (!letter)
         *value = whole(rest);
@@ -229,8 +230,7 @@ struct group {
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
     if (line.data[0] == '#' && text_starts(text_after(line, 1), TEXT("include")))
-        return ode_error(r->error, number,
-                         "another file is included: its lines have to stand here");
+        return ode_error(r->error, number, "included files are not read; insert their lines here");
     if (line.data[0] == '#' || line.data[0] == '"')
         return true;
     if (line.data[0] == '%' && !group->number) {
@@ -262,9 +262,9 @@ bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, in
         else if (whole_line.len > 0 && is_done(whole_line))
             break;
         else if (begin == 1 && whole(whole_line) > 0)
-            fine = ode_error(error, 1,
-                             "a file of the old style, which begins with the number of "
-                             "its equations");
+            fine = ode_error(
+                error, 1,
+                "this is a file of the old style, which begins with the number of its equations");
         else if (whole_line.len > 0)
             fine = take_whole(&r, &group, whole_line, begin);
     }

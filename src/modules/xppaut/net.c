@@ -30,14 +30,14 @@ bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
     symbol->table = table;
     if (rest.len == 0 || rest.data[0] != '%')
         return ode_error(ode->error, symbol->line,
-                         "the numbers of the table are in another file: a formula of t is "
-                         "table NAME %% POINTS FROM TO FORMULA");
+                         "the numbers of the table are in another file; use a formula of t: table "
+                         "NAME %% POINTS FROM TO FORMULA");
     rest = text_after(rest, 1);
     if (!take_number(&rest, &points) || !take_number(&rest, &table->x_low) ||
         !take_number(&rest, &table->x_high) || !(points >= 2 && points <= POINTS) ||
         !(table->x_high > table->x_low))
         return ode_error(ode->error, symbol->line,
-                         "a table is table NAME %% POINTS FROM TO FORMULA, 2 to %d points",
+                         "write a table as table NAME %% POINTS FROM TO FORMULA, 2 to %d points",
                          (int)POINTS);
     table->points = (int)points;
     table->formula = text_trim(rest);
@@ -74,7 +74,7 @@ static bool find_values(struct ode *ode, struct ode_symbol *symbol)
     if (table->value)
         return true;
     if (table->begun)
-        return ode_error(ode->error, symbol->line, "the table is made of itself");
+        return ode_error(ode->error, symbol->line, "the table depends on itself");
     table->begun = true;
     const struct ode_node *const formula =
         ode_parse(ode->arena, symbol->line, table->formula, ode->error);
@@ -178,15 +178,16 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
     if (!open || !text_is(text_trim((struct text){all.data, (size_t)(open - all.data)}), "conv") ||
         all.data[all.len - 1] != ')')
         return ode_error(ode->error, symbol->line,
-                         "networks (special) other than conv() are not for scenes");
+                         "scenes have no networks (special) other than conv()");
     inside = (struct text){open + 1, (size_t)(all.data + all.len - 1 - (open + 1))};
     for (; parts < 5 && text_split(&inside, ',', &part[parts]); parts++)
         part[parts] = text_trim(part[parts]);
     if (parts < 5 || inside.len > 0 || part[0].len == 0 || !strchr("ep0z", part[0].data[0]) ||
         !take_whole(part[1], POINTS, &net->count) || !take_whole(part[2], POINTS, &net->reach) ||
         net->reach >= net->count)
-        return ode_error(ode->error, symbol->line,
-                         "a network is special NAME=conv(even|periodic|0,COUNT,REACH,TABLE,FIRST)");
+        return ode_error(
+            ode->error, symbol->line,
+            "write a network as special NAME=conv(even|periodic|0,COUNT,REACH,TABLE,FIRST)");
     net->edge = part[0].data[0];
     net->weights = part[3];
     net->first = part[4];
@@ -226,13 +227,13 @@ const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, do
     const struct ode_symbol *const first = ode_find(ode, net->first);
     const struct ode_node *sum = NULL;
     if (!weights || weights->kind != ODE_TABLE || weights->table->points != 2 * net->reach + 1) {
-        ode_error(ode->error, symbol->line, "its weights are a table of %d points",
+        ode_error(ode->error, symbol->line, "its weights must be a table of %d points",
                   2 * net->reach + 1);
         return NULL;
     }
     if (!first || first->kind >= ODE_FUNCTION || !quantity_node(ode, first, net->count - 1)) {
         if (ode->error->code == ERROR_NONE)
-            ode_error(ode->error, symbol->line, "there are not %d quantities from '%.*s' on",
+            ode_error(ode->error, symbol->line, "there are fewer than %d quantities from '%.*s' on",
                       net->count, (int)(net->first.len < 40 ? net->first.len : 40),
                       net->first.data);
         return NULL;

@@ -57,7 +57,7 @@ static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
     snprintf(name, sizeof name, "%s", plain);
     for (int i = 1; !is_free(&s->ode, symbol, options, text_of(name)); i++) {
         if (i > 9999 || len == 0)
-            return ode_error(s->ode.error, symbol->line, "there is no name for '%.*s'",
+            return ode_error(s->ode.error, symbol->line, "no free name was found for '%.*s'",
                              (int)(symbol->name.len < 40 ? symbol->name.len : 40),
                              symbol->name.data);
         snprintf(name, sizeof name, "%s_%d", plain, i);
@@ -205,7 +205,7 @@ static bool note_tables(struct ode_statements *s)
         char safe[SAFE_NAME_SIZE];
         if (symbol->kind == ODE_TABLE && symbol->table->reads &&
             !ode_note(s, symbol->line, false,
-                      "the table %s keeps its numbers where its parameters change",
+                      "the table %s keeps its numbers when its parameters change",
                       safe_name(symbol->name, safe)))
             return false;
     }

@@ -161,7 +161,7 @@ static node series(struct ode_parser *p, struct text name)
     if (!ends)
         return NULL;
     if (ends->arguments != 2 || !ode_word_take(p, "of"))
-        return parser_fail(p, "a sum is sum(from,to)of(formula)");
+        return parser_fail(p, "write a sum as sum(from,to)of(formula)");
     const node summand = in_parentheses(p);
     struct ode_node *made = summand ? parser_node_make(p, NODE_SUM, 3) : NULL;
     if (made) {
@@ -185,13 +185,13 @@ static node word_parse(struct ode_parser *p)
         return parser_node_make(p, NODE_INDEX, 0);
     }
     if (next == '\'')
-        return parser_fail(p, "a derivative stands on the left only");
+        return parser_fail(p, "a derivative can be only on the left side");
     if (text_is(name, "if"))
         return choice(p);
     if (text_is(name, "not"))
         return parser_fail(p, "'not' needs an operator before it");
     if (text_is(name, "int") && (next == '{' || next == '['))
-        return parser_fail(p, "integral equations (Volterra) are not for scenes:");
+        return parser_fail(p, "scenes have no integral equations (Volterra):");
     if (parser_peek(p) == '(')
         return text_is(name, "sum") ? series(p, name) : call_parse(p, name);
     struct ode_node *made = parser_node_make(p, NODE_NAME, 0);
@@ -208,7 +208,7 @@ static node atom_parse(struct ode_parser *p)
         size_t used;
         const struct text rest = {p->text.data + p->position, p->text.len - p->position};
         if (real_scan(rest, '.', &value, &used) == REAL_OVERFLOW || used == 0)
-            return parser_fail(p, "no number");
+            return parser_fail(p, "not a number");
         p->position += used;
         struct ode_node *made = parser_node_make(p, NODE_NUMBER, 0);
         if (made)
@@ -294,6 +294,6 @@ const struct ode_node *ode_parse(struct arena *arena, int line, struct text text
     struct ode_parser p = {.arena = arena, .error = error, .text = text_trim(text), .line = line};
     const node whole = sum_parse(&p);
     if (whole && parser_peek(&p) != '\0')
-        return parser_fail(&p, "the formula ends");
+        return parser_fail(&p, "there is more after the formula,");
     return whole;
 }

@@ -46,7 +46,7 @@ bool ode_number(int line, struct text name, struct text value, double *number, s
     if (real_parse(value, number) == REAL_OK && isfinite(*number))
         return true;
     const int shown = (int)(name.len < 40 ? name.len : 40);
-    return ode_error(error, line, "%.*s=%.*s: XPPAUT takes a number there", shown, name.data,
+    return ode_error(error, line, "%.*s=%.*s: this needs a number", shown, name.data,
                      (int)(value.len < 40 ? value.len : 40), value.data);
 }
 
@@ -65,7 +65,7 @@ static const struct known {
     {"nout", offsetof(struct ode_settings, every), offsetof(struct ode_settings, has_every), NULL},
     {"njmp", offsetof(struct ode_settings, every), offsetof(struct ode_settings, has_every), NULL},
     {"trans", 0, 0, "the transient is recorded, too"},
-    {"fold", 0, 0, "angles are not folded back to the first turn"},
+    {"fold", 0, 0, "angles are not reduced to one turn"},
     {"tor_per", 0, 0, NULL},
     {"delay", 0, 0, NULL},
 };
@@ -131,7 +131,7 @@ bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, st
 {
     if (settings->has_method && settings->method == 'd')
         return ode_error(error, settings->line,
-                         "method discrete: maps are not for scenes, in which time is continuous");
+                         "method discrete: scenes have continuous time, so maps are not possible");
     size_t i = 0;
     while (i < COUNT_OF(methods) && settings->has_method && methods[i].letter != settings->method)
         i++;
@@ -149,6 +149,6 @@ bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, st
                        ? (int)settings->every
                        : 1;
     if (!(scene->total > 0) || !(scene->dt > 0) || !isfinite(scene->t0))
-        return error_set(error, ERROR_IO, "total and dt have to be above 0: runs go forwards");
+        return error_set(error, ERROR_IO, "total and dt must be above 0");
     return true;
 }

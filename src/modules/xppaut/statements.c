@@ -44,8 +44,7 @@ bool ode_note(struct ode_statements *s, int line, bool warns, const char *format
     vsnprintf(text + used, sizeof text - (size_t)used, format, args);
     va_end(args);
     if (s->notes == ODE_NOTES)
-        snprintf(text, sizeof text, "line %d and those behind it: what there is to say is left out",
-                 line);
+        snprintf(text, sizeof text, "more notes for line %d and later lines are omitted", line);
     for (int i = 0; i < s->notes; i++)
         if (strcmp(s->note[i].text, text) == 0)
             return true;
@@ -72,7 +71,7 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
 {
     struct ode *ode = &s->ode;
     if (kind != ODE_AUX && !is_name(name)) {
-        ode_error(ode->error, line, "'%.*s' is no name", shown(name), name.data);
+        ode_error(ode->error, line, "'%.*s' is not a name", shown(name), name.data);
         return NULL;
     }
     const struct ode_symbol *other = kind == ODE_AUX ? NULL : ode_find(ode, name);
@@ -82,7 +81,7 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
     else if (kind != ODE_AUX && (text_is(name, "t") || text_is(name, "pi")))
         ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.data);
     else if (ode->symbols == ODE_SYMBOLS)
-        ode_error(ode->error, line, "more than %d names", ODE_SYMBOLS);
+        ode_error(ode->error, line, "the file has more than %d names", ODE_SYMBOLS);
     else if (ode_grow(ode, &ode->symbol, ode->symbols, &ode->capacity, sizeof *ode->symbol))
         other = NULL;
     else
@@ -117,8 +116,7 @@ static bool take_initial(struct ode_statements *s, int line, struct text name, s
     *initial = (struct ode_value){.name = name, .line = line};
     if (value.len == 0 || real_parse(value, &initial->value) == REAL_OK)
         return true;
-    return ode_error(s->ode.error, line,
-                     "%.*s(0)=%.*s: an initial value is a number; a formula is the past of a delay",
+    return ode_error(s->ode.error, line, "%.*s(0)=%.*s: an initial value must be a number",
                      shown(name), name.data, shown(value), value.data);
 }
 
@@ -135,7 +133,7 @@ static bool take_aux(struct ode_statements *s, int line, struct text rest)
 {
     const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
     if (!equals)
-        return ode_error(s->ode.error, line, "an auxiliary quantity is aux NAME=FORMULA");
+        return ode_error(s->ode.error, line, "write an auxiliary quantity as aux NAME=FORMULA");
     return ode_symbol_add(s, ODE_AUX, line,
                           text_trim((struct text){rest.data, (size_t)(equals - rest.data)}),
                           statement_tail(rest, (size_t)(equals + 1 - rest.data)));
@@ -153,7 +151,7 @@ static bool take_special(struct ode_statements *s, int line, struct text rest)
 {
     const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
     if (!equals)
-        return ode_error(s->ode.error, line, "a network is special NAME=conv(...)");
+        return ode_error(s->ode.error, line, "write a network as special NAME=conv(...)");
     struct ode_symbol *symbol = ode_symbol_add(
         s, ODE_NET, line, text_trim((struct text){rest.data, (size_t)(equals - rest.data)}),
         statement_tail(rest, (size_t)(equals + 1 - rest.data)));
@@ -164,7 +162,7 @@ static bool take_set(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "{");
     if (name.len == 0)
-        return ode_error(s->ode.error, line, "a set is set NAME {NAME=VALUE,...}");
+        return ode_error(s->ode.error, line, "write a set as set NAME {NAME=VALUE,...}");
     s->set[s->sets++] = (struct ode_set){name, statement_tail(rest, name.len), line};
     return true;
 }
@@ -172,7 +170,7 @@ static bool take_set(struct ode_statements *s, int line, struct text rest)
 static bool take_global(struct ode_statements *s, int line, struct text rest)
 {
     if (s->events == ODE_EVENTS)
-        return ode_error(s->ode.error, line, "more than %d events", ODE_EVENTS);
+        return ode_error(s->ode.error, line, "the file has more than %d events", ODE_EVENTS);
     s->event[s->events++] = (struct ode_line){rest, line};
     return true;
 }
@@ -181,7 +179,7 @@ static bool take_boundary(struct ode_statements *s, int line, struct text rest)
 {
     (void)rest;
     return ode_note(s, line, true,
-                    "boundary conditions are left out: it starts from its initial values");
+                    "boundary conditions are ignored; the scene starts from its initial values");
 }
 
 static bool take_nothing(struct ode_statements *s, int line, struct text rest)
@@ -207,16 +205,16 @@ static const struct word {
     {"bndry", 1, take_boundary, NULL},
     {"boundary", 1, take_boundary, NULL},
     {"only", 2, take_nothing, NULL},
-    {"wiener", 1, NULL, "noise (wiener) is not for scenes: their motion is one for each start"},
-    {"markov", 2, NULL, "Markov variables are not for scenes: they change by chance"},
+    {"wiener", 1, NULL, "scenes have no noise (wiener)"},
+    {"markov", 2, NULL, "scenes have no Markov variables"},
     {"special", 2, take_special, NULL},
-    {"solve", 2, NULL, "algebraic equations (solve, 0=) are not for scenes"},
+    {"solve", 2, NULL, "scenes have no algebraic equations (solve, 0=)"},
     {"table", 2, take_table, NULL},
     {"tabular", 2, take_table, NULL},
-    {"export", 2, NULL, "values that a C library computes (export) are not for scenes"},
-    {"vector", 3, NULL, "networks (vector) are not for scenes"},
-    {"volterra", 1, NULL, "integral equations (volt) are not for scenes"},
-    {"options", 2, NULL, "its settings are in another file (options): they have to stand here"},
+    {"export", 2, NULL, "scenes have no values computed by a C library (export)"},
+    {"vector", 3, NULL, "scenes have no networks (vector)"},
+    {"volterra", 1, NULL, "scenes have no integral equations (volt)"},
+    {"options", 2, NULL, "its settings are in another file (options); insert them here"},
 };
 
 static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *line, size_t end)
@@ -275,17 +273,17 @@ static bool take_call(struct ode_statements *s, const struct ode_line *line, siz
     const char *close = memchr(all.data + open, ')', all.len - open);
     const char *equals = close ? memchr(close, '=', all.len - (size_t)(close - all.data)) : NULL;
     if (!equals)
-        return ode_error(s->ode.error, line->number, "NAME(...)=FORMULA is not complete");
+        return ode_error(s->ode.error, line->number, "NAME(...)=FORMULA is incomplete");
     const struct text inside = {all.data + open + 1, (size_t)(close - all.data) - open - 1},
                       right = statement_tail(all, (size_t)(equals + 1 - all.data));
     if (is_inside(inside, "t+1"))
         return ode_error(s->ode.error, line->number,
-                         "maps are not for scenes, in which time is continuous");
+                         "scenes have continuous time, so maps are not possible");
     if (is_inside(inside, "0"))
         return take_initial(s, line->number, name, right);
     if (is_inside(inside, "t") && (text_holds(right, "int{") || text_holds(right, "int[")))
         return ode_error(s->ode.error, line->number,
-                         "integral equations (Volterra) are not for scenes");
+                         "scenes have no integral equations (Volterra)");
     return take_function(s, line->number, name, inside, right);
 }
 
@@ -305,9 +303,9 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     const struct text first = peek_word(rest, ",");
     const char *note;
     rest = text_after(rest, first.len);
-    if (first.len > 1 && !ode_note(s, line->number, true,
-                                   "XPPAUT takes no setting that stands right "
-                                   "behind @: neither is it taken here"))
+    if (first.len > 1 &&
+        !ode_note(s, line->number, true,
+                  "XPPAUT ignores a setting directly after @, and so does this program"))
         return false;
     while (ode_pair(&rest, &name, &value))
         if (!ode_setting(&s->settings, line->number, name, value, &note, s->ode.error) ||
@@ -331,14 +329,15 @@ static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
                                    : text.data[end] == ' ' ? '='
                                                            : text.data[end]);
     if (text_is(name, "0") && mark == '=')
-        return ode_error(s->ode.error, line->number, "algebraic equations (0=) are not for scenes");
+        return ode_error(s->ode.error, line->number, "scenes have no algebraic equations (0=)");
     switch (mark) {
     case '=':
         return text.data[0] == '!' ? take_right(s, line, ODE_DERIVED, statement_tail(name, 1), end)
                                    : take_right(s, line, ODE_FIXED, name, end);
     case '/':
         if (text.data[0] != 'd' || end < 2 || !text_starts(rest, TEXT("/dt")))
-            return ode_error(s->ode.error, line->number, "an equation is dx/dt=FORMULA or x'=...");
+            return ode_error(s->ode.error, line->number,
+                             "write an equation as dx/dt=FORMULA or x'=...");
         return take_right(s, line, ODE_VARIABLE, statement_tail(name, 1), end);
     case '\'':
         return take_right(s, line, ODE_VARIABLE, name, end);

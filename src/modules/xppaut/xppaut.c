@@ -167,7 +167,7 @@ static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
 {
     char name[SAFE_NAME_SIZE];
     for (int i = 0; i < ode_scene->sets; i++)
-        buffer_format(text, "%s%s", i == 0 ? "\n  sets, which set=NAME takes: " : " ",
+        buffer_format(text, "%s%s", i == 0 ? "\n  sets for set=NAME: " : " ",
                       safe_name(ode_scene->set[i], name));
 }
 
@@ -188,7 +188,7 @@ static void reply_from(const struct session *session, const struct ode_scene *od
         buffer_quantity(&text, ode_scene->dt, QUANTITY_TIME, 6);
     }
     if (ode_scene->meant)
-        buffer_format(&text, " (there: %s)", ode_scene->meant);
+        buffer_format(&text, " (in the file: %s)", ode_scene->meant);
     buffer_put(&text, TEXT("; 'scene' shows its equations, 'run' runs it"));
     put_sets(ode_scene, &text);
     reply_text(reply, buffer_text(&text));

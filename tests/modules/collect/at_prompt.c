@@ -244,7 +244,7 @@ static void test_two_programs(void **state)
     close(other[1]);
     said(other[0], &second);
     assert_int_equal(status_of(late), 4);
-    contains(&second, "another program collects from it");
+    contains(&second, "another program is collecting from it");
     assert_int_equal(access(in_work("two.txt"), F_OK), -1);
     assert_true(is_raw(line.slave)); /* the first one's modes stay */
     kill(program, SIGINT);
@@ -289,7 +289,7 @@ static void test_plugged_in_again(void **state)
         assert_int_equal(status_of(program), 0);
         contains(&text, "(unplugged)");
         if (again)
-            contains(&text, "started again 1 time");
+            contains(&text, "restarted 1 time");
         assert_null(strstr(buffer_view(&text), "goes back"));
         assert_null(strstr(buffer_view(&text), "garbled"));
         buffer_free(&text);
@@ -398,9 +398,9 @@ static void test_calibrate(void **state)
     expect(&p, "COLLECTING");
     await_lines(path, 150);
     type(&p, "calibrate y 20 cm 40 cm\r");
-    expect(&p, "hold it at 20 cm, then: calibrate take");
+    expect(&p, "hold it at 20 cm, then type: calibrate take");
     type(&p, "calibrate take\r");
-    expect(&p, "hold it at 40 cm, then: calibrate take");
+    expect(&p, "hold it at 40 cm, then type: calibrate take");
     kill(device, SIGUSR1);
     await_lines(path, 600); /* the last second is all of the second level */
     type(&p, "calibrate take\r");

@@ -34,8 +34,8 @@ attempts() { # command...
     return 1
 }
 mkfifo pipe
-await 'has said nothing' silent.txt | "$hooke" -n -c 'collect -' >silent.txt 2>&1 &
-(printf '\377\376\375'; await 'no end of line' endless.out) | "$hooke" -n -c 'collect - to=endless.txt' >endless.out 2>&1 &
+await 'has sent nothing' silent.txt | "$hooke" -n -c 'collect -' >silent.txt 2>&1 &
+(printf '\377\376\375'; await 'no line end' endless.out) | "$hooke" -n -c 'collect - to=endless.txt' >endless.out 2>&1 &
 waiting="$(jobs -p)"
 
 # ---- all of it, once
@@ -62,7 +62,7 @@ without_clock() {
     wait $!
     period=$(sed -n 's/^  T = \([0-9.]*\) .*/\1/p' none.txt)
     awk -v t="${period:-0}" 'BEGIN { exit !(t > 0.7245 && t < 0.7266) }' && # 2 pi sqrt(m/k) = 0.72552 s; 1.7 s hold two periods
-        grep -q 'they jitter by' none.txt
+        grep -q 'with a jitter of' none.txt
 }
 # Did sender or reader miss the processor for more than 10 ms? The times of arrival in the file say so.
 arrivals_have_gaps() { grep -v '^#' "$1" | awk '{ if (NR > 1 && $1 - before > 0.01) gaps++; before = $1 } END { exit !gaps }'; }
@@ -72,7 +72,7 @@ for attempt in 1 2 3; do
     arrivals_have_gaps swing-1.txt || break
 done
 # Where the lines did not arrive in time, three times, they need to be warned of.
-warns_of_gaps() { [ "$status" -ne 0 ] && arrivals_have_gaps swing-1.txt && grep -q 'warning: .*\(they jitter by\|arrive unevenly\)' none.txt; }
+warns_of_gaps() { [ "$status" -ne 0 ] && arrivals_have_gaps swing-1.txt && grep -q 'warning: .*\(with a jitter of\|arrive unevenly\)' none.txt; }
 [ "$status" -eq 0 ] || warns_of_gaps
 ok "the period by the line through the arrivals, and their jitter" $? "$(cat none.txt)"
 relative() { sed -n "s/.*$1\([0-9.]*\) +- \([0-9.]*\).*/\1 \2/p" none.txt | head -n 1; }
@@ -94,7 +94,7 @@ source=$!
 program=$!
 until [ -e int.txt ] && [ "$(wc -l <int.txt)" -gt 900 ]; do sleep 0.05; done
 "$hooke" -n -c 'collect pipe to=second.txt' >second.out 2>&1
-grep -q 'another program collects from it' second.out && [ ! -e second.txt ]
+grep -q 'another program is collecting from it' second.out && [ ! -e second.txt ]
 ok "two do not share a pipe" $? "$(cat second.out)"
 kill -INT $program
 wait $program
@@ -147,7 +147,7 @@ sensor spring rate=1000 quirks=off time=s for=2s >pipe 2>/dev/null &
 bash -c "ulimit -f 16; exec '$hooke' -n --format json -c 'collect pipe to=full.txt'" >full.json 2>full.err
 is "a file that takes no more is a failure" 4 $?
 is "and a status" full "$(value status full.json)"
-grep -q 'what it has is whole, [0-9]* lines\? \(are\|is\) lost' full.err
+grep -q 'what it contains is complete, but [0-9]* lines\? \(are\|is\) lost' full.err
 ok "how many lines are lost is said" $? "$(cat full.err)"
 raw full.txt | cmp -s - <(sensor spring rate=1000 quirks=off time=s for=1s | tr -d '\r' | head -n "$(raw full.txt | wc -l)")
 ok "and has whole lines" $? "$(tail -n 2 full.txt)"
@@ -173,14 +173,14 @@ is "numbers without a unit are in that of the trigger" 0.5 "$(value t_start trig
 trigger never.txt 'y rising 32 cm' unit=cm
 is "one that never came is an error" 4 $?
 is "and a status" untriggered "$(value status trigger.json)"
-grep -q 'the trigger never came: y rising 32 cm; y was 15 to 25 cm in 300 samples' trigger.err && [ "$(raw never.txt | wc -l)" -eq 300 ]
+grep -q 'the trigger never happened: y rising 32 cm; y was 15 to 25 cm in 300 samples' trigger.err && [ "$(raw never.txt | wc -l)" -eq 300 ]
 ok "what was seen instead is told, and kept" $? "$(cat trigger.json trigger.err)"
 trigger who.txt 'z rising 22' ''
 is "a column that is not there is refused" 1 $?
 grep -q "no column is called 'z'" trigger.err
 ok "and named" $? "$(cat trigger.json)"
 trigger what.txt 'y rising 22 deg' unit=cm
-grep -q 'is a length, deg is none' trigger.err
+grep -q 'is a length, but deg is not' trigger.err
 ok "a length is not waited for in degrees" $? "$(cat trigger.json)"
 {
     swing 300
@@ -191,7 +191,7 @@ ok "a length is not waited for in degrees" $? "$(cat trigger.json)"
     echo $BASHPID >pid
     exec timeout 120 "$hooke" -n -c 'collect - to=gave-up.txt tunit=ms trigger="y rising 99"; measure period' >gave-up.out 2>&1
 }
-grep -q 'the trigger never came' gave-up.out && grep -q '^T = ' gave-up.out
+grep -q 'the trigger never happened' gave-up.out && grep -q '^T = ' gave-up.out
 ok "who gives up has what came" $? "$(cat gave-up.out)"
 
 # ---- how long: from the first line or from the trigger, also where the device's clock has been going on before
@@ -216,9 +216,9 @@ is "nothing is said to be nothing" 4 $?
 [ ! -e nothing.txt ]
 ok "and leaves no file" $?
 wait $waiting
-grep -q 'has said nothing for 2 s' silent.txt
+grep -q 'has sent nothing for 2 s' silent.txt
 ok "who is silent is said to be" $? "$(cat silent.txt)"
-grep -q 'no end of line' endless.out
+grep -q 'no line end' endless.out
 ok "who ends no line, too" $? "$(cat endless.out)"
 { for i in $(seq 60); do printf '%d,%d\n' "$((i * 10))" "$((i * 37 % 50))"; done; head -c 1000000 /dev/zero | tr '\0' 7
     printf '\n\0\0\0\n\033[2J\033]0;gone\007\n%070000d\n' 0; for i in $(seq 61 120); do printf '%d,%d\n' "$((i * 10))" "$((i * 37 % 50))"; done; } |
@@ -232,8 +232,8 @@ for i in $(seq 0 99); do printf '%d,%d\n' "$((i * 10))" "$i"; done | # over befo
 grep -q 'trigger: y at t = 0.5 s' few.out && grep -q 'few.txt: 100 lines' few.out
 ok "what is over at once is all there, and triggers" $? "$(cat few.out)"
 "$hooke" -n --safe -c 'collect /dev/zero' >out.txt 2>&1
-grep -q 'safe opens no device' out.txt
-ok "--safe opens no device" $? "$(cat out.txt)"
+grep -q 'safe does not allow devices' out.txt
+ok "--safe does not allow devices" $? "$(cat out.txt)"
 printf 'collect -\n1 2\n' | "$hooke" -n >out.txt 2>&1
 grep -q 'already provides the commands' out.txt
 ok "commands and lines do not share standard input" $? "$(cat out.txt)"

@@ -84,7 +84,7 @@ awk 'BEGIN { for (i = 0; i < 200; i++) printf "%.2f,%d\n", i / 100, 512 + (i % 2
 grep -q '"unit":"cm"' counts.json
 ok "counts become centimetres" $? "$(cat counts.json)"
 "$hooke" -n -c 'load raw.txt; calibrate y 20 cm 40 cm at=1:2,2:3' >out.txt 2>&1
-[ $? -eq 1 ] && grep -q 'both times: that is one point' out.txt
+[ $? -eq 1 ] && grep -q 'both times, so there is only one point' out.txt
 ok "two readings that are one are refused" $? "$(cat out.txt)"
 held | "$hooke" -n -c 'calibrate y 5 V 20 cm 9 V 40 cm; collect - to=volts.txt' >out.txt 2>&1
 grep -q 'was calibrated in V but is now in cm' out.txt && [ "$(raw volts.txt | wc -l)" -eq 501 ]

@@ -19,7 +19,7 @@ try() { "$hooke" -n "$@" >out 2>err; }
 cp "$top/examples/typed/pulse.ode" .
 try -c "load scene pulse.ode"
 [ $? -eq 0 ] && grep -q "^scene pulse: 24 variables, 4 parameters, 12 observed, 0 events$" out &&
-    grep -q "100 s by rk4, dt = 200 ms" out && grep -q "set=NAME takes: still$" out && [ ! -s err ]
+    grep -q "100 s by rk4, dt = 200 ms" out && grep -q "set=NAME: still$" out && [ ! -s err ]
 ok "what is said of a file" $?
 if ! command -v python3 >/dev/null; then
     skip "load scene" "python3 is not installed"
@@ -45,7 +45,7 @@ try -c "load scene ball.ode; run; list events; print v"
 ok "events change what moves" $?
 printf "x'=-x+w\nwiener w\ndone\n" >noise.ode
 try -c "scene damped; load scene noise.ode"
-[ $? -eq 4 ] && grep -q "error: noise.ode: line 2: noise (wiener) is not for scenes" err
+[ $? -eq 4 ] && grep -q "error: noise.ode: line 2: scenes have no noise (wiener)" err
 ok "what scenes do not have is refused with its line" $?
 printf '%s\n' "k = 7" "load scene noise.ode" "load scene none.ode" "load scene pulse.txt" "print k" >wrong.hk
 try -k wrong.hk

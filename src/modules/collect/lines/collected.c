@@ -340,26 +340,23 @@ static void warn_clock(struct recording *recording, const struct collected *coll
                        const struct clock_mended *mended)
 {
     if (mended->starts > 0)
-        recording_warn(
-            recording,
-            "the device's clock started again %zu %s: its times go on as the arrivals do",
-            mended->starts, mended->starts == 1 ? "time" : "times");
+        recording_warn(recording,
+                       "the device's clock restarted %zu %s; later times follow the arrivals",
+                       mended->starts, mended->starts == 1 ? "time" : "times");
     if (mended->wraps > 0)
-        recording_warn(recording, "the device's clock was full %zu %s: its times go on",
+        recording_warn(recording, "the device's clock overflowed %zu %s; its times are continued",
                        mended->wraps, mended->wraps == 1 ? "time" : "times");
     if (collected->clock == CLOCK_ARRIVAL)
-        recording_warn(
-            recording,
-            "the device sends no times: those of a line through %zu arrivals, "
-            "%.6g +- %.2g Hz; they jitter by %.2g ms (at most %.2g ms): no period is known "
-            "better than to %.2g %%",
-            recording->rows, collected->rate.value, collected->rate.uncertainty,
-            1000 * collected->jitter, 1000 * collected->largest,
-            100 * collected->rate.uncertainty / collected->rate.value);
-    else if (collected->clock == CLOCK_UNEVEN)
         recording_warn(recording,
-                       "the device sends no times, and its lines arrive unevenly: the times of "
-                       "arrival are taken as they are");
+                       "the device sends no times; they follow a line through %zu arrivals, %.6g "
+                       "+- %.2g Hz, with a jitter of %.2g ms (at most %.2g ms), which limits the "
+                       "accuracy of periods to %.2g %%",
+                       recording->rows, collected->rate.value, collected->rate.uncertainty,
+                       1000 * collected->jitter, 1000 * collected->largest,
+                       100 * collected->rate.uncertainty / collected->rate.value);
+    else if (collected->clock == CLOCK_UNEVEN)
+        recording_warn(recording, "the device sends no times and its lines arrive unevenly, so the "
+                                  "arrival times are used");
     if (collected->lost > 0)
         recording_warn(recording, "%zu %s lost on the way", collected->lost,
                        collected->lost == 1 ? "line was" : "lines were");
@@ -371,10 +368,10 @@ static void warn_clock(struct recording *recording, const struct collected *coll
         else if (collected->clock == CLOCK_DEVICE)
             reason = "the device's times are uneven";
         else
-            reason = collected->clock == CLOCK_UNEVEN ? "they arrive unevenly"
-                                                      : "they are few, or come several at a time";
-        recording_warn(recording, "whether %slines were lost on the way cannot be known: %s", more,
-                       reason);
+            reason = collected->clock == CLOCK_UNEVEN
+                         ? "they arrive unevenly"
+                         : "there are few lines, or several arrive at once";
+        recording_warn(recording, "it is unknown whether %slines were lost: %s", more, reason);
     }
 }
 

@@ -28,7 +28,7 @@ static bool find_speed(long baud, speed_t *speed, struct error *error)
             return true;
         }
     return error_set(error, ERROR_COMMAND,
-                     "baud= is 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, "
+                     "baud= must be 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, "
                      "460800, 921600 or 1000000, not %ld",
                      baud);
 }
@@ -96,9 +96,9 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
                              error);
     device->grows = S_ISREG(st.st_mode);
     if (safe && S_ISCHR(st.st_mode))
-        return device_refuse(path, "--safe opens no device", error);
+        return device_refuse(path, "--safe does not allow devices", error);
     if (!device->grows && strcmp(path, STANDARD_INPUT) != 0 && !file_lock(device->fd, false))
-        return device_refuse(path, "another program collects from it", error);
+        return device_refuse(path, "another program is collecting from it", error);
     return !isatty(device->fd) || make_raw(device, path, baud, error);
 }
 
@@ -112,9 +112,9 @@ bool device_open(struct device *device, const char *path, long baud, bool safe, 
     if (device->fd < 0) {
         const int number = errno;
         if (number == EBUSY)
-            return device_refuse(path, "another program collects from it", error);
+            return device_refuse(path, "another program is collecting from it", error);
         device_refuse(path,
-                      number == ENXIO ? "it is a socket, which socat makes a pipe: socat -u "
+                      number == ENXIO ? "it is a socket; socat turns it into a pipe: socat -u "
                                         "UNIX-CONNECT:PATH - | hooke -c 'collect -'"
                                       : strerror(number),
                       error);

@@ -247,7 +247,8 @@ static struct feed *open_feed(const struct feed_request *request, struct error *
     bool ok = device_open(&feed->device, request->source, request->baud, request->safe, error);
     feed->begun = feed->flushed = feed->synced = clock_ns();
     if (ok && (pipe2(feed->wake, O_CLOEXEC) != 0 || start(feed) != 0))
-        ok = error_set(error, ERROR_IO, "no thread to collect in: %s", strerror(errno));
+        ok = error_set(error, ERROR_IO, "a thread for collecting could not be started: %s",
+                       strerror(errno));
     if (ok)
         return feed;
     destroy(feed);

@@ -83,7 +83,7 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
 {
     const char *mark = memchr(word.data, '=', word.len);
     if (!mark)
-        return word_refuse(word, "KEY=VALUE is wanted: rate= noise= seed= for= time= quirks=, or a "
+        return word_refuse(word, "KEY=VALUE is needed: rate= noise= seed= for= time= quirks=, or a "
                                  "parameter of the scene");
     const struct text key = {word.data, (size_t)(mark - word.data)},
                       value = {mark + 1, word.len - key.len - 1};
@@ -115,8 +115,8 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
     } else {
         return execute(session, "", word);
     }
-    return ok || word_refuse(word, "not a value of that (rate=100 noise=0.03cm seed=1 for=10s "
-                                   "time=ms|s|none quirks=on|off silent=2s)");
+    return ok || word_refuse(word, "that value is not possible (rate=100 noise=0.03cm seed=1 "
+                                   "for=10s time=ms|s|none quirks=on|off silent=2s)");
 }
 
 static double normal(uint64_t *state)
@@ -232,7 +232,7 @@ int simulate_sensor(struct session *session, const char *const *word, int words,
     if (is_lost)
         fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(failure));
     else if (!ok)
-        fprintf(stderr, "hooke: error: the scene cannot be followed beyond t = %.6g s\n",
+        fprintf(stderr, "hooke: error: the scene cannot be simulated beyond t = %.6g s\n",
                 sensor.run->t);
     run_destroy(sensor.run);
     if (!signals_ending())
