@@ -82,12 +82,12 @@ def judge(text, x, y):
             room = max(size(m.group(3)) * f, 5.1e-4 * abs(at)) * 1.01
             if not any(abs(a - at) <= room and abs(b - value) <= 1e-4 * swing + eps for a, b in pairs): raise Fault("%s is not at %g" % (word, at))
     said = False
-    m = re.search(r"(rises|falls) (all along|on the whole)", text)
+    m = re.search(r"(rises|falls) (throughout|overall)", text)
     if m:
         said = True
         s = 1 if m.group(1) == "rises" else -1
         if s * (y[-1] - y[0]) <= 0: raise Fault("it does not " + m.group(1))
-        if m.group(2) == "all along":
+        if m.group(2) == "throughout":
             top = s * y[0]; back = 0
             for v in y: top = max(top, s * v); back = max(back, top - s * v)
             if back > 1e-8 * swing: raise Fault("goes back by %g of its swing" % (back / swing))
@@ -95,11 +95,11 @@ def judge(text, x, y):
         if f:
             ratio = y[-1] / y[0]
             near("factor", f.group(1), "", ratio if ratio > 1 else 1 / ratio, 1e-3 * max(ratio, 1 / ratio))
-        r = re.search(r"(?:whole|along|of [-0-9.e+]+), exponentially at " + NUM, text)
+        r = re.search(r"(?:overall|throughout|of [-0-9.e+]+), exponentially at " + NUM, text)
         if r:
             k = math.log(y[-1] / y[0]) / (x[-1] - x[0])
             if abs(float(r.group(1)) - k) > 0.1 * abs(k): raise Fault("rate %s, is %g" % (r.group(1), k))
-    m = re.search(r"about a middle that goes from " + NUM + UNIT + " to " + NUM + UNIT + ", with a period of " + NUM + UNIT, text)
+    m = re.search(r"about a centre that moves from " + NUM + UNIT + " to " + NUM + UNIT + ", with a period of " + NUM + UNIT, text)
     if m:
         said = True
         T = float(m.group(5)) * SI[m.group(6) or ""]
@@ -129,7 +129,7 @@ def judge(text, x, y):
         said = True
         near("stays", m.group(1), m.group(2) or "", y[0], 1e-9 * abs(y[0]))
         if swing > 1e-6 * max(abs(low), abs(high)): raise Fault("it varies by %g" % swing)
-    if re.search(r"turns \d+ times? without a period|scatters", text): said = True
+    if re.search(r"changes direction \d+ times? without a period|scatters", text): said = True
     return said
 
 S = "m = 200 g; k = 15 N/m; y0 = 5 cm; gamma = 0; "

@@ -64,7 +64,7 @@ static void put_rate(const struct axis *axis, double rate, struct buffer *output
     if (axis->unit && *axis->unit)
         buffer_format(output, " 1/%s", axis->unit);
     else
-        buffer_format(output, " for each unit of %s", axis->label);
+        buffer_format(output, " per unit of %s", axis->label);
 }
 
 /* ---- what a curve does ---- */
@@ -127,7 +127,7 @@ static void put_trend(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
     const bool rises = c->course == COURSE_RISES;
-    const char *const extent = c->all_along ? "all along" : "on the whole";
+    const char *const extent = c->all_along ? "throughout" : "overall";
     buffer_format(output, "%s %s", rises ? "rises" : "falls", extent);
     if (c->factor > 0 && fabs(log(c->factor)) > AMPLITUDE_CHANGE_MIN) {
         buffer_put(output, TEXT(", by a factor of "));
@@ -178,7 +178,7 @@ static void put_oscillation(const struct described *s, struct buffer *output)
     const double level = 0.5 * (c->level[0] + c->level[1]),
                  large = fmax(c->amplitude[0], c->amplitude[1]);
     if (fabs(c->level[1] - c->level[0]) > LEVEL_CHANGE_MAX * large) {
-        buffer_put(output, TEXT("oscillates about a middle that goes from "));
+        buffer_put(output, TEXT("oscillates about a centre that moves from "));
         figure_value(s->y, c->level[0], s->y_range, output);
         buffer_put(output, TEXT(" to "));
         figure_value(s->y, c->level[1], s->y_range, output);
@@ -197,7 +197,7 @@ static void put_oscillation(const struct described *s, struct buffer *output)
     } else {
         figure_value(s->x, c->period, NULL, output);
     }
-    buffer_format(output, " and crosses the middle %zu time%s", c->crossings,
+    buffer_format(output, " and crosses its centre %zu time%s", c->crossings,
                   c->crossings == 1 ? "" : "s");
     put_amplitudes(s, output);
 }
@@ -220,11 +220,11 @@ static void put_winding(const struct described *s, struct buffer *output)
     if (!isfinite(part))
         return;
     if (fabs(part) < AMPLITUDE_CHANGE_MIN) {
-        buffer_put(output, TEXT(" and closes: its distance from there stays at "));
+        buffer_put(output, TEXT(" and closes; its distance from there stays at "));
         figure_value(s->x, c->distance[0], NULL, output);
         return;
     }
-    buffer_format(output, " and spirals %s: its distance from there goes from ",
+    buffer_format(output, " and spirals %s; its distance from there changes from ",
                   part > 0 ? "outwards" : "inwards");
     figure_value(s->x, c->distance[0], NULL, output);
     buffer_put(output, TEXT(" to "));
@@ -264,11 +264,11 @@ static bool put_course(const struct described *s, struct buffer *output)
         if (s->figure->figure->plane)
             return false;
         if (isfinite(s->curve->power)) {
-            buffer_format(output, "goes as %s to the power of ", s->x->label);
+            buffer_format(output, "varies as %s to the power of ", s->x->label);
             figure_number(s->curve->power, output);
             return true;
         }
-        buffer_format(output, "turns %zu time%s without a period", s->curve->turns,
+        buffer_format(output, "changes direction %zu time%s without a period", s->curve->turns,
                       s->curve->turns == 1 ? "" : "s");
         return true;
     }
@@ -279,11 +279,9 @@ static bool put_course(const struct described *s, struct buffer *output)
 
 static void put_gaps(const struct described *s, struct buffer *output)
 {
-    if (s->curve->gaps > 0) {
-        const char *const verb = s->curve->gaps == 1 ? "has" : "have";
-        buffer_format(output, ", with %zu sample%s that %s no place in it", s->curve->gaps,
-                      s->curve->gaps == 1 ? "" : "s", verb);
-    }
+    if (s->curve->gaps > 0)
+        buffer_format(output, ", except for %zu sample%s that cannot be shown", s->curve->gaps,
+                      s->curve->gaps == 1 ? "" : "s");
     if (!(s->curve->hole[1] > s->curve->hole[0]))
         return;
     buffer_format(output, ", without samples from %s = ", s->x->label);
@@ -302,11 +300,11 @@ static void put_alone(const struct described *s, const char *name, struct buffer
     put_gaps(s, output);
     buffer_put(output, TEXT("."));
     if (s->curve->n < 2) {
-        buffer_put(output, TEXT(" One point tells no course."));
+        buffer_put(output, TEXT(" There is only one point."));
         return;
     }
     if (s->curve->course == COURSE_CONSTANT) {
-        buffer_put(output, TEXT(" From the lowest value to the highest it is "));
+        buffer_put(output, TEXT(" The highest value exceeds the lowest by "));
         figure_value(s->y, s->curve->high.y - s->curve->low.y, NULL, output);
         buffer_put(output, TEXT("."));
         return;
@@ -327,7 +325,7 @@ static void put_curve(const struct described *s, bool briefly, struct buffer *ou
     struct buffer course = {0};
     buffer_format(output, "%s ", s->curve->label);
     if (s->curve->n == 0) {
-        buffer_put(output, TEXT("has no point that can be shown"));
+        buffer_put(output, TEXT("has no points to show"));
         return;
     }
     const bool known = put_course(s, &course), constant = s->curve->course == COURSE_CONSTANT;
@@ -406,7 +404,7 @@ static void put_distances(const struct figure_reading *reading, struct buffer *o
 {
     if (reading->distances == 0)
         return;
-    buffer_format(output, " Farthest from %s: ", reading->curve[reading->reference].label);
+    buffer_format(output, " Largest distance from %s: ", reading->curve[reading->reference].label);
     for (int i = 0; i < reading->distances; i++) {
         const struct curve_distance *distance = &reading->distance[i];
         const struct described s = subject_of(reading, distance->curve);
@@ -425,7 +423,7 @@ static void put_order(const struct figure_reading *reading, struct buffer *outpu
 {
     if (reading->ordered < 2 || reading->figure->plane || reading->figure->second)
         return;
-    buffer_put(output, TEXT(" At the right end, from top to bottom: "));
+    buffer_put(output, TEXT(" Order at the right end, from top to bottom: "));
     for (int i = 0; i < reading->ordered; i++)
         buffer_format(output, "%s%s", i ? ", " : "", reading->curve[reading->order[i]].label);
     buffer_put(output, TEXT("."));
@@ -455,7 +453,7 @@ bool describe_reading(const struct figure_reading *reading, struct buffer *outpu
     for (int i = 0; i < figure->curves; i++)
         points += reading->curve[i].n;
     if (points == 0) {
-        buffer_format(output, "%s: nothing that can be shown.", title_of(figure));
+        buffer_format(output, "%s: nothing to show.", title_of(figure));
         return !output->failed;
     }
     if (figure->words) {

@@ -48,7 +48,7 @@ TEST(test_noise)
     assert_non_null(strstr(words(N, true, false, &out), "scatters about 1"));
     for (int i = 0; i < N; i++)
         y[i] = 3 - 0.2 * t[i] + 0.01 * random_normal();
-    assert_non_null(strstr(words(N, true, false, &out), "falls all along"));
+    assert_non_null(strstr(words(N, true, false, &out), "falls throughout"));
     for (int i = 0; i < N; i++) /* crosses its middle several times, of any parity of indices */
         y[i] = sin(5 * t[i]) + 0.1 * random_normal();
     assert_non_null(strstr(words(N, true, false, &out), "with a period of 1.25"));
@@ -68,7 +68,7 @@ TEST(test_sizes)
         }
         for (int second = 0; second < 2; second++) {
             words(N, false, second, &out);
-            assert_null(strstr(out.data, "all along"));
+            assert_null(strstr(out.data, "throughout"));
         }
         if (size[k] > 1e-200)
             assert_null(strstr(out.data, "(rms 0 m)"));
@@ -84,7 +84,7 @@ TEST(test_directions)
         t[i] = 0.005 * i;
         y[i] = (t[i] - 9) * (t[i] - 9);
     }
-    assert_non_null(strstr(words(N, false, false, &out), "falls on the whole"));
+    assert_non_null(strstr(words(N, false, false, &out), "falls overall"));
     for (int i = 0; i < N; i++) { /* the last swing is less by chance: no growth */
         t[i] = 0.01 * i;
         y[i] = sin(5 * t[i]) * (1 + 0.02 * sin(0.3 * t[i] * t[i]) - (t[i] > 19 ? 0.012 : 0));

@@ -47,7 +47,7 @@ w2='75' # k/m [1/s^2]
 read_figure "$spring; method euler dt=10ms; run 10 s; describe energy"
 near "by how much does the energy of forward Euler grow?" "by a factor of " "(1 + $w2 * 1e-4)^1000" 1e-3
 near "how fast?" "exponentially at " "log(1 + $w2 * 1e-4) / 0.01" 1e-3
-says "does it fall anywhere?" "rises all along"
+says "does it fall anywhere?" "rises throughout"
 
 read_figure "$spring; method backward-euler dt=10ms; run 10 s; describe position"
 near "how fast does backward Euler damp the position?" "exponentially at " "-log(1 + $w2 * 1e-4) / 0.02" 2e-3
@@ -60,8 +60,8 @@ says "is it bounded?" "its amplitude stays at"
 
 read_figure "$spring; compare euler symplectic-euler backward-euler; describe energy run all"
 says "whose energy is largest in the end?" "from top to bottom: euler, symplectic-euler, backward-euler."
-says "which grows?" "euler rises all along"
-says "which dies?" "backward-euler falls all along"
+says "which grows?" "euler rises throughout"
+says "which dies?" "backward-euler falls throughout"
 
 read_figure "$spring; method euler dt=10ms; run 2 s; describe phase"
 says "does the phase plot of forward Euler close?" "spirals outwards"
@@ -101,7 +101,7 @@ says "does a recording with missed echoes grow?" "its amplitude shrinks"
 near "from what amplitude?" "shrinks from " 5.08 1e-2
 near "with what period?" "with a period of " 0.7525 1e-3
 read_figure "load bare.txt; describe"
-near "how often does a bob pass its middle in 10 s?" "crosses the middle " 28 1e-9
+near "how often does a bob pass its middle in 10 s?" "crosses its centre " 28 1e-9
 
 # the figure and its words cannot disagree: both are of the same curve
 read_figure "$spring; gamma = 0.3 1/s; method rk4 dt=10ms; run 7 s; describe velocity"
