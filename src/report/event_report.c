@@ -106,16 +106,15 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
                       "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): %s",
                       slot->events->line[i].name, doubt.t_first, doubt.t_last,
                       (long long)doubt.steps, plural_s(doubt.steps),
-                      doubt.is_close ? "it comes nearer to 0 there than the run is known"
-                                     : "the step was longer than the event's own time scale");
+                      doubt.is_close ? "there it comes closer to 0 than the accuracy of the run"
+                                     : "the steps were longer than the event's time scale");
         said = true;
     }
     const struct event_doubt doubt = run_event_doubt(run, LIMIT_EVENTS);
     if (doubt.steps > 0 && !run->warned_doubt) {
         reply_warning(reply,
                       "the condition may have been true before, from t = %.6g s to %.6g s (%lld "
-                      "step%s): the step was "
-                      "longer than its own time scale",
+                      "step%s) because the steps were longer than its time scale",
                       doubt.t_first, doubt.t_last, (long long)doubt.steps, plural_s(doubt.steps));
         said = true;
     }
@@ -128,8 +127,9 @@ void reply_event_records(const struct session *session, struct reply *reply)
     for (size_t i = 0; run && i < run_event_records(run); i++)
         reply_event_record(session, session->runs.slot[session->runs.current], i, reply);
     if (!run || run_event_records(run) == 0)
-        reply_line(reply, "no events were noticed; 'event NAME when EXPR do record' watches for "
-                          "one in the next run");
+        reply_line(
+            reply,
+            "no events happened; 'event NAME when EXPR do record' records one in the next run");
 }
 
 /* Makes a table of all records of the current run: event, time, direction, values. Returns false
@@ -139,7 +139,7 @@ bool export_event_records(const struct session *session, struct export *export, 
     const struct run *run = session_run(session);
     const size_t rows = run ? run_event_records(run) : 0;
     if (rows == 0) {
-        error_set(error, ERROR_COMMAND, "no events were noticed");
+        error_set(error, ERROR_COMMAND, "no events happened");
         return error_hint(error, "type: event NAME when EXPR do record; run");
     }
     const size_t columns = (size_t)columns_of(run);

@@ -19,11 +19,11 @@ bool thinning_begin(struct thinning *thinning, const struct argument_value *ever
     *thinning = (struct thinning){.step = item->value.value, .by_time = item->unit != NULL};
     if (item->unit && item->unit->quantity != QUANTITY_TIME)
         return error_at(error, item->text,
-                        "every= takes a number of rows or a time, got '%.*s' (%s)",
+                        "every= needs a number of rows or a time, not '%.*s' (%s)",
                         (int)item->text.len, item->text.data, quantity_name(item->unit->quantity));
     if (item->unit || (item->value.value >= 1 && item->value.value == floor(item->value.value)))
         return true;
-    error_at(error, item->text, "every= takes a whole number of rows, or a time with its unit");
+    error_at(error, item->text, "every= needs a whole number of rows, or a time with its unit");
     return error_hint(error, "for example every=10 or every=100ms");
 }
 
@@ -109,7 +109,7 @@ static bool same_model(const struct session *session, const int *index, int coun
         if (models_alike(run->system.model, first->system.model))
             continue;
         error_set(error, ERROR_COMMAND,
-                  "run %d (%s) and run %d (%s) have different variables: not in one file",
+                  "run %d (%s) and run %d (%s) have different variables and cannot share a file",
                   first->number, first->scene.preset->row.name, run->number,
                   run->scene.preset->row.name);
         return error_hint(error, "export FILE run %d", first->number);

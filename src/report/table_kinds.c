@@ -8,11 +8,10 @@
 #undef TABLE_KIND
 
 static const struct table_kind kinds[] = {
-    {{"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180", NULL},
+    {{"csv", "", "comma-separated values, with the set-up in # lines", "RFC 4180", NULL},
      table_csv},
-    {{"tsv", "", "the same with tabs", "", NULL}, table_tsv},
-    {{"json", "", "one JSON object: keys, columns with their values", "RFC 8259", NULL},
-     table_json},
+    {{"tsv", "", "like csv, separated by tabs", "", NULL}, table_tsv},
+    {{"json", "", "one JSON object of columns with their values", "RFC 8259", NULL}, table_json},
 #define TABLE_KIND(name, brief, citation, function) {{name, "", brief, citation, NULL}, function},
 #include "lists/tables.def"
 };

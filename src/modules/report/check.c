@@ -90,7 +90,7 @@ static void compare_lines(struct check *check, const char *file, struct text han
             digit |= line.data[i] >= '0' && line.data[i] <= '9';
         if (digit && line.data[0] != '#' && !text_starts(line, TEXT("<h")) &&
             !has_line(handed, line) && !is_of_moved(check->report.session, line))
-            check_differs(check, file, "this line is not there", line);
+            check_differs(check, file, "this line is missing", line);
     }
 }
 
@@ -112,7 +112,7 @@ static const char *read_regular(const struct check *check, const char *name, str
     const char *why = NULL;
     buffer_format(&path, "%s/%s", check->folder, name);
     if (stat(buffer_view(&path), &st) != 0)
-        why = "it is not there";
+        why = "it is missing";
     else if (!S_ISREG(st.st_mode))
         why = S_ISDIR(st.st_mode) ? "it is a folder" : "it is not a file";
     else if (!file_read(buffer_view(&path), HANDED_MAX, content, error))
@@ -162,7 +162,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
     check->files++;
     check->figures += figure && !ends_in(name, ".txt");
     if (copy && !text_equal(buffer_text(&handed), again))
-        check_differs(check, name, "it is not the file that the session loads", TEXT(""));
+        check_differs(check, name, "the session loads a different file", TEXT(""));
     else if (copy)
         ; /* the same bytes */
     else if (strcmp(name, "values.csv") == 0)
@@ -172,7 +172,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
     else if (!figure)
         check_data(check, name, buffer_text(&handed), again);
     else if (!text_equal(buffer_text(&handed), again))
-        check_differs(check, name, "it is not the figure that the session gives", TEXT(""));
+        check_differs(check, name, "the session gives a different figure", TEXT(""));
     const int added = check->differences - differences;
     check->wrong_values += strcmp(name, "values.csv") == 0 ? added : 0;
     check->wrong_figures += figure && !ends_in(name, ".txt") ? added : 0;
@@ -237,8 +237,8 @@ static bool tell_taken(struct check *check, int index)
         return false;
     buffer_format(&copy, moved(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
                   index + 1, (int)file.len, file.data);
-    reply_line(check->reply, "%s: its file is not here; %s was taken%s", recording->name,
-               buffer_view(&copy), found ? " (the one of that name is another)" : "");
+    reply_line(check->reply, "the file of %s is not here; %s was used instead%s", recording->name,
+               buffer_view(&copy), found ? " (the file of that name is a different one)" : "");
     buffer_free(&copy);
     return true;
 }
@@ -294,14 +294,15 @@ static void conclude(struct check *check)
         taken += tell_taken(check, i);
     safe_text(&safe, text_of(check->folder), false);
     if (n > 0)
-        buffer_format(&verdict, "%d difference%s from what session.hk gives", n, n == 1 ? "" : "s");
+        buffer_format(&verdict, "%d difference%s from the results of session.hk", n,
+                      n == 1 ? "" : "s");
     else
-        buffer_put(&verdict, TEXT("they agree with session.hk"));
+        buffer_put(&verdict, TEXT("all agree with session.hk"));
     if (check->empty_answers > 0)
         reply_line(reply, "%s: %d answer%s empty: %s", buffer_view(&safe), check->empty_answers,
                    check->empty_answers == 1 ? " is" : "s are", buffer_view(&check->empty));
     if (check->copy)
-        reply_line(reply, "%s: but for name and answers its report is that of %s",
+        reply_line(reply, "%s: apart from name and answers its report is the same as that of %s",
                    buffer_view(&safe), check->copy);
     reply_line(reply, "%s: %d values, %d figures, %d files: %s", buffer_view(&safe), check->values,
                check->figures, check->files, buffer_view(&verdict));
@@ -317,7 +318,8 @@ static void compare_folder(struct check *check, struct session *session, struct 
 {
     struct error error = {0};
     if (check->failure.len > 0)
-        check_differs(check, "session.hk", "it ends in an error", buffer_text(&check->failure));
+        check_differs(check, "session.hk", "the session ends in an error",
+                      buffer_text(&check->failure));
     *view = *session;
     check->report = (struct report){.session = session,
                                     .view = view,
@@ -325,9 +327,10 @@ static void compare_folder(struct check *check, struct session *session, struct 
                                     .put = compare_file,
                                     .context = check};
     if (session->runs.count == 0 && session->recordings == 0)
-        check_differs(check, "session.hk", "it gives neither a run nor a recording", TEXT(""));
+        check_differs(check, "session.hk", "the session has neither a run nor a recording",
+                      TEXT(""));
     else if (!report_write(&check->report, &error))
-        check_differs(check, "session.hk", "it gives no report", text_of(error.text));
+        check_differs(check, "session.hk", "the session writes no report", text_of(error.text));
     document_free(&check->report.document);
 }
 

@@ -98,7 +98,8 @@ static void compare_value(struct check *check, const struct values *handed, size
     if (agree(stated, computed))
         return;
     struct buffer detail = {0};
-    buffer_format(&detail, "%s of %s (%s): it says %.9g +- %.2g, the session gives %.9g +- %.2g",
+    buffer_format(&detail,
+                  "%s of %s (%s): the folder has %.9g +- %.2g, the session gives %.9g +- %.2g",
                   handed->name[i], handed->subject[i], handed->source[i], stated.value,
                   stated.uncertainty, computed.value, computed.uncertainty);
     check_differs(check, "values.csv", "a value", buffer_text(&detail));
@@ -124,7 +125,7 @@ void check_values(struct check *check, struct text handed_text, struct text agai
     if (!table_parse(handed_text, NULL, &check->arena, &handed_table, &error) ||
         !find_values(&handed_table, &handed)) {
         if (!text_equal(handed_text, again_text)) /* else it has a heading alone */
-            check_differs(check, "values.csv", "it is no table of values", text_of(error.text));
+            check_differs(check, "values.csv", "it is not a table of values", text_of(error.text));
         return;
     }
     if (!table_parse(again_text, NULL, &check->arena, &again_table, &error) ||
@@ -220,8 +221,8 @@ static void tell_data(struct check *check, const char *file, const struct table 
     buffer_put(&detail, TEXT(", the session gives "));
     checked_cell_put(&again->column[found->column], found->row, &detail);
     if (found->count > 1)
-        buffer_format(&detail, "; %zu numbers differ, this one most", found->count);
-    check_differs(check, file, "it is not the data that the session gives", buffer_text(&detail));
+        buffer_format(&detail, "; %zu numbers differ, this one the most", found->count);
+    check_differs(check, file, "the session gives different data", buffer_text(&detail));
     buffer_free(&detail);
 }
 
@@ -248,9 +249,8 @@ void check_data(struct check *check, const char *file, struct text handed_text,
         same = false;
     if (!same) {
         if (detail.len == 0)
-            buffer_put(&detail, TEXT("it has other columns"));
-        check_differs(check, file, "it is not the data that the session gives",
-                      buffer_text(&detail));
+            buffer_put(&detail, TEXT("it has different columns"));
+        check_differs(check, file, "the session gives different data", buffer_text(&detail));
     } else {
         for (int c = 0; c < handed.columns; c++)
             compare_column(&handed, &again, c, &found);

@@ -14,14 +14,16 @@
 /* *head: how many lines come before the first statement. */
 static void put_script(const struct session *session, int *head, struct buffer *output)
 {
-    buffer_put(output, TEXT("# The session of this report, by hooke " HOOKE_VERSION
-                            ". Run where the names of its "
-                            "recordings hold,\n# it gives the same numbers again:\n"));
+    buffer_put(
+        output,
+        TEXT("# The session of this report, by hooke " HOOKE_VERSION
+             ". It gives the same numbers again\n# where its recordings have the same names:\n"));
     const bool fails = history_fails(session);
     buffer_format(output, "#   hooke %s-f session.hk -c 'report NEW'\n",
                   fails ? "--keep-going " : "");
     buffer_put(output,
-               fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
+               fails ? TEXT("# One of its commands ends in an error, as it did in the session.\n")
+                     : TEXT(""));
     for (size_t i = 0; i < output->len; i++)
         *head += output->data[i] == '\n';
     history_put(session, 0, HISTORY_SCRIPT, output);
@@ -32,7 +34,7 @@ static void put_end(struct report *report, const struct buffer *script)
     struct document *document = &report->document;
     static const char *const files[][2] = {
         {"values.csv", "every value with all its digits, uncertainty and unit"},
-        {"session.hk", "the session as commands, which give the same numbers again"},
+        {"session.hk", "the session as commands that reproduce the numbers"},
     };
     document_put(document, BLOCK_PART, "Files");
     document_open(document, BLOCK_LIST);
@@ -99,7 +101,7 @@ static void say_missing(void *context, const char *what, const char *type)
     if (reply->depth > 0)
         reply_string(reply, NULL, buffer_view(&text));
     else
-        reply_line(reply, "  not in it: %s", buffer_view(&text));
+        reply_line(reply, "  not included: %s", buffer_view(&text));
     buffer_free(&text);
 }
 
@@ -124,7 +126,7 @@ static void hand_in_reply(const struct report *report, const struct item *folder
     reply_close(reply);
     reply_end(reply);
     if (report->no_pdf[0])
-        reply_warning(reply, "the figures of report.tex are text only: %s", report->no_pdf);
+        reply_warning(reply, "the figures in report.tex are text only: %s", report->no_pdf);
     buffer_free(&shown);
 }
 
@@ -138,7 +140,7 @@ HANDLER(report)
     if (!path || !report || !view)
         return error_memory(error);
     if (session->runs.count == 0 && session->recordings == 0) {
-        error_set(error, ERROR_COMMAND, "there is nothing to report yet: no run and no recording");
+        error_set(error, ERROR_COMMAND, "nothing to report yet: there is no run and no recording");
         return error_hint(error, "type: run, or: load FILE");
     }
     *view = *session;

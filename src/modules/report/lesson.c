@@ -22,7 +22,7 @@ static void say_step(const struct session *session, struct reply *reply)
     session_size(session, &width, &height);
     const bool there = lesson_step(lesson, lesson->step, &step);
     if (!there) {
-        reply_line(reply, "the lesson is over: 'lab seed=N' gives other numbers");
+        reply_line(reply, "the lesson is finished; 'lab seed=N' repeats it with other numbers");
     } else {
         buffer_format(&text, "%d/%d: ", lesson->step + 1, lesson->steps);
         lesson_expand(session, step.says, false, &text);
@@ -79,8 +79,8 @@ static bool need_lesson(const struct session *session, struct error *error)
     if (session_lesson(session) &&
         lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return true;
-    error_set(error, ERROR_COMMAND, "no lesson waits");
-    return error_hint(error, "lab begins one");
+    error_set(error, ERROR_COMMAND, "no lesson is active");
+    return error_hint(error, "'lab' begins one");
 }
 
 /* Returns true, and says so, if the first step wants a recording and one was loaded before. */
@@ -91,7 +91,7 @@ static bool is_loaded(const struct session *session, struct reply *reply)
     if (!recording || !lesson_step(session_lesson(session), 0, &step) || !step.done ||
         !text_is(step.wanted, "load"))
         return false;
-    reply_line(reply, "the recording is %s, which is loaded", recording->name);
+    reply_line(reply, "the recording is %s, which is already loaded", recording->name);
     return true;
 }
 
@@ -104,18 +104,18 @@ HANDLER(lab)
         if (lesson)
             lesson_free(lesson);
         session_changed(session);
-        reply_line(reply, "no lesson");
+        reply_line(reply, "the lesson has ended");
         return true;
     }
     struct lesson *waiting = session_lesson(session);
     const bool is_waiting = waiting && waiting->step < waiting->steps;
     if (is_waiting && !name->count && !seed->count) {
-        reply_line(reply, "the lesson waits here; 'lab off' ends it");
+        reply_line(reply, "the lesson continues here; 'lab off' ends it");
         return go_to(session, waiting->step, reply, error);
     }
     if (is_waiting && waiting->step > 0) {
-        error_set(error, ERROR_COMMAND, "a lesson waits at step %d of %d", waiting->step + 1,
-                  waiting->steps);
+        error_set(error, ERROR_COMMAND, "a lesson is in progress at step %d of %d",
+                  waiting->step + 1, waiting->steps);
         return error_hint(error, "'lab off' ends it, 'lab' alone repeats its step");
     }
     const long number = seed->count ? (long)seed->item->value.value : 1;
@@ -183,26 +183,27 @@ HANDLER(check)
     if (step.done ? !lesson_done(session, step.wanted) : !lesson_found(session, &step, found)) {
         struct buffer command = {0};
         lesson_expand(session, step.command, true, &command);
-        error_set(error, ERROR_COMMAND,
-                  "not yet: that was not done since the step began, or a parameter has changed");
+        error_set(
+            error, ERROR_COMMAND,
+            "not yet: this step's command has not been executed, or a parameter has changed since");
         error_hint(error, "type: %s", buffer_view(&command));
         buffer_free(&command);
         return false;
     }
     if (!step.done && !value->count)
-        return error_set(error, ERROR_COMMAND, "check takes the value that you read");
+        return error_set(error, ERROR_COMMAND, "'check' needs the value that you read");
     if (!step.done &&
         value->item->value.uncertainty > LESSON_VAGUE * fabs(value->item->value.value))
         return error_set(error, ERROR_COMMAND,
-                         "its uncertainty is larger than %g %%: that tells no value",
+                         "its uncertainty is larger than %g %%, too large for a check",
                          100 * LESSON_VAGUE);
     bool right = step.done;
     const int ways = values_said(&step, found);
     for (int i = 0; i < ways && !right; i++)
         right = is_right(value->item, &found[i]);
     if (!right) {
-        reply_line(reply, "not that: it is farther off than the uncertainty ('hint' helps, 'again' "
-                          "repeats what is to be done)");
+        reply_line(reply, "not correct: outside the stated uncertainty ('hint' helps, 'again' "
+                          "shows the step again)");
         reply_begin(reply, "lesson");
         reply_int(reply, "step", session_lesson(session)->step + 1);
         reply_int(reply, "steps", session_lesson(session)->steps);

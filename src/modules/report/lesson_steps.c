@@ -227,15 +227,16 @@ static bool check_lines(struct text rest, struct error *error)
         if (text_starts(line, TEXT("#:")) && ++steps > LESSON_STEPS)
             return error_set(error, ERROR_COMMAND, "a lesson has at most %d steps", LESSON_STEPS);
         if (text_starts(line, TEXT("#@")) && !text_is(body, "bare") && !text_is(body, "disk")) {
-            error_set(error, ERROR_COMMAND, "line %d of the lesson: '%.*s' is no recording", number,
-                      len, line.data);
+            error_set(error, ERROR_COMMAND, "line %d of the lesson: '%.*s' is not a recording",
+                      number, len, line.data);
             return error_hint(error, "the recordings are bare, disk");
         }
         if (text_starts(line, TEXT("#?")) &&
             ((!text_is(kind, "done") && !text_is(kind, "measured") && !text_is(kind, "value")) ||
              kind.len == body.len)) {
-            error_set(error, ERROR_COMMAND, "line %d of the lesson: '%.*s' waits for nothing known",
-                      number, len, line.data);
+            error_set(error, ERROR_COMMAND,
+                      "line %d of the lesson: '%.*s' is not a known condition", number, len,
+                      line.data);
             return error_hint(error, "#? done COMMAND, #? measured NAME or #? value NAME");
         }
     }
@@ -322,7 +323,7 @@ void lesson_read(struct reader *reader)
     if (ok)
         buffer_put(&lesson.text, text);
     if (!ok || lesson.text.failed) {
-        store_tools()->note(reader, "the lesson is left out");
+        store_tools()->note(reader, "the lesson is not resumed");
         buffer_free(&lesson.text);
         return;
     }

@@ -5,7 +5,7 @@
 #include "modules/report/lesson.h"
 
 const struct module report_module = {
-    .row = {"report", "", "what the lab hands in, its check, and lessons", "", NULL},
+    .row = {"report", "", "reports for the lab, their check, and lessons", "", NULL},
     .needs = "documents pictures recording",
     .part_size = sizeof(struct lesson),
     .part_free = lesson_free,
@@ -15,7 +15,7 @@ const struct module report_module = {
         {
             .word = "check",
             .shown = " DIR ...",
-            .brief = "run session.hk of each hand-in again: which values and figures agree",
+            .brief = "run session.hk of each hand-in again and compare its values and figures",
             .wants = "folders",
             .takes_first = true,
             .run = hand_ins_check,

@@ -15,7 +15,7 @@ static const struct store_tools tools = {
 };
 
 const struct module resume_module = {
-    .row = {"resume", "", "sessions that are kept as they go, and come back: --resume", "", NULL},
+    .row = {"resume", "", "saves sessions continuously and restores them: --resume", "", NULL},
     .needs = "",
     .keeps = &tools,
 };

@@ -3,7 +3,8 @@
 #include <hooke/module.h>
 
 const struct module solving_module = {
-    .row = {"solving", "", "solves without recording, and how they vary with start and parameters",
+    .row = {"solving", "",
+            "solutions without recording, and their derivatives by initial values and parameters",
             "", NULL},
     .needs = "",
 };

@@ -81,10 +81,10 @@ TEST(numbers_out_of_range_are_left_out_by_name)
         {"count", 0, &far, sizeof far, "run 1"},
         {"grids", 0, &minus, sizeof minus, "run 1"},
         {"drag", 0, &seven, sizeof seven, "run 1"},
-        {"value", 0, &negative, sizeof negative, "no scene can have"},
+        {"value", 0, &negative, sizeof negative, "impossible values"},
         {"layout", 0, &seven, sizeof seven, "the view is left out"},
         {"cursors.snap", 0, &seven, sizeof seven, "the view"},
-        {"kind", 0, &seven, sizeof seven, "what was asked of it is damaged"},
+        {"kind", 0, &seven, sizeof seven, "its requests are damaged"},
     };
     (void)state;
     struct buffer whole = {0};

@@ -27,7 +27,7 @@ cp "$examples/bare.txt" .
     adopt amplitude; gamma = 0; method euler dt=10ms; run 5 s; plot position; compare euler symplectic-euler; report good' >out 2>&1
 ok "a hand-in" $?
 ls -R >before
-checks good 0 'they agree with session.hk'
+checks good 0 'all agree with session.hk'
 ok "as it was written it agrees" $?
 ls -R | cmp -s - before
 ok "nothing is written" $?
@@ -37,7 +37,7 @@ checks bad 0
 ok "answers change nothing" $?
 changed
 awk -F, -v OFS=, '/^period,/ && !done {$2 += 0.001; done = 1} {print}' good/values.csv >bad/values.csv
-checks bad 1 'values.csv: a value: period of data bare (measured): it says 0.7241.*the session gives 0.7231' && [ "$(grep -c differs out)" -eq 1 ]
+checks bad 1 'values.csv: a value: period of data bare (measured): the folder has 0.7241.*the session gives 0.7231' && [ "$(grep -c differs out)" -eq 1 ]
 ok "a value" $?
 awk -F, -v OFS=, '/^period,/ && !done {$2 += $3 / 2; done = 1} {print}' good/values.csv >bad/values.csv
 checks bad 0
@@ -52,24 +52,24 @@ sed 's/^amplitude,/width,/' good/values.csv >bad/values.csv
 checks bad 1 'values.csv: the session does not give: width of data bare'
 ok "a value of its own" $?
 echo 'no table' >bad/values.csv
-checks bad 1 'values.csv: it is no table of values'
+checks bad 1 'values.csv: it is not a table of values'
 ok "no table" $?
 changed
 line=$(grep -n '^| period T' bad/report.md | head -1)
 sed -i "${line%%:*}s/0\.723/0.733/" bad/report.md
-checks bad 1 'report.md: this line is not there: | period T'
+checks bad 1 'report.md: this line is missing: | period T'
 ok "a number in the report" $?
 changed
 figure=$(cd good && ls figure-*.svg | head -1) other=$(cd good && ls figure-*.svg | tail -1)
 cp "good/$other" "bad/$figure"
-checks bad 1 "$figure: it is not the figure that the session gives" && [ "$(grep -c differs out)" -eq 1 ]
+checks bad 1 "$figure: the session gives a different figure" && [ "$(grep -c differs out)" -eq 1 ]
 ok "a figure" $?
 rm "bad/$figure"
-checks bad 1 "$figure: it is not there"
+checks bad 1 "$figure: it is missing"
 ok "no figure" $?
 changed
 awk -F, -v OFS=, 'NR == 100 {$2 += 1e-6} {print}' good/recording-1.csv >bad/recording-1.csv
-checks bad 1 'recording-1.csv: it is not the data that the session gives: y of row 9[0-9] is .*, the session gives '
+checks bad 1 'recording-1.csv: the session gives different data: y of row 9[0-9] is .*, the session gives '
 ok "data" $?
 changed
 sed -i 's/dt=10ms/dt=20ms/' bad/session.hk
@@ -77,7 +77,7 @@ checks bad 1 'values.csv: a value: energy at the end of run 1'
 ok "the session" $?
 changed
 sed -i 's/^fit damped/fit dampd/' bad/session.hk
-checks bad 1 'session.hk: it ends in an error'
+checks bad 1 'session.hk: the session ends in an error'
 ok "a session with an error" $?
 changed
 printf 'run 1 s\nplot position > evil.svg\nexport evil.csv\nrecord evil.hk\nreport evil\nsave evil.hk\nset format json\nquit\nrun 2 s\n' >>bad/session.hk
@@ -86,18 +86,18 @@ checks bad 1
 ok "one that writes writes nothing" $?
 changed
 rm bad/session.hk
-checks bad 2 'session.hk: it is not there'
+checks bad 2 'session.hk: it is missing'
 ok "no session: exit status 2" $?
 checks nowhere 2
 ok "no folder: exit status 2" $?
 (mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
-[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1-bare.txt was taken' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q '^the file of bare is not here; recording-1-bare.txt was used instead' out && grep -q 'all agree' out
 ok "where the recording is not, its copy in the hand-in is taken" $?
 cmp -s bare.txt good/recording-1-bare.txt
 ok "which is the file itself" $?
 head -400 bare.txt >away/bare.txt
 (cd away && "$hooke" -n --check ../good >../out 2>&1)
-[ $? -eq 0 ] && grep -q 'recording-1-bare.txt was taken (the one of that name is another)' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q 'recording-1-bare.txt was used instead (the file of that name is a different one)' out && grep -q 'all agree' out
 ok "also where another file has its name" $?
 rm away/bare.txt
 changed
@@ -107,19 +107,19 @@ ok "a copy that was changed" $?
 changed
 rm bad/recording-1-bare.txt
 (cd away && "$hooke" -n --check ../bad >../out 2>&1)
-[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q '^the file of bare is not here; recording-1.csv was used instead' out && grep -q 'all agree' out
 ok "without a copy its export is taken" $?
-checks bad 0 'they agree'
+checks bad 0 'all agree'
 ok "as reports of earlier versions have none" $?
 "$hooke" -n -q -c 'load bare.txt; m = 200.0(1) g; measure period; data window 4:9; measure period; data clean; measure amplitude; fit damped
     adopt; method rk4; run; report narrow' >out 2>&1
 (cd away && "$hooke" -n --check ../narrow >../out 2>&1)
-[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1-bare.txt was taken' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q '^the file of bare is not here; recording-1-bare.txt was used instead' out && grep -q 'all agree' out
 ok "also where the session looked at wider windows before" $?
 changed
 rm bad/recording-1.csv
 (cd away && "$hooke" -n --check ../bad >../out 2>&1)
-[ $? -eq 1 ] && grep -q 'session.hk: it ends in an error: .*bare.txt' out
+[ $? -eq 1 ] && grep -q 'session.hk: the session ends in an error: .*bare.txt' out
 ok "where it has none it says so" $?
 changed
 awk -F, -v OFS=, '/^[0-9]/ {$1 *= 1.01} {print}' good/recording-1.csv >bad/recording-1.csv
@@ -141,7 +141,7 @@ ok "as JSON" $?
 # ---- each file has to be there, and each folder is checked ----
 changed
 rm bad/report.md
-checks bad 1 'report.md: it is not there'
+checks bad 1 'report.md: it is missing'
 ok "no report.md" $?
 mkdir bad/report.md
 checks bad 1 'report.md: it is a folder'
@@ -154,12 +154,12 @@ sleep 20 >bad/report.md & writer=$!
 [ $? -eq 1 ] && grep -q 'report.md: it is not a file' out
 ok "a pipe that somebody holds open keeps nobody waiting" $?
 kill $writer; wait $writer 2>/dev/null
-"$hooke" -n --check good ./good/ >out 2>&1 && ! grep -q 'its report is that of' out
+"$hooke" -n --check good ./good/ >out 2>&1 && ! grep -q 'its report is the same as that of' out
 ok "a folder that is given twice is no copy of itself" $?
 changed
 sed -i 's/$/\r/' bad/report.md
 "$hooke" -n --check good bad >out 2>&1
-grep -q 'its report is that of good' out
+grep -q 'its report is the same as that of good' out
 ok "a copy with other line ends is named" $?
 changed
 echo >>bad/figure-01-position.txt; for figure in bad/figure-*.svg; do echo >>"$figure"; break; done
@@ -171,13 +171,13 @@ ok "a figure and its text are one figure" $?
 changed
 rm bad/report.html
 "$hooke" -n --check good bad >out 2>&1
-[ $? -eq 1 ] && grep -q '^good: .*: they agree' out && grep -q '^bad: .*: 1 difference' out
+[ $? -eq 1 ] && grep -q '^good: .*: all agree' out && grep -q '^bad: .*: 1 difference' out
 ok "two folders: each is checked" $?
 "$hooke" -n --format json --check good good >out 2>&1 && [ "$(grep -c '"kind":"check"' out)" -eq 2 ]
 ok "a record of each" $?
 changed
 sed -i 's/data:image/data: image/' bad/report.html
-checks bad 1 'report.html: this line is not there' && ! grep -q '.\{300\}' out
+checks bad 1 'report.html: this line is missing' && ! grep -q '.\{300\}' out
 ok "a long line is quoted in part" $?
 
 # ---- a class ----
@@ -194,7 +194,7 @@ awk -F, -v OFS=, '/^period,/ {$2 += 0.001} {print}' good/values.csv >class/e/val
 ok "a class: each folder is checked, the status says how many differ" $?
 grep -q '^class/a: 10 answers are empty: Q1 Q3 .*Q10$' out && grep -q '^class/b: 9 answers are empty: Q3 ' out && ! grep -q '^class/e:.*empty' out
 ok "empty answers are named" $?
-grep -q '^class/b: but for name and answers its report is that of class/a' out && ! grep -q '^class/e: but for' out
+grep -q '^class/b: apart from name and answers its report is the same as that of class/a' out && ! grep -q '^class/e: apart from' out
 ok "a copy is named, under another name, too" $?
 "$hooke" -n --format csv --check class/*/ >out 2>&1
 python3 -c 'import csv, sys
@@ -239,7 +239,7 @@ mv made.out out
 ok "$honest honest hand-ins away from their recordings agree" $?
 "$hooke" -n --check honest-* >out 2>&1
 ok "in place, too" $?
-"$hooke" -n -q -c 'load bare.txt; plot position; report bare-of-values' >out 2>&1 && checks bare-of-values 0 'they agree'
+"$hooke" -n -q -c 'load bare.txt; plot position; report bare-of-values' >out 2>&1 && checks bare-of-values 0 'all agree'
 ok "one without a value" $?
 
 # ---- tampering: one number at a time, anywhere in a table ----

@@ -27,9 +27,9 @@ ok "a file of that name stays" $?
 T=$(period 7)
 does "lab seed=7; load bare-7.txt; measure period; check $T s" && grep -q '^3/' out
 ok "right: it goes on" $?
-does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T s" && grep -q '^not that' out && ! grep -q '^3/' out
+does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T s" && grep -q '^not correct' out && ! grep -q '^3/' out
 ok "wrong by 1 %: it stays" $?
-does "lab seed=7; load bare-7.txt; measure period; check $T kg" && grep -q '^not that' out
+does "lab seed=7; load bare-7.txt; measure period; check $T kg" && grep -q '^not correct' out
 ok "right, but for the unit" $?
 "$hooke" -n -c 'lab seed=7; load bare-7.txt; check 0.5 s' >out 2>&1
 [ $? -eq 1 ] && grep -q 'not yet' out
@@ -41,12 +41,12 @@ does "lab seed=7; load bare-7.txt; again; hint; measure period; hint" && ! grep 
 ok "hint and again do not tell the value" $?
 for lesson in lab resonance stiff; do
     steps=$("$hooke" -n -c "lab $lesson" | sed -n 's/^1\/\([0-9]*\):.*/\1/p')
-    does "lab $lesson$(printf '; skip%.0s' $(seq "$steps"))" && grep -q 'the lesson is over' out
+    does "lab $lesson$(printf '; skip%.0s' $(seq "$steps"))" && grep -q 'the lesson is finished' out
     ok "$lesson: all of it skipped" $?
-    ! does "lab $lesson$(printf '; skip%.0s' $(seq "$steps")); check 1" && grep -q 'no lesson waits' out
+    ! does "lab $lesson$(printf '; skip%.0s' $(seq "$steps")); check 1" && grep -q 'no lesson is active' out
     ok "$lesson: nothing after the end" $?
 done
-! does 'check 1' && grep -q 'no lesson waits' out && ! does hint && ! does 'lab off; again'
+! does 'check 1' && grep -q 'no lesson is active' out && ! does hint && ! does 'lab off; again'
 ok "without a lesson" $?
 # the commands of each step are ones that work: the whole lab as it tells to type it
 for lesson in lab resonance stiff; do
@@ -59,7 +59,7 @@ for lesson in lab resonance stiff; do
         work="$work; $type"
         tail -1 said | grep -q 'then: check' && work="$work; skip"
     done
-    does "$work" && ! grep -q 'error:' out && grep -q 'the lesson is over' out
+    does "$work" && ! grep -q 'error:' out && grep -q 'the lesson is finished' out
     ok "$lesson: what is to be typed works" $?
 done
 [ -s lab-report-3/session.hk ] && ! grep -q '^\(lab\|skip\)' lab-report-3/session.hk && "$hooke" -n --check lab-report-3 >out 2>&1
@@ -68,7 +68,7 @@ printf '# mine\n#: Set the mass.\n#> m = 100 g\n#! in g\n#? value m\n#: $seed\n'
 does 'lab own.hk seed=5; m = 100 g; check 0.1 kg' && grep -q '^2/2: 5' out
 ok "a lesson of one's own, with units" $?
 printf '#: Set it.\r\n#> m = 100 g\r\n#? value m\r\n' >crlf.hk
-does 'lab crlf.hk; m = 100 g; check 0.1 kg' && grep -q '  type: m = 100 g$' out && grep -q 'over' out
+does 'lab crlf.hk; m = 100 g; check 0.1 kg' && grep -q '  type: m = 100 g$' out && grep -q 'the lesson is finished' out
 ok "lines that end in CR LF" $?
 printf '#: \033]0;mine\a\n#> print 1\n#! \033[2J\n#? done print\n' >evil.hk
 does 'lab evil.hk; hint; print 1' && ! grep -q "$(printf '[\033\a]')" out && grep -q 'mine' out
@@ -84,18 +84,18 @@ printf '#: a\n#> run\n#? done\n' >dun.hk
 ok "so are one that waits for nothing, and a recording that is unknown" $?
 printf 'lab seed=7\nload bare-7.txt\nmeasure period\ncheck %s s\n' "$T" | "$hooke" -n >out 2>&1 && grep -q '^3/' out
 ok "in a pipe what is done goes on" $?
-does "lab seed=7; load bare-7.txt; lab" && [ "$(grep -c '^2/' out)" -eq 2 ] && ! does "lab seed=7; load bare-7.txt; lab seed=6" && grep -q 'waits at step 2' out && [ ! -e bare-6.txt ]
+does "lab seed=7; load bare-7.txt; lab" && [ "$(grep -c '^2/' out)" -eq 2 ] && ! does "lab seed=7; load bare-7.txt; lab seed=6" && grep -q 'is in progress at step 2' out && [ ! -e bare-6.txt ]
 ok "a second lab does not begin anew" $?
 does "load bare-7.txt; lab seed=6; measure period; check $T s" && grep -q '^3/' out && [ ! -e bare-6.txt ]
 ok "a recording that was loaded before is taken, and none is written" $?
 does "lab seed=7; load bare-7.txt; measure period; check (1/$T) Hz" && grep -q '^3/' out && does "lab seed=7; load bare-7.txt; measure period; check (2*pi/$T) rad/s" && grep -q '^3/' out
 ok "a period said as a frequency" $?
-does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.005 s" && grep -q '^3/' out && does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.001 s" && grep -q '^not that' out
+does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.005 s" && grep -q '^3/' out && does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.001 s" && grep -q '^not correct' out
 ok "a stated uncertainty is the tolerance" $?
-! does "lab seed=7; load bare-7.txt; measure period; check 0.5 +- 0.4 s" && grep -q 'tells no value' out
+! does "lab seed=7; load bare-7.txt; measure period; check 0.5 +- 0.4 s" && grep -q 'too large for a check' out
 ok "unless it tells nothing" $?
 to_tau="lab seed=7$(printf '; skip%.0s' $(seq 8)); load disk-7.txt; measure decay"
-does "$to_tau" && tau=$(sed -n 's/.* tau = \([0-9.]*\) .*/\1/p' out | tail -1) && does "$to_tau; check $tau s" && grep -q '^11/' out && does "$to_tau; check (2/$tau) 1/s" && grep -q '^11/' out && does "$to_tau; check $tau 1/s" && grep -q '^not that' out
+does "$to_tau" && tau=$(sed -n 's/.* tau = \([0-9.]*\) .*/\1/p' out | tail -1) && does "$to_tau; check $tau s" && grep -q '^11/' out && does "$to_tau; check (2/$tau) 1/s" && grep -q '^11/' out && does "$to_tau; check $tau 1/s" && grep -q '^not correct' out
 ok "a decay as tau or gamma" $?
 cp bare-7.txt mine.txt
 to_k='lab seed=7; load mine.txt; skip; m = 200.0 +- 0.1 g; fit damped; measure k'
@@ -105,7 +105,7 @@ ok "of one's own recording the mass is one's own" $?
 ok "a value measured with another mass does not count" $?
 # the lesson of the manual page
 awk '/^\.EX$/ {lesson = 1; next} /^\.EE$/ {lesson = 0} lesson && /^#: [^T]/ {found = 1} lesson && found' "$page" >page.hk
-does "lab page.hk; m = 200 g; k = 15 N/m; print omega0; check 8.66 rad/s" && grep -q "^2/2: How fast" out && grep -q 'the lesson is over' out && [ -s page.hk ]
+does "lab page.hk; m = 200 g; k = 15 N/m; print omega0; check 8.66 rad/s" && grep -q "^2/2: How fast" out && grep -q 'the lesson is finished' out && [ -s page.hk ]
 ok "the lesson that the manual shows" $?
 "$hooke" -n --format json -c 'lab stiff; skip' >out && python3 -c 'import json
 r = [json.loads(line) for line in open("out")]

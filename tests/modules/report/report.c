@@ -147,7 +147,7 @@ TEST(the_lab_comes_back_bit_for_bit)
         type_ok(&bench, lines[i]);
     type_ok(&bench, "report first");
     assert_says(&bench.out, "report written to first");
-    assert_null(strstr(said(&bench.out), "not in it"));
+    assert_null(strstr(said(&bench.out), "not included"));
     type_ok(&bench, "report again");
     bench_close(&bench);
     /* What a report writes has nothing to do with what the session wrote before it. */
@@ -186,13 +186,16 @@ TEST(what_is_missing_is_said)
     bench_open(&bench, false);
     type_ok(&bench, "method rk4; run 2 s");
     type_ok(&bench, "report small");
-    assert_says(&bench.out, "not in it: the Reynolds number (measure reynolds)");
+    assert_says(&bench.out, "not included: the Reynolds number (measure reynolds)");
     read_whole("small", "report.md", &content);
-    says(&content, "### 2. Forward Euler\n\nMissing: forward Euler without damping. What makes it: "
-                   "`gamma = 0; method euler dt=10ms; run 10 s`\n");
+    says(
+        &content,
+        "### 2. Forward Euler\n\nMissing: forward Euler without damping. Commands that produce it: "
+        "`gamma = 0; method euler dt=10ms; run 10 s`\n");
     stands_under(&content, "position of run 1 (rk4)", "### 4.", "Missing: forward and symplectic");
-    says(&content, "Missing: the recording without damping. What makes it: `load FILE`");
-    says(&content, "Missing: the spring constant. What makes it: `m = 200 g; fit damped`");
+    says(&content, "Missing: the recording without damping. Commands that produce it: `load FILE`");
+    says(&content,
+         "Missing: the spring constant. Commands that produce it: `m = 200 g; fit damped`");
     type_ok(&bench, "scene kepler; run 10 s");
     assert_false(type(&bench, "report small"));
     assert_says(&bench.err, "small exists; add --force");
@@ -253,7 +256,7 @@ TEST(methods_one_by_one_are_compared)
     bench_open(&bench, false);
     type_ok(&bench, "gamma = 0.2 1/s; method euler dt=10ms; run 3 s; method rk4; run 3 s");
     type_ok(&bench, "method verlet; run 3 s; measure reynolds; k = 16 N/m; run 3 s; report single");
-    assert_says(&bench.out, "not in it: forward Euler without damping");
+    assert_says(&bench.out, "not included: forward Euler without damping");
     read_whole("single", "report.md", &content);
     stands_under(&content, "position of run 1 (euler)", "### 2.", "### 3.");
     stands_under(&content, "energy of run 1 (euler), run 2 (rk4), run 3 (verlet)", "### 4.",
@@ -321,7 +324,7 @@ TEST(what_it_says_to_type_is_enough)
     type_ok(&bench, "load bare.txt as=bob");
     for (int i = 0;; i++) {
         type_ok(&bench, "report lacking --force");
-        const char *lack = strstr(said(&bench.out), "not in it: "), *open = NULL;
+        const char *lack = strstr(said(&bench.out), "not included: "), *open = NULL;
         if (!lack)
             break;
         assert_true(i < 12);
@@ -345,7 +348,7 @@ TEST(what_counts_as_exact_is_said_once)
             "load own.csv; eta = 1.82e-5 +- 1e-7 Pa*s; fit; adopt; measure k; measure reynolds");
     type_ok(&bench, "report stated");
     read_whole("stated", "report.md", &content);
-    says(&content, "Stated without an uncertainty and taken as exact: m, rho, length. What was");
+    says(&content, "Given without an uncertainty and taken as exact: m, rho, length. Results");
     const char *first = strstr(content.data, "taken as exact");
     assert_null(strstr(first + 1, "taken as exact"));
     buffer_free(&content);

@@ -21,8 +21,8 @@ sed -i '/^report/d' lab.hk
 printf '%s\n' 'note \input{x} $a$ %b & _d' 'report new --latex' >>lab.hk
 "$hooke" -f lab.hk >out.txt 2>err.txt
 ok "the lab has a report" $? "$(tail -n 3 err.txt)"
-! grep -q 'not in it' out.txt
-ok "that lacks nothing" $? "$(grep 'not in it' out.txt)"
+! grep -q 'not included' out.txt
+ok "that lacks nothing" $? "$(grep 'not included' out.txt)"
 
 # Parameters are looked up where they hold: after each statement.
 awk '{ print } !/^#/ { print "show all" }' new/session.hk >asked.hk

@@ -200,7 +200,7 @@ for i in range(10):
             order(p, "bare-own.txt", "disk-own.txt", m, m_disk)
             p.enter()
             said = p.said.decode()
-            wrong = ["not the end"] if "the lesson is over" not in said else []
+            wrong = ["not the end"] if "the lesson is finished" not in said else []
             wrong += [said[max(0, said.find("error: ") - 300):][:600]] if "error: " in said else []
             for name, value, (wanted, room) in zip(NAMES, handed_in(folder), truth):
                 if not abs(value - wanted) <= room:

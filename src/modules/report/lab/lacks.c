@@ -132,12 +132,12 @@ void put_lacks(struct report *report, enum section section)
             continue;
         put_type(report, &lack[i], &type);
         document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, "Missing: %s. What makes it: ", lack[i].what);
+        document_say(document, "Missing: %s. Commands that produce it: ", lack[i].what);
         document_name(document, buffer_text(&type));
         document_close(document, BLOCK_PARAGRAPH);
         buffer_free(&type);
     }
     if (section == SECTION_ENERGY && report->material->euler < 0)
         document_put(document, BLOCK_PARAGRAPH,
-                     "Missing: the energy of forward Euler, which the run of part 2 has.");
+                     "Missing: the energy of forward Euler, which comes from the run of part 2.");
 }

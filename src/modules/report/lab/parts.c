@@ -215,9 +215,9 @@ static bool put_run_cell(struct document *document, const struct run *run, enum 
 static void put_meaning(struct document *document, const bool filled[RUN_STATUS + 1])
 {
     static const char *const meaning[RUN_STATUS + 1] = {
-        [RUN_ENERGY] = "E/E0: energy at the end over that at the start.",
-        [RUN_BALANCE] = "energy error: largest |E - E0|/E0, or largest error of the balance "
-                        "|E - E0 - work|/E0 where drag or drive do work.",
+        [RUN_ENERGY] = "E/E0: energy at the end divided by the energy at the start.",
+        [RUN_BALANCE] = "energy error: largest |E - E0|/E0, or largest error of the balance |E - "
+                        "E0 - work|/E0 if drag or drive do work.",
         [RUN_ERROR] = "max error: largest distance from the exact motion, in amplitudes.",
     };
     bool begun = false;

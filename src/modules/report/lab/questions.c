@@ -15,20 +15,20 @@ static const struct question {
 } questions[] = {
     {1,
      SECTION_RECORDING,
-     "From Hooke's law to the equation of motion, and the approximations on the way",
+     "Derivation of the equation of motion from Hooke's law, with its approximations",
      0,
      {NULL}},
     {3, SECTION_RECORDING, "The spring constant", KIND(POSITION), {"period", "k"}},
-    {2, SECTION_SIMULATION, "The scheme of forward Euler, derived", 0, {NULL}},
+    {2, SECTION_SIMULATION, "Derivation of the scheme of forward Euler", 0, {NULL}},
     {4,
      SECTION_SIMULATION,
-     "What forward Euler shows, and whether that was to be expected",
+     "What forward Euler shows, and whether this was expected",
      KIND(POSITION) | KIND(VELOCITY) | KIND(PHASE),
      {NULL}},
-    {5, SECTION_ENERGY, "What the energy suggests", KIND(ENERGY), {"energy", "drift"}},
+    {5, SECTION_ENERGY, "What the energy shows", KIND(ENERGY), {"energy", "drift"}},
     {6,
      SECTION_ENERGY,
-     "Why the phase plot should be an ellipse, and why it is not one",
+     "Why the phase plot should be an ellipse, and why it is not",
      KIND(PHASE),
      {NULL}},
     {7,
@@ -38,12 +38,12 @@ static const struct question {
      {NULL}},
     {8,
      SECTION_SCHEMES,
-     "What the other schemes change in energy and phase plot",
+     "How the other schemes change energy and phase plot",
      KIND(ENERGY) | KIND(PHASE),
      {NULL}},
     {9,
      SECTION_DRAG,
-     "The Reynolds number of this system, and what it says of the drag",
+     "The Reynolds number of this system, and what it implies for the drag",
      0,
      {"reynolds"}},
     {10, SECTION_DAMPED_SIMULATION, "What damping does to the energy", KIND(ENERGY), {"gamma"}},
@@ -62,7 +62,7 @@ static void put_rests(struct report *report, const struct question *q)
             continue;
         if (!begun)
             document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, begun ? ", figure %d" : "It rests on figure %d", i + 1);
+        document_say(document, begun ? ", figure %d" : "See figure %d", i + 1);
         begun = true;
     }
     if (begun) {

@@ -66,10 +66,10 @@ static void put_exact(struct report *report, const char *subject)
     if (inputs.exacts == 0)
         return;
     document_open(document, BLOCK_PARAGRAPH);
-    document_say(document, "Stated without an uncertainty and taken as exact: ");
+    document_say(document, "Given without an uncertainty and taken as exact: ");
     for (int i = 0; i < inputs.exacts; i++)
         document_say(document, "%s%s", i ? ", " : "", inputs.exact[i]);
-    document_say(document, ". What was computed with these is more uncertain if they are not.");
+    document_say(document, ". Results that use them are less certain if they are not exact.");
     document_close(document, BLOCK_PARAGRAPH);
 }
 
@@ -100,8 +100,8 @@ static bool put_recording(struct report *report, int index, enum section section
     document_open(document, BLOCK_PARAGRAPH);
     document_say(document, "Recording ");
     document_name(document, text_of(recording->name));
-    document_say(document, ", of which %.6g to %.6g s are used, with the zero at ",
-                 recording->window[0], recording->window[1]);
+    document_say(document, ", used from %.6g to %.6g s, with the zero at ", recording->window[0],
+                 recording->window[1]);
     say_zero(report, recording, subject);
     document_say(document, ":");
     document_close(document, BLOCK_PARAGRAPH);

@@ -109,8 +109,8 @@ static void note_unknown(struct reader *reader, struct text names,
     for (int i = 0; i < places->count; i++) {
         const struct text name = text_of(names.data);
         char line[LIMIT_NAME + 64];
-        snprintf(line, sizeof line, "the parameter %s is left out: this version has none",
-                 names.data);
+        snprintf(line, sizeof line,
+                 "the parameter %s is left out because this version does not have it", names.data);
         if (places->row[i] < 0 && !strstr(buffer_view(reader->notes), line))
             reader_note(reader, "%s", line);
         names = (struct text){name.data + name.len + 1, names.len - name.len - 1};
@@ -137,7 +137,7 @@ bool reader_scene(struct reader *reader, struct text text, const char *name, str
         !field_get(content, "atol", read.atol, sizeof read.atol))
         return error_set(error, ERROR_IO, "its scene has other parameters in this version");
     if (!is_sound(&read))
-        return error_set(error, ERROR_IO, "its scene has values that no scene can have");
+        return error_set(error, ERROR_IO, "its scene has impossible values");
     note_unknown(reader, names, &found);
     if (places)
         *places = found;
@@ -185,7 +185,7 @@ static bool add_asked(struct run_slot *slot, const struct field_places *places, 
     }
     return fine && (asked.kind == REQUEST_SET || asked.param < slot->run->system.n)
                ? journal_add(slot, asked, condition, error)
-               : error_set(error, ERROR_IO, "what was asked of it is damaged");
+               : error_set(error, ERROR_IO, "its requests are damaged");
 }
 
 /* All of it, in order. */
@@ -223,7 +223,7 @@ static bool read_parts(struct reader *reader, const struct read_run *source,
     if (!field_find(parts->text, "note", &parts->note))
         parts->note = TEXT("");
     if (!row)
-        return error_set(error, ERROR_IO, "its method is not there");
+        return error_set(error, ERROR_IO, "its method does not exist");
     if (!reader_scene(reader, parts->text, "scene", &parts->scene, &parts->places, error))
         return false;
     reader->session->setup.scene = parts->scene; /* events are read in it */

@@ -98,7 +98,8 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
     }
     free(made);
     if (!fine)
-        reader_note(reader, "%s: left out, damaged or of another version", array->name);
+        reader_note(reader, "%s is left out because it is damaged or from another version",
+                    array->name);
 }
 
 static void read_table(struct reader *reader, struct text text)
@@ -252,7 +253,7 @@ static void read_view(struct reader *reader)
         is_range(view.y))
         session->view = view;
     else
-        reader_note(reader, "the view is left out: damaged");
+        reader_note(reader, "the view is left out because it is damaged");
 }
 
 /* Places in lists that are as long as they could be made. */
@@ -295,7 +296,7 @@ static void read_all(struct reader *reader)
     for (size_t i = 0; i < store_array_count; i++)
         reader_array(reader, &store_arrays[i], session);
     if (!fields_get_known(reader->state, store_session, store_session_count, session))
-        reader_note(reader, "some values are left out: they are damaged");
+        reader_note(reader, "some values are left out because they are damaged");
     reader_move(&reader->places, session->setup.origin, sizeof *session->setup.origin);
     const int index = session->runs.current;
     if (field_find(reader->state, "runs", &ids) && index >= 0 &&
@@ -309,9 +310,10 @@ static void read_all(struct reader *reader)
             module_list[i]->store.read(reader);
     for (size_t i = 0; module_left_out[i]; i++)
         if (field_find(reader->state, module_left_out[i], &ids))
-            reader_note(reader,
-                        "what the module %s keeps is left out: this program was built without it",
-                        module_left_out[i]);
+            reader_note(
+                reader,
+                "data of the module %s are left out because this program was built without it",
+                module_left_out[i]);
     read_view(reader);
     undo_clear(session);
     read_history(reader);

@@ -157,7 +157,7 @@ bool reader_scan(struct reader *reader, struct text content, struct error *error
     if (!ok)
         return error_memory(error);
     if (reader->records == 0)
-        return error_set(error, ERROR_IO, "no part of it is whole");
+        return error_set(error, ERROR_IO, "no part of it is intact");
     reader->state = reader->record[reader->records - 1].content;
     return true;
 }

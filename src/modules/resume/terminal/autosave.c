@@ -340,14 +340,15 @@ static bool has_all(struct autosave *autosave, struct error *error)
     const int failure = atomic_exchange(&autosave->sync_failure, 0);
     if (autosave->unlocked && !autosave->said_unlocked) {
         autosave->said_unlocked = true;
-        error_set(error, ERROR_IO,
-                  "the session's file cannot be locked: other sessions take this one for ended");
+        error_set(
+            error, ERROR_IO,
+            "the session's file cannot be locked, so other sessions will treat this one as ended");
         return false;
     }
     if (failure != 0 && !autosave->said_unsynced) {
         autosave->said_unsynced = true;
         error_set(error, ERROR_IO,
-                  "the session's file is written, but may not be on the disk yet: %s",
+                  "the session's file was written, but may not be on the disk yet: %s",
                   strerror(failure));
         return false;
     }
@@ -358,10 +359,10 @@ static bool has_room(const struct autosave *autosave, int left_out, struct error
 {
     const int now = autosave->stored.left_out;
     if (now > left_out)
-        error_set(error, ERROR_IO,
-                  "the session's file has no room for the rows of the oldest %d run%s: at most "
-                  "%zu MiB are kept",
-                  now, now == 1 ? "" : "s", STORE_ROW_BYTES >> 20);
+        error_set(
+            error, ERROR_IO,
+            "the rows of the oldest %d run%s are not saved: a session's file is limited to %zu MiB",
+            now, now == 1 ? "" : "s", STORE_ROW_BYTES >> 20);
     return now <= left_out;
 }
 
@@ -389,7 +390,7 @@ static bool write_until(struct autosave *autosave, const struct cancel *cancel, 
     const bool tell = !autosave->warned;
     autosave->warned = true;
     if (tell)
-        error_set(error, ERROR_IO, "the session cannot be saved on its own: %s", why.text);
+        error_set(error, ERROR_IO, "the session cannot be saved automatically: %s", why.text);
     return !tell;
 }
 

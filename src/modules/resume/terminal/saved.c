@@ -119,7 +119,7 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
         for (int i = 0; i < list.count && i < AUTOSAVE_KEPT; i++) {
             const size_t used = strlen(error->hint);
             snprintf(error->hint + used, sizeof error->hint - used, "%s%s",
-                     i ? " " : "there are: ", list.item[i].name);
+                     i ? " " : "existing sessions: ", list.item[i].name);
         }
     }
     free(list.item);

@@ -65,7 +65,8 @@ bool scene_start_at(struct scene *scene, const double *state, struct error *erro
         while (slope == 0 && ++param < (int)scene_params(scene)->count)
             slope = start_slope(&original, &system, param, i);
         if (slope == 0)
-            return error_set(error, ERROR_COMMAND, "no parameter is the start of %s", name);
+            return error_set(error, ERROR_COMMAND, "no parameter sets the initial value of %s",
+                             name);
         const double difference = state[i] - system.start[i];
         const struct measured value = {
             fabs(slope - 1) < 1e-6 ? state[i] : scene->value[param] + difference / slope, 0};

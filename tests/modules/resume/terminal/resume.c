@@ -393,7 +393,7 @@ TEST(test_no_place_to_save)
     begin(&p, (struct start){.state = "/proc/nowhere", .environment = "HOOKE_AUTOSAVE=0.2"});
     expect_prompt(&p, EMPTY_PROMPT);
     enter(&p, "m = 321 g");
-    expect(&p, "history cannot be kept");
+    expect(&p, "history cannot be saved");
     expect(&p, "cannot be saved");
     enter(&p, "clear; m = 322 g");
     expect(&p, "m=322 g");
@@ -416,14 +416,14 @@ TEST(test_history_in_the_way)
     begin(&p, (struct start){0});
     expect_prompt(&p, EMPTY_PROMPT);
     enter(&p, "m = 321 g");
-    expect(&p, "keeps");
+    expect(&p, "has locked");
     enter(&p, "clear; m = 322 g");
     const int64_t begin_ns = clock_ns();
     for (int i = 0; i < 20; i++)
         enter(&p, "m = 323 g");
     expect(&p, "m=323 g");
     const double seconds = clock_seconds(begin_ns);
-    assert_false(shows(&p, "keeps"));
+    assert_false(shows(&p, "has locked"));
     assert_true(flock(fd, LOCK_UN) == 0);
     const int64_t begin_again_ns = clock_ns();
     for (int i = 0; i < 20; i++)
@@ -449,7 +449,7 @@ TEST(test_history_in_the_way)
     begin(&p, (struct start){0});
     expect_prompt(&p, EMPTY_PROMPT);
     enter(&p, "m = 321 g");
-    expect(&p, "history cannot be kept");
+    expect(&p, "history cannot be saved");
     quit(&p);
 }
 
