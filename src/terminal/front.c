@@ -102,15 +102,15 @@ char *state_path(const char *name, bool create)
 void rc_run(struct session *session, struct reply *reply)
 {
     if (access("rc.hk", F_OK) == 0) {
-        reply_note(reply, "note: ./rc.hk is not read; only the one in the configuration folder is");
+        reply_note(reply, "note: ./rc.hk is not read; only rc.hk in the configuration folder is");
     }
     char *path = user_path("XDG_CONFIG_HOME", ".config", "rc.hk", false);
     struct stat status;
     if (path && stat(path, &status) == 0) {
         if (status.st_uid != geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH))) {
-            reply_warning(reply,
-                          "%s is not read: it must belong to you and be writable by nobody else",
-                          path);
+            reply_warning(
+                reply, "%s is not read; it must belong to you and must not be writable by others",
+                path);
         } else {
             script_file(session, path, NULL, reply);
         }

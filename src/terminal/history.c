@@ -108,11 +108,11 @@ bool history_append(const char *line, struct error *error)
     }
     buffer_free(&text);
     if (!saved)
-        error_set(error, ERROR_IO, "the history cannot be kept%s%.200s: %s", path ? " in " : "",
+        error_set(error, ERROR_IO, "the history cannot be saved%s%.200s: %s", path ? " in " : "",
                   path ? path : "", path ? why.text : "HOME is not set");
     else if (!locked)
-        error_set(error, ERROR_IO,
-                  "another program keeps %.200s locked: it is added to all the same", path);
+        error_set(error, ERROR_IO, "another program has locked %.200s; lines are added anyway",
+                  path);
     free(path);
     return saved && locked;
 }

@@ -37,7 +37,7 @@ static const struct option_row {
      "run a command file (\"-\" = standard input); repeatable, in order with -c", NULL},
     {'c', "command", VALUE_TEXT, " TEXT", 0, "run commands (\";\" separates); repeatable", NULL},
     FLAG('i', "interactive", interactive, "go to the prompt after -f, -c, FILE"),
-    FLAG('b', "batch", batch, "never a prompt (default when stdin or stdout is not a terminal)"),
+    FLAG('b', "batch", batch, "show no prompt (default when stdin or stdout is not a terminal)"),
     FLAG(0, "plain", plain, "prompt with readline, no panes"),
     {0, "resume", VALUE_RESUME, " [NAME]", 0,
      "continue the last autosaved session, or session-NAME", NULL},
@@ -49,18 +49,18 @@ static const struct option_row {
     {0, "size", VALUE_SIZE, " WxH", 0, "size of plots when there is no terminal (default 80x24)",
      NULL},
     {0, "charset", VALUE_WORD, " NAME", offsetof(struct options, charset),
-     "auto, braille, block, ascii, ...: 'help charset' has all", NULL},
+     "auto, braille, block, ascii, ...: 'help charset' lists all", NULL},
     {0, "color", VALUE_WORD, " WHEN", offsetof(struct options, color), "auto, always or never",
      NULL},
     {0, "format", VALUE_WORD, " FORM", offsetof(struct options, format),
      "text, csv or json: form of results", NULL},
     {0, "split", VALUE_WORD, " DIR", offsetof(struct options, split),
-     "with --format csv: each table as a file in a new folder", NULL},
+     "with --format csv: write each table to a file in a new folder", NULL},
     FLAG('q', "quiet", quiet,
-         "only records, warnings and errors; a run's own error is not estimated (help run)"),
-    FLAG('v', "verbose", verbose, "show each line on standard error before it is executed"),
-    FLAG('h', "help", help, "this list"),
-    FLAG('V', "version", version, "the version, and the modules that are in"),
+         "only records, warnings and errors; errors of runs are not estimated (help run)"),
+    FLAG('v', "verbose", verbose, "print each line on standard error before it is executed"),
+    FLAG('h', "help", help, "show this list"),
+    FLAG('V', "version", version, "show the version and the modules"),
 #undef FLAG
 };
 
@@ -133,7 +133,7 @@ static bool take_size(struct options *options, const char *value)
         options->height = (int)height;
         return true;
     }
-    return complain("--size wants WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not",
+    return complain("--size needs WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not",
                     value);
 }
 
@@ -224,7 +224,7 @@ static bool read_option(struct options *options, const struct option_row *row, c
 {
     const bool wants = wants_value(row, *next);
     if (given && !wants && row->value != VALUE_RESUME)
-        return complain("no value goes with option", word);
+        return complain("no value is allowed with option", word);
     if (given || !wants)
         return option_take(options, row, given);
     const char *value = *next;

@@ -18,7 +18,7 @@
 #include <readline/readline.h>
 
 #define PASTE_PROMPT "     > " /* prompt before the second and later lines of a paste */
-#define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
+#define LINES_HINT "several lines: Enter runs them, Ctrl-C discards them"
 #define POLL_CLOSED (POLLHUP | POLLERR | POLLNVAL)
 /* [ns] time to wait at the end for an answer of the terminal, which the shell would get otherwise
  */

@@ -135,7 +135,7 @@ static bool change(void *context, enum front_change change, struct error *error)
 {
     struct front_program *program = context;
     if (change == FRONT_PLAIN) {
-        return error_set(error, ERROR_COMMAND, "this is the plain prompt already");
+        return error_set(error, ERROR_COMMAND, "this is already the plain prompt");
     }
     if (change == FRONT_PANES) {
         if (!panes_possible(error)) {

@@ -13,8 +13,8 @@
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text)
 {
     static const char *const keys[2][4] = {
-        {" (space: on, PgUp, / finds, n again, q: panes)> ", " (space, q)> ", " (q)> ", "> "},
-        {" (space: on, PgUp, / finds, n again, ! runs it, q: panes)> ", " (space, ! runs it, q)> ",
+        {" (space: more, PgUp, / find, n next, q: panes)> ", " (space, q)> ", " (q)> ", "> "},
+        {" (space: more, PgUp, / find, n next, ! runs it, q: panes)> ", " (space, ! runs it, q)> ",
          " (!, q)> ", "> "}};
     const struct session *const s = session;
     const int rows = log_rows_newest(&s->log, s->log.count, s->front.width);

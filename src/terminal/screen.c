@@ -136,7 +136,7 @@ bool panes_possible(struct error *error)
         return error_set(error, ERROR_COMMAND, "input and output are different terminals");
     }
     if (!term || !*term || setupterm(term, STDOUT_FILENO, &status) != OK) {
-        return error_set(error, ERROR_COMMAND, "the terminal is of an unknown kind (TERM=%.40s)",
+        return error_set(error, ERROR_COMMAND, "the type of the terminal is unknown (TERM=%.40s)",
                          term ? term : "");
     }
     const bool moves = *screen_capability("cup") != '\0';

@@ -22,8 +22,8 @@ bool split_begin(struct split *split, const char *path, bool safe, struct error 
         folder_open(&split->folder, path, (struct write_policy){.confine = safe}, is_part, error);
     if (split->open || !strstr(error->text, "--force"))
         return split->open;
-    error_set(error, ERROR_IO, "%s is there already", path);
-    return error_hint(error, "name a folder that is not there yet");
+    error_set(error, ERROR_IO, "%s already exists", path);
+    return error_hint(error, "name a folder that does not exist yet");
 }
 
 /* Writes the current file into the folder; a failure is kept for split_end(). */

@@ -85,7 +85,7 @@ static bool change(void *context, enum front_change change, struct error *error)
     case FRONT_PANES:
         break;
     }
-    return error_set(error, ERROR_COMMAND, "the panes are shown already");
+    return error_set(error, ERROR_COMMAND, "the panes are already shown");
 }
 
 /* Shows the progress of a study in the row for messages on keys, and clears that row at its end

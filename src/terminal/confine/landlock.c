@@ -112,8 +112,8 @@ void confine_say(struct buffer *text)
 {
     const int version = confine_version();
     if (version > 0)
-        buffer_format(text, "--safe is kept by the kernel, too (Landlock %d)\n", version);
+        buffer_format(text, "--safe is also enforced by the kernel (Landlock %d)\n", version);
     else
         buffer_put(text,
-                   TEXT("--safe is kept by the program alone: this kernel has no Landlock\n"));
+                   TEXT("--safe is enforced only by hooke, because this kernel has no Landlock\n"));
 }

@@ -140,7 +140,7 @@ static size_t begin_with_picture(struct terminal *t, const char *answer, const c
 {
     for (int tries = 0;; tries++) {
         begin_with_run(t, answer);
-        const size_t at = await_either(t, begins, tries < 5 ? "does not say" : NULL);
+        const size_t at = await_either(t, begins, tries < 5 ? "does not report" : NULL);
         if (at != SIZE_MAX)
             return at;
         await(t, PROMPT);
@@ -246,7 +246,7 @@ static void test_none(void **state)
     (void)state;
     struct terminal t;
     begin_with_run(&t, "print 6*7" DA1 "\r");
-    await(&t, "does not say that it shows pictures; '> FILE.png'");
+    await(&t, "does not report that it can show pictures; '> FILE.png'");
     await(&t, "phase v");
     await(&t, "42\r\n");
     await(&t, PROMPT);
@@ -259,7 +259,7 @@ static void test_late(void **state)
     (void)state;
     struct terminal t;
     begin_with_run(&t, NULL);
-    await(&t, "does not say");
+    await(&t, "does not report");
     await(&t, PROMPT);
     const size_t before = t.seen.len;
     say(&t, "\033_Gi=31;OK\033\\\033P>|kitty(0.35)\033\\" DA1);

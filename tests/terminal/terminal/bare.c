@@ -110,7 +110,7 @@ static void test_unknown_terminal(void **state)
     fill_root();
     struct person p;
     begin(&p, (struct start){.root = root, .term = "nobodys", .argument = {"-n"}});
-    expect(&p, "the terminal is of an unknown kind (TERM=nobodys)");
+    expect(&p, "the type of the terminal is unknown (TERM=nobodys)");
     expect(&p, "hooke>");
     quit(&p);
 }

@@ -254,7 +254,7 @@ static void test_lines_of_keys(void **state)
     struct person p;
     start_panes(&p, (struct start){0});
     enter(&p, "panes");
-    expect(&p, "the panes are shown already");
+    expect(&p, "the panes are already shown");
     enter(&p, "speed max; run 5 s");
     expect(&p, "t=5.00 s");
     type(&p, "\030\063"); /* C-x 3 */

@@ -343,16 +343,16 @@ static void test_lesson(void **state)
     enter_lesson(&p, "\r", "lab 2/13> ");
     assert_true(shows(&p, "13 periods"));
     type(&p, "check 0.9 s\r");
-    expect(&p, "not that");
+    expect(&p, "not correct");
     quit(&p);
     begin(&p, (struct start){.argument = {"--plain", "--color", "never", "--resume"}});
     expect(&p, "lab 2/13>"); /* what was measured in that step counts */
     type(&p, "check 0.9 s\r");
-    expect(&p, "not that");
+    expect(&p, "not correct");
     type(&p, "skip\r");
     expect(&p, "lab 3/13>");
     type(&p, "lab off\r");
-    expect(&p, "no lesson");
+    expect(&p, "the lesson has ended");
     expect(&p, "hooke>");
     quit(&p);
     assert_int_equal(chdir(home), 0);
@@ -419,9 +419,9 @@ static void test_whole_lesson(void **state)
         enter_lesson(&p, line, next);
         assert_non_null(strstr(p.raw.data + begun, "right"));
     }
-    assert_true(shows(&p, "the lesson is over"));
+    assert_true(shows(&p, "the lesson is finished"));
     assert_null(strstr(p.raw.data, "error: "));
-    assert_null(strstr(p.raw.data, "not that"));
+    assert_null(strstr(p.raw.data, "not correct"));
     assert_int_equal(access("lab-report-5/report.html", F_OK), 0);
     quit(&p);
     assert_int_equal(chdir(home), 0);

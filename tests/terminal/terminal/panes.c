@@ -302,7 +302,7 @@ static void test_keys(void **state)
     expect(&p, "q: panes)>");
     expect(&p, "timing clear quit");
     type(&p, "/fit\r");
-    expect(&p, "n again");
+    expect(&p, "n next");
     type(&p, "/zwiebel\r");
     expect(&p, "no line has 'zwiebel'");
     type(&p, "q");

@@ -162,7 +162,7 @@ static void test_types_and_answers(void **state)
     type(&p, "met rk4\r"); /* prefixes hold at the prompt */
     expect(&p, "rk4");
     type(&p, "plain\r");
-    expect(&p, "this is the plain prompt already");
+    expect(&p, "this is already the plain prompt");
     type(&p, "clear\r");
     expect(&p, "\033[H\033[2J");
     quit(&p);
@@ -231,12 +231,12 @@ static void test_progress_of_a_sweep(void **state)
     expect(&p, "s left");
     expect(&p, "points/s");
     type(&p, "\x03");
-    expect(&p, "'continue' computes the others");
+    expect(&p, "'continue' computes the other points");
     expect(&p, PROMPT);
     type(&p, "continue\r");
     expect(&p, "points/s");
     type(&p, "\x03");
-    expect(&p, "'continue' computes the others");
+    expect(&p, "'continue' computes the other points");
     expect(&p, PROMPT);
     quit(&p);
 }

@@ -9,8 +9,8 @@
 #include "terminal/terminal.h"
 #include "terminal/person.h"
 
-#define WIDE "(space: on, PgUp, / finds, n again, q: panes)>"
-#define WIDE_RECIPE "(space: on, PgUp, / finds, n again, ! runs it, q: panes)>"
+#define WIDE "(space: more, PgUp, / find, n next, q: panes)>"
+#define WIDE_RECIPE "(space: more, PgUp, / find, n next, ! runs it, q: panes)>"
 
 /* Where the page has a recipe the footer says so, whole at every size. */
 static void test_footers(void **state)

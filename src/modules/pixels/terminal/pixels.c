@@ -256,7 +256,7 @@ static bool pixels_show(const struct front *front, const struct figure *figure, 
     if (pixels.protocol == PROTOCOL_NONE || pixels.protocol == PROTOCOL_UNKNOWN) {
         error_set(error, ERROR_COMMAND, "%s",
                   isatty(STDIN_FILENO) && isatty(STDOUT_FILENO)
-                      ? "this terminal was asked, and does not say that it shows pictures"
+                      ? "this terminal does not report that it can show pictures"
                       : "there is no terminal that could show pixels");
         return error_hint(error, "'> FILE.png' writes a picture");
     }
