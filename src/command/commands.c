@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* All commands in one table: the rows at the bottom of every file in commands.def, with their texts
- * in the help.txt beside it. */
+/* The catalog of commands. It is made of the rows at the bottom of the files in commands.def (and
+ * those of modules), with their texts in the help.txt beside each file. */
 #define COMMAND_ROWS
 #define COMMAND(id, ...)                                                                           \
     bool command_##id(HANDLER_PARAMETERS);                                                         \
@@ -40,6 +40,7 @@ static const struct command commands[] = {
 
 const struct catalog command_catalog = CATALOG("command", commands);
 
+/* Needs no bound, since one command has each of these flags. */
 const struct command *command_with(enum command_flag flag)
 {
     const struct command *command = commands;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Hints for the words that newcomers type: the meaning of each in this program. */
+/* Better hints for errors about unknown words: what a word means elsewhere in the program, or what
+ * a newcomer probably meant by it. */
 #include "command/finding.h"
 #include "command/session/topics.h"
 
@@ -11,7 +12,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- words that are no names here ---- */
+/* ---- words of the field and of other programs ---- */
 
 static const struct row words[] = {
 #define WORD_TEXT(id, word, brief, says, lines, others) {word, "", says, "", others},
@@ -19,7 +20,7 @@ static const struct row words[] = {
 };
 const struct catalog word_catalog = CATALOG("word", words);
 
-/* ---- names that are known, elsewhere ---- */
+/* ---- names of other catalogs ---- */
 
 #define SETTING_HINT "'%1 = VALUE' as a command of its own sets it"
 
@@ -39,7 +40,7 @@ static const struct use {
     {&result_catalog, "'plot COLUMN against COLUMN of %1' draws its result"},
     {&guide_catalog, "'help %1' shows how"},
     {&command_catalog,
-     "'%1' is a command: 'help %1'"}, /* the last: who is near a name wants that */
+     "'%1' is a command: 'help %1'"}, /* the last, since put_uses() may leave it out */
 };
 
 /* Returns true if the kind of the unknown word begins with `wanted`; kind is NULL for other
@@ -49,6 +50,7 @@ static bool is_kind(const char *kind, const char *wanted)
     return kind && text_starts(text_of(kind), text_of(wanted));
 }
 
+/* Appends the text with %1 replaced by the name. */
 static void put_use(const char *use, struct text name, struct buffer *text)
 {
     for (const char *cursor = use; *cursor; cursor++)
@@ -60,8 +62,8 @@ static void put_use(const char *use, struct text name, struct buffer *text)
         }
 }
 
-/* Appends at most two uses, in the order of the catalogs, except for the catalog that was to be
- * chosen from. */
+/* Appends at most two uses of a name, in the order of the catalogs, except for the catalog that was
+ * to be chosen from (kind). guessed leaves out commands. Returns false if there are none. */
 static bool put_uses(struct text name, const char *kind, bool guessed, struct buffer *text)
 {
     int count = 0;
@@ -116,7 +118,8 @@ static bool is_mentioned(struct text word)
     return false;
 }
 
-/* The whole of what was typed there: dE/E0, symplectic-euler. */
+/* Returns what was typed around `where` up to the next blank or bracket, such as dE/E0 or
+ * symplectic-euler. */
 static struct text whole_word(struct text statement, struct text where)
 {
     size_t len = (size_t)(where.data - statement.data);
@@ -125,9 +128,9 @@ static struct text whole_word(struct text statement, struct text where)
     return (struct text){where.data, len - (size_t)(where.data - statement.data)};
 }
 
-#define SENTENCE_MIN 3 /* blanks in what is no misspelt command */
-#define MEANINGS_SHOWN 3
-#define USAGE_SHORT 48 /* [B] a line of usage that leaves room beside it */
+#define SENTENCE_MIN 3   /* blanks from which a statement counts as a sentence */
+#define MEANINGS_SHOWN 3 /* most meanings and commands in a hint */
+#define USAGE_SHORT 48   /* [byte] longest usage that is shown together with other hints */
 
 /* Returns the form in which the word was typed. */
 static enum argument_form form_of(struct text statement, struct text where)
@@ -149,8 +152,8 @@ static bool takes_name(const struct command *command, struct text name)
     return i < command->arguments;
 }
 
-/* Returns true for commands that record to a file, such as collect: a sensor sends its lines only
- * once. */
+/* Returns true for commands with a to=FILE key, such as collect. They never replace a file, since a
+ * sensor sends its lines only once. */
 static bool overwrites_nothing(const struct command *command)
 {
     int i = 0;
@@ -201,7 +204,8 @@ static void put_meanings(const struct session *session, const struct command *co
     buffer_free(&usage);
 }
 
-/* np.sin(1), run for 10 s, plot y(t), plot run.csv */
+/* Appends the right form of statements such as np.sin(1), run for 10 s, plot y(t), plot run.csv.
+ * Returns false if the statement is none of these. */
 static bool put_misplaced(const struct session *session, const char *kind, struct text statement,
                           struct text where, struct buffer *text)
 {
@@ -264,6 +268,9 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     }
 }
 
+/* Does the work of explain_unknown() for a statement without leading blanks: tries rewritten forms
+ * first, then meanings of the word, then other words of the sentence, and replaces the hint by what
+ * it finds. */
 static void explain(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Statements without abbreviations, for the history and for files. */
 #include "command/in_full.h"
 
 #include <string.h>
@@ -15,6 +16,7 @@ bool writes_file(const struct arguments *arguments)
     return file && force;
 }
 
+/* Returns true if `part` points into `whole`. */
 static bool is_inside(struct text part, struct text whole)
 {
     return part.len > 0 && part.data >= whole.data &&
@@ -38,11 +40,15 @@ static const struct item *next_choice(const struct arguments *arguments, struct 
     return next;
 }
 
+/* Appends the full name if the typed text abbreviates it, else the typed text, which may be an
+ * alias. */
 static void put_name(struct buffer *output, const char *name, struct text typed)
 {
     buffer_put(output, text_starts(text_of(name), typed) ? text_of(name) : typed); /* or an alias */
 }
 
+/* Replaces the command word and chosen rows by their full names; the text between them is
+ * copied. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
                        struct text statement, struct buffer *output)
 {

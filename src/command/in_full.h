@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A statement as a file has to say it. */
+/* Statements without abbreviations, for the history and for files. */
 #pragma once
 
 #include <hooke/command/handler.h>
 
-/* All it does is to write a file that it may replace. */
+/* Returns true if the statement does nothing but write a file that it may replace (it has a FILE
+ * and the option --force). */
 bool writes_file(const struct arguments *arguments);
-/* Writes the statement without abbreviations, with the consent that was given. */
+/* Appends the statement without abbreviations, with --force if the user has confirmed it. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
                        struct text statement, struct buffer *output);

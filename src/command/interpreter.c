@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lines to statements, statements to handlers: atomic, undoable, recorded. */
+/* The interpreter: command_exec() divides a line into statements, and executes each by its handler
+ * so that it is atomic, can be undone and is recorded. */
 #define _GNU_SOURCE /* memmem */
 #include <hooke/base/cancel.h>
 #include <hooke/base/statement.h>
@@ -17,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* NAME = value; not NAME == …, not NAME' = … */
+/* Returns true for NAME = value, but neither for NAME == … nor for NAME' = …. */
 static bool is_assignment(struct text statement)
 {
     struct text name = peek_name(statement);
@@ -27,7 +28,7 @@ static bool is_assignment(struct text statement)
            (rest.len == 1 || rest.data[1] != '=');
 }
 
-/* NAME' = …, NAME'' = … */
+/* Returns true for NAME' = … and NAME'' = …. */
 static bool is_equation(struct text statement)
 {
     const struct text name = peek_name(statement);
@@ -40,6 +41,8 @@ static bool is_equation(struct text statement)
     return name.len > 0 && marks && rest.len > 0 && rest.data[0] == '=';
 }
 
+/* Sets the error for a word that is no command, with advice for words that are something else.
+ * Returns false. */
 static bool unknown_command(const struct session *session, struct text word, struct error *error)
 {
     struct named_value value;
@@ -60,6 +63,9 @@ static bool unknown_command(const struct session *session, struct text word, str
     return false;
 }
 
+/* Sets *command to the command of the statement and moves the parser behind its word. Assignments
+ * and equations have commands without a word; a single name is printed. Returns false with the
+ * error set. */
 static bool find_command(struct session *session, struct parser *parser,
                          const struct command **command, struct error *error)
 {
@@ -85,7 +91,8 @@ static bool find_command(struct session *session, struct parser *parser,
     return *command || unknown_command(session, word, error);
 }
 
-/* Runs the handler between a snapshot and what follows from success. */
+/* Runs the handler after taking a snapshot, and keeps the snapshot for undo if the command has
+ * changed the session. */
 static bool run_handler(struct session *session, const struct arguments *arguments, size_t entry,
                         struct reply *reply, struct error *error)
 {
@@ -113,7 +120,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     return ok;
 }
 
-/* Draws what the statement has found into the redirect's file, by the plot of that name. */
+/* Draws the result of the statement into the file behind >, by executing the plot of that name. */
 static bool draw_redirected(struct session *session, const struct arguments *arguments,
                             const struct redirect *redirect, struct reply *reply,
                             struct error *error)
@@ -137,7 +144,8 @@ static bool draw_redirected(struct session *session, const struct arguments *arg
     return false;
 }
 
-/* Runs a command whose results are kept, and writes them to the file if there is one. */
+/* Runs a command, keeps the tables that it makes as results, and writes the table or picture to the
+ * file behind > if there is one; nothing else is printed then. */
 static bool run_collected(struct session *session, const struct arguments *arguments, size_t entry,
                           struct redirect *redirect, struct reply *reply, struct error *error)
 {
@@ -169,7 +177,8 @@ static bool run_collected(struct session *session, const struct arguments *argum
     return redirect_finish(session, redirect, table_row, reply, error);
 }
 
-/* A setting that no file can set is in none that is written. */
+/* Returns true if the statement sets a setting that only a person at a prompt may set. Such
+ * statements are not recorded. */
 static bool is_typed_only(const struct arguments *arguments)
 {
     if (!(arguments->command->flags & COMMAND_ASSIGNS))
@@ -183,8 +192,9 @@ static bool is_typed_only(const struct arguments *arguments)
            catalog_find(setting->choices, text_of(choice->name)) == choice;
 }
 
-/* Logs a statement that has ended. A statement typed during a run is recorded with the run, or with
- * the file that it is in. */
+/* Adds the end of a statement to the history and to the file of `record`. A statement typed during
+ * a run is recorded with the run, one of a sourced file with the file. Returns false with the error
+ * set if recording failed. */
 static bool log_statement(struct session *session, const struct arguments *arguments, size_t entry,
                           struct text typed, size_t output, unsigned flags, struct error *error)
 {
@@ -201,12 +211,15 @@ static bool log_statement(struct session *session, const struct arguments *argum
            record_append(session, entry, error);
 }
 
+/* Sets the error for commands that a saved session must not contain. Returns false. */
 static bool refuse_in_saved(struct error *error)
 {
     return error_set(error, ERROR_COMMAND, "this command is not allowed in a saved session");
 }
 
-/* Executes one statement; `log_line` is the log's index of the line that contains it. */
+/* Executes one statement of the line: finds the command, checks that it is allowed now, parses
+ * arguments, runs it and logs it. log_line is the index of the line in the history. Returns false
+ * with the error set; the session is then unchanged unless a run has made steps. */
 static bool exec_statement(struct session *session, struct text line, size_t log_line,
                            struct text statement, const struct source *where, struct reply *reply,
                            struct arena *arena, struct error *error)
@@ -291,6 +304,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     return true;
 }
 
+/* Sets the exit status after an error, unless an earlier error has set it. */
 static void note_failure(struct session *session, const struct error *error)
 {
     if (session->options.keep_going && error->code != ERROR_CANCELLED)
@@ -299,6 +313,7 @@ static void note_failure(struct session *session, const struct error *error)
         session->execution.status = (int)error->code;
 }
 
+/* Tells which statements behind a paused run on the same line were not executed. */
 static void note_left_out(struct text rest, struct reply *reply)
 {
     struct text statement = rest;
@@ -311,15 +326,16 @@ static void note_left_out(struct text rest, struct reply *reply)
     }
 }
 
-/* Frees memory that a cancelled statement left, when the next one begins. */
+/* Frees the memory of a statement; what remains because the user cancels is freed by a later
+ * statement. */
 static void give_back(struct session *session, struct arena *arena)
 {
     arena_move(arena, &session->execution.leftover);
     arena_give_back(&session->execution.leftover, session->front.cancel);
 }
 
-/* Lets modules continue with what a statement of a script did; at a prompt they do after the line.
- */
+/* Lets modules continue with what a statement of a script did; at a prompt they do so after the
+ * line. */
 static void continue_modules(struct session *session, struct reply *reply)
 {
     if (session->front.interactive || session->execution.restoring || session->execution.reacting)
@@ -329,6 +345,8 @@ static void continue_modules(struct session *session, struct reply *reply)
             module_list[i]->prompt.typed(session, reply);
 }
 
+/* Executes the statements of a line until one fails; replies with the error and sets the exit
+ * status. Returns false on error. */
 static bool exec_line(struct session *session, struct text line, const struct source *where,
                       struct reply *reply)
 {
@@ -379,7 +397,7 @@ bool command_exec(struct session *session, struct text line, const struct source
 {
     if (line.len == 0)
         return true;
-    /* Typed while a run goes on: that command is still making its reply, so this one makes its own.
+    /* a line that is typed during a run needs its own reply, since that of the run is not complete
      */
     const bool inside = session->live.state == LIVE_RUNNING || session->growing;
     struct reply own;
@@ -394,7 +412,7 @@ bool command_exec(struct session *session, struct text line, const struct source
     reply_free(&own);
     session->execution.nesting--;
     session->execution.typed = typed;
-    /* a session that is restored holds some of it only later */
+    /* a session that is being restored refers to some definitions only later */
     if (session->execution.nesting == 0 && !session->execution.restoring) {
         session_sweep(session);
         history_trim(session);

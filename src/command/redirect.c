@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* STATEMENT > FILE: reads the file name off the end of a statement, and writes the statement's
+ * result to it. */
 #include <hooke/base/file.h>
 #include <hooke/base/statement.h>
 #include <hooke/module.h>
@@ -40,7 +42,7 @@ bool refuse_ending(struct text file, struct error *error)
     return false;
 }
 
-/* Returns the row that the ending of the file names, or NULL. */
+/* Returns the row of the catalog that the ending of the file names, or NULL. */
 static const struct row *ending_row(const struct catalog *catalog, struct text file)
 {
     size_t dot = file.len;
@@ -51,7 +53,7 @@ static const struct row *ending_row(const struct catalog *catalog, struct text f
     return catalog_find(catalog, text_after(file, dot));
 }
 
-/* Returns the name of the plot that shows what the command finds, or NULL if there is none. */
+/* Returns the name of the plot that shows the result of the command, or NULL if there is none. */
 static const char *plot_of_command(const struct command *command)
 {
     for (size_t i = 0; i < plot_catalog.count; i++) {
@@ -62,7 +64,7 @@ static const char *plot_of_command(const struct command *command)
     return NULL;
 }
 
-/* Chooses what goes into the file by its ending. Returns false for an ending that says nothing. */
+/* Chooses a table format or a plot by the ending of the file. Returns false for other endings. */
 static bool choose_content(const struct command *command, struct redirect *redirect)
 {
     const struct row *format = ending_row(&table_format_catalog, redirect->file);
@@ -74,7 +76,7 @@ static bool choose_content(const struct command *command, struct redirect *redir
     return format || redirect->plot;
 }
 
-/* Reads the name of the file and an optional --force behind it; returns false if there is anything
+/* Reads the name of the file and an optional --force behind it. Returns false if there is anything
  * else. */
 static bool read_file(struct text rest, struct redirect *redirect)
 {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* STATEMENT > FILE: the table of what the statement finds goes into a file, or its plot as a
- * picture, and nothing else is said. */
+/* STATEMENT > FILE: the table that the statement makes, or its plot as a picture, goes to a file,
+ * and nothing else is printed. redirect_take() reads the file name; redirect_open() opens it before
+ * the statement is executed; redirect_finish() writes a table, or redirect_put_plot() gives the
+ * statement that draws. */
 #pragma once
 
 #include <hooke/base/file.h>
@@ -8,6 +10,7 @@
 
 struct row;
 
+/* The file behind a statement. */
 struct redirect {
     struct text file;     /* as typed, without quotes; empty if there is none */
     bool force;           /* --force stands behind it */
@@ -16,18 +19,20 @@ struct redirect {
     struct writer writer;
 };
 
-/* Takes "> FILE [--force]" off the end of a statement, whose command has COMMAND_TABLES, and a plot
- * of its name if the ending is that of pictures. Another ending is left to the command, which may
- * compare. */
+/* Takes "> FILE [--force]" off the end of a statement of a command with COMMAND_TABLES, if the
+ * ending is that of a table or of a picture. With another ending the statement stays as it is,
+ * since > may be a comparison. */
 void redirect_take(const struct command *command, struct text *statement,
                    struct redirect *redirect);
-/* Opens the file before anything is computed: one that exists is refused. */
+/* Opens the file before anything is computed. Returns false with the error set, also if it exists
+ * and --force was not given. */
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
                    struct error *error);
-/* Writes the result `table_row` that the statement has found, NULL if there is none, as a table. */
+/* Writes the result table_row of the statement as a table and closes the file. Returns false with
+ * the error set, also if table_row is NULL. */
 bool redirect_finish(struct session *session, struct redirect *redirect,
                      const struct row *table_row, struct reply *reply, struct error *error);
-/* Appends the statement that draws the picture. */
+/* Appends the statement that draws the picture into the file. */
 void redirect_put_plot(const struct redirect *redirect, struct buffer *statement);
 /* Lists the possible endings if a statement that cannot be read ends in the name of a file with
  * another ending. */

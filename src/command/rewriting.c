@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Translation of other programs' notation: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
+/* Recognises the notation of other programs (m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v) and
+ * translates it for hints. */
 #include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
 #include "command/finding.h"
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Returns the text behind `sign`, which has to come first; otherwise {NULL, 0}. */
+/* Returns the text behind `sign`, which has to come first, or {NULL, 0} if it does not. */
 static struct text behind_sign(struct text text, const char *sign)
 {
     text_skip_blanks(&text);
@@ -16,6 +17,7 @@ static struct text behind_sign(struct text text, const char *sign)
                                             : (struct text){NULL, 0};
 }
 
+/* Appends the suggestion 'NAME = VALUE'. */
 static void put_suggested(struct buffer *text, const char *name, struct text value)
 {
     value = text_trim(value);
@@ -34,6 +36,7 @@ static const char *settable(const struct session *session, struct text name)
     return row ? row->name : NULL;
 }
 
+/* Tries y0 and y_0 (vy0 and vy_0 for y'), then v0 for any velocity. */
 const char *start_of(const struct session *session, struct text name)
 {
     const struct scene *scene = &session->setup.scene;
@@ -57,7 +60,8 @@ const char *start_of(const struct session *session, struct text name)
     return v0 < 0 ? NULL : param_at(scene, v0)->row.name;
 }
 
-/* y(0) = 5 cm, y[0] = 5 cm, y'(0) = 0 */
+/* Translates initial values: y(0) = 5 cm, y[0] = 5 cm, y'(0) = 0. Returns false for other
+ * statements. */
 static bool put_start(const struct session *session, struct text statement, struct buffer *text)
 {
     struct text name = peek_name(statement);
@@ -75,7 +79,8 @@ static bool put_start(const struct session *session, struct text statement, stru
     return start;
 }
 
-/* m 0.2, m: 0.2, m := 0.2; par gamma = 0.2, init y = 0.05, @ dt = 0.01 */
+/* Translates assignments: m 0.2, m: 0.2, m := 0.2; par gamma = 0.2, init y = 0.05, @ dt = 0.01.
+ * Returns false for other statements. */
 static bool put_assignment(const struct session *session, struct text statement,
                            struct buffer *text)
 {
@@ -102,6 +107,7 @@ static bool put_assignment(const struct session *session, struct text statement,
     return known || row;
 }
 
+/* Returns the number of characters from `begin` on that are among `characters`. */
 static size_t text_span_length(struct text text, size_t begin, const char *characters)
 {
     size_t len = 0;
@@ -110,7 +116,8 @@ static size_t text_span_length(struct text text, size_t begin, const char *chara
     return len;
 }
 
-/* dx/dt = EXPR, d2x/dt2 = EXPR, d^2x/dt^2 = EXPR; x'' + x = 0 */
+/* Translates equations: dx/dt = EXPR, d2x/dt2 = EXPR, d^2x/dt^2 = EXPR; advises on x'' + x = 0.
+ * Returns false for other statements. */
 static bool put_equation(struct text statement, struct buffer *text)
 {
     const struct text word = peek_word(statement, "=");
@@ -140,8 +147,9 @@ static bool put_equation(struct text statement, struct buffer *text)
     return true;
 }
 
-/* Returns the name of the called function, such as plot of plt.plot(t, y) or ode45 of [t,y] =
- * ode45(..), and sets *arguments to the text in its parentheses. */
+/* Returns the name of the function that the statement calls, such as plot of plt.plot(t, y) or
+ * ode45 of [t,y] = ode45(..). Sets *whole to the call without prefix and *arguments to the text in
+ * its parentheses. Returns {NULL, 0} if nothing is called. */
 static struct text called(struct text statement, struct text *whole, struct text *arguments)
 {
     const char *end = statement.len && statement.data[0] == '['
@@ -166,7 +174,8 @@ static struct text called(struct text statement, struct text *whole, struct text
     return name;
 }
 
-/* quit(), plot(t, y), np.sin(x) */
+/* Translates calls of functions: quit(), plot(t, y), np.sin(x). Returns false for other
+ * statements. */
 static bool put_call(struct text statement, struct buffer *text)
 {
     struct text whole, arguments = {NULL, 0};
@@ -194,7 +203,7 @@ struct text called_word(struct text statement)
     return called(statement, &whole, &arguments);
 }
 
-/* Translates statements such as "method: rk4". */
+/* Translates statements such as "method: rk4". Returns false for other statements. */
 static bool put_command(struct text statement, struct buffer *text)
 {
     const struct text name = peek_name(statement), rest = text_behind(statement, name.len);
@@ -232,6 +241,7 @@ void put_named(const struct session *session, bool law, struct text name, struct
     buffer_free(&value);
 }
 
+/* Finds the values in the arguments of a call, or in NAME = VALUE behind the first word. */
 void put_filled(const char *brief, struct text statement, struct buffer *text)
 {
     static const char *const words[] = {"NAME", "VALUE", "EXPR"};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scripts: lines joined, counted and stopped at the first error; files that source files. */
+/* Scripts: joins lines that end in a backslash, counts lines, stops at the first error; and files
+ * that source other files. */
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/command/handler.h>
@@ -14,6 +15,7 @@ void script_begin(struct script *script, struct session *session, const char *na
         .where = {.name = name, .parent = parent}, .commands = session->history.done, .ok = true};
 }
 
+/* Executes a joined line and decides if the script stops. */
 static void execute(struct script *script, struct session *session, struct text line,
                     struct reply *reply)
 {
@@ -30,6 +32,7 @@ static void execute(struct script *script, struct session *session, struct text 
                       session->execution.halted;
 }
 
+/* Shows the line before it is executed, with -v. */
 static void script_line_show(const struct session *session, struct text line, struct reply *reply)
 {
     struct buffer safe = {0};
@@ -71,6 +74,7 @@ bool script_feed(struct script *script, struct session *session, struct text lin
     return !script->stopped && !session->execution.quit;
 }
 
+/* Appends the numbers of the runs that a stopped script leaves. */
 static void put_runs_left(const struct session *session, struct buffer *text)
 {
     if (session->runs.count == 1)
@@ -103,6 +107,7 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     return script->ok;
 }
 
+/* Tries the folder of the command file only if the path is relative and does not exist. */
 char *script_path(const struct source *where, struct text name, struct arena *arena)
 {
     char *path = arena_text(arena, name);
@@ -118,6 +123,7 @@ char *script_path(const struct source *where, struct text name, struct arena *ar
     return access(sibling_path, F_OK) == 0 ? sibling_path : path;
 }
 
+/* Returns true unless the file would source itself or is nested too deeply; then sets an error. */
 static bool check_nesting(const char *path, const struct source *parent, struct error *error)
 {
     struct buffer chain = {0};
@@ -141,6 +147,7 @@ static bool check_nesting(const char *path, const struct source *parent, struct 
     return !cycle && depth < LIMIT_SOURCE_DEPTH;
 }
 
+/* Returns true unless the file contains a NUL byte; then sets an error. */
 static bool check_content(const char *path, struct text content, struct error *error)
 {
     const char *nul = content.len ? memchr(content.data, 0, content.len) : NULL;
@@ -181,6 +188,7 @@ bool script_file(struct session *session, const char *path, const struct source 
     return ok;
 }
 
+/* Walks up the sources of the statement: each must be a prompt. */
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error)
 {

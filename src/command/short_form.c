@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Short answers: holds the text of a statement until its length is known, and leaves out the middle
+ * if it does not fit on a screen. */
 #include <hooke/base/safe_text.h>
 #include "command/short_form.h"
 
 #include <string.h>
 
-/* Figures fill the screen whose size was asked for; their --full is about what they draw. */
+/* Returns true if the command has --full for its text. Figures fill the screen whose size was asked
+ * for, and their --full changes what they draw. */
 static bool has_short_form(const struct command *command)
 {
     bool full = false, figure = false;
@@ -59,12 +62,15 @@ int text_rows(struct text text, int width)
     return rows;
 }
 
+/* Sink for results: keeps them in the form (context). */
 static bool hold_result(void *context, struct text text)
 {
     buffer_put(&((struct short_form *)context)->text, text);
     return true;
 }
 
+/* Sink for messages: keeps a message at its place among the results; those before the first result
+ * are passed on. */
 static bool hold_message(void *context, struct text text)
 {
     struct short_form *form = context;
@@ -93,9 +99,10 @@ void short_form_begin(struct short_form *form, const struct session *session,
         reply->sink = (struct sink){hold_result, hold_message, form};
 }
 
-/* ---- what is left out ---- */
+/* ---- writing with rows left out ---- */
 
-/* The line at *position, with its newline, and whether it belongs to a message. */
+/* Returns the line at *position with its newline, and moves *position behind it; *message becomes
+ * the message at or behind that position. */
 static struct text form_next_line(const struct short_form *form, size_t *position, int *message)
 {
     const struct text all = buffer_text(&form->text);
@@ -111,16 +118,20 @@ static struct text form_next_line(const struct short_form *form, size_t *positio
     return line;
 }
 
+/* Returns true if the line belongs to that message. */
 static bool is_message(const struct short_form *form, int message, struct text line)
 {
     return message < form->messages && line.data >= form->text.data + form->message[message].begin;
 }
 
+/* Writes a line to the sink of messages or of results. Returns false if that fails. */
 static bool write_line(const struct short_form *form, bool message, struct text line)
 {
     return (message ? form->outer.err : form->outer.output)(form->outer.context, line);
 }
 
+/* Counts rows first; then writes all messages, and the head and tail of the results with a line in
+ * place of what is left out. */
 void short_form_end(struct short_form *form, struct reply *reply)
 {
     if (!form->active)

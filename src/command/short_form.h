@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Answers in one screen: what is longer is shown only with --full. */
+/* Answers that fit on one screen: longer ones are shown in full only with --full. The interpreter
+ * calls short_form_begin() before and short_form_end() after a statement. */
 #pragma once
 
 #include <hooke/command/handler.h>
 
-/* Messages that wait for the text around them; later ones come before it. */
+/* Most messages that are held together with the text; further ones are written at once. */
 #define SHORT_FORM_MESSAGES 16
 
-/* Holds what a statement says until its length is known. */
+/* Holds the output of a statement until its length is known. */
 struct short_form {
     struct sink outer;   /* sink of the reply, restored by short_form_end() */
     int width, rows_max; /* [cell] of a line; [row] of the answer */
@@ -19,9 +20,9 @@ struct short_form {
     int messages;
 };
 
-/* Begins to hold the text of a command that has the option --full, where it is not given. */
+/* Begins to hold the output of a command that has the option --full, unless that was given. */
 void short_form_begin(struct short_form *form, const struct session *session,
                       const struct arguments *arguments, struct reply *reply);
-/* Writes what was held. Where it is too long, rows before its last third are replaced by a line
- * that says how many they are. */
+/* Writes what was held. If it is too long, rows before its last third are replaced by a line with
+ * their number. */
 void short_form_end(struct short_form *form, struct reply *reply);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Search for the commands that take an argument that was given to another one. */
+/* Finds the commands that take an argument which was given to another command, for hints
+ * (finding.c). */
 #include "command/finding.h"
 
-/* Returns true if the argument has that name, or such a choice. A bare word is no key: print x,
- * plot x=0:5. */
+/* Returns true if the argument has that name or, with as_choice, such a choice. A bare word never
+ * means a key. */
 static bool is_named(const struct argument *argument, struct text word, bool as_choice,
                      enum argument_form form)
 {
@@ -14,6 +15,8 @@ static bool is_named(const struct argument *argument, struct text word, bool as_
            argument->name[0] != '>' && (form != FORM_WORD || argument->form != FORM_KEY);
 }
 
+/* Returns the argument of the command with that name (or choice), preferably of that form; NULL if
+ * there is none. */
 static const struct argument *find_taken(const struct command *command, struct text word,
                                          bool as_choice, enum argument_form form)
 {
@@ -25,6 +28,7 @@ static const struct argument *find_taken(const struct command *command, struct t
     return found;
 }
 
+/* Appends how the command is written with that argument and with those that it requires. */
 static void put_taker(const struct command *command, const struct argument *argument,
                       struct text word, bool as_choice, struct buffer *text)
 {
@@ -44,6 +48,8 @@ static void put_taker(const struct command *command, const struct argument *argu
     buffer_char(text, '\'');
 }
 
+/* Appends at most `most` other commands that take the word, those that take it in the typed form
+ * first. Returns false if there are none. */
 static bool put_others(const struct command *command, struct text word, bool as_choice,
                        enum argument_form form, int most, struct buffer *text)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is
+/* Completion: candidates for the word at the cursor, from the descriptions of arguments. Nothing is
  * executed and no expression is evaluated. */
 #include <hooke/base/statement.h>
 #include <hooke/command/complete.h>
@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+/* Returns the last word of the text, without blanks around it. */
 struct text last_word(struct text preceding)
 {
     preceding = text_trim(preceding);
@@ -17,6 +18,7 @@ struct text last_word(struct text preceding)
     return text_after(preceding, begin);
 }
 
+/* Returns the number of words in the text. */
 int count_words(struct text text)
 {
     int count = 0;
@@ -28,6 +30,7 @@ int count_words(struct text text)
     return count;
 }
 
+/* Returns the argument of that form and name, or NULL if the command has none. */
 static const struct argument *find_by_form(const struct command *command, enum argument_form form,
                                            struct text name)
 {
@@ -48,7 +51,7 @@ static bool takes_values(const struct command *command)
 
 void complete_next(struct completion *c, const struct command *command, struct text preceding)
 {
-    /* Offer only the arguments that belong to `of` after that word. */
+    /* a leading word such as `of` is followed only by the arguments that belong to it */
     const struct text last = last_word(preceding);
     bool led = false;
     for (int i = 0; i < command->arguments; i++)
@@ -87,6 +90,8 @@ void complete_next(struct completion *c, const struct command *command, struct t
                               : QUANTITY_OTHER);
 }
 
+/* Returns true if an expression continues at the cursor: after an operator, or after the comparison
+ * of `until`. */
 static bool goes_on(const struct command *command, struct text preceding)
 {
     const struct text t = text_trim(preceding);
@@ -95,6 +100,8 @@ static bool goes_on(const struct command *command, struct text preceding)
     return takes_values(command) && (compares || value_is_open(preceding));
 }
 
+/* Completes the arguments of a command by what precedes the word. Modules come first, then values
+ * behind NAME= and units behind numbers, then the arguments that may come next. */
 static void complete_arguments(struct completion *c, const struct command *command,
                                struct text preceding)
 {
@@ -206,6 +213,8 @@ static const char *event_string(struct text statement)
     return NULL;
 }
 
+/* Finds statement and word at the cursor, then completes by the kind of the statement; inside the
+ * commands of an unfinished event it calls itself. */
 const char *
 command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
                  void (*offer_to)(void *context, const char *candidate, const char *brief),
@@ -218,7 +227,7 @@ command_complete(struct session *session, struct text line, size_t cursor, size_
         if (!next_statement(&rest, &statement, &ignored)) {
             const char *inside = event_string(statement), *end = line.data + cursor;
             const char *string = ignored.where.data;
-            /* inside a string */
+            /* the cursor is in a string that is not closed, perhaps in the commands of an event */
             if (!inside || inside > end) {
                 const struct text preceding = {line.data, (size_t)(string - line.data)};
                 const char *const file = file_string(session, preceding);

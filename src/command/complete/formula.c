@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion inside of expressions, and of the lines that define scenes and events. */
+/* Completion of the lines that define scenes and events, and of the expressions in them. */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/scene/typed.h>
@@ -10,7 +10,7 @@
 
 /* ---- lines of a scene ---- */
 
-/* The names of the scene are there whatever runs have been made. */
+/* Offers the names that expressions of the scene can use, whatever runs have been made. */
 static void offer_names(struct completion *c)
 {
     const struct model *model = c->session->setup.scene.model;
@@ -22,7 +22,7 @@ static void offer_names(struct completion *c)
     complete_catalog(c, &function_catalog);
 }
 
-/* Those that were typed: a line of the same name takes its place. */
+/* Offers the names of typed lines of that kind, which a new line of the same name would replace. */
 static void offer_lines(struct completion *c, enum typed_kind kind)
 {
     const struct model *model = c->session->setup.scene.model;
@@ -36,6 +36,7 @@ static void offer_lines(struct completion *c, enum typed_kind kind)
     }
 }
 
+/* Returns true if the scene has a typed line of that kind. */
 static bool has_line(const struct completion *c, enum typed_kind kind)
 {
     const struct model *model = c->session->setup.scene.model;
@@ -54,7 +55,7 @@ static bool behind_equals(struct text text, struct text *value)
     return equals;
 }
 
-/* NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS */
+/* Completes NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS. */
 static void complete_event(struct completion *c, struct text rest)
 {
     const int words = count_words(rest);
@@ -101,6 +102,7 @@ static void complete_event(struct completion *c, struct text rest)
     complete_offer(c, "do", "");
 }
 
+/* Offers names of lines before the '=', names in expressions behind it. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest)
 {
     const bool var = command->completes == COMPLETES_VARIABLE,

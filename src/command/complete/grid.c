@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion of NAME=FROM:TO, with the unit behind a number. */
+/* Completion of the grid of a sweep, NAME=FROM:TO, with units behind numbers. */
 #include <hooke/command/complete.h>
 #include <hooke/command/handler.h>
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: names that commands of their own take. */
+/* Completion of names that single commands take: variables of atol, values of set, topics of
+ * help. */
 #include <hooke/base/statement.h>
 #include <hooke/command/complete.h>
 #include "command/session/topics.h"

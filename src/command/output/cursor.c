@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cursor */
+/* The command cursor: two cursors on plots over time, with the period between them, or a point on a
+ * portrait. */
 #ifndef COMMAND_ROWS
 #include <hooke/plot/cursor.h>
 #include <hooke/command/handler.h>
 
 #include <math.h>
 
+/* Actions of `cursor WHAT`. */
 enum cursor_action {
     GO_LEFT,
     GO_RIGHT,
@@ -39,7 +41,8 @@ static const struct row actions[] = {
 };
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
-/* Moves the other cursor as far as the active one, where they are locked. */
+/* Moves the other cursor by the same shift as the active one, if they are locked together. reach is
+ * the distance within which it snaps. */
 static void move_locked_cursor(struct cursors *c, const struct ground *ground, double shift,
                                double reach)
 {
@@ -47,13 +50,15 @@ static void move_locked_cursor(struct cursors *c, const struct ground *ground, d
         cursor_put(c, ground, !c->active, c->cursor[!c->active].t + shift, reach);
 }
 
-/* Moves the active cursor, which snaps where it comes near. */
+/* Moves the active cursor by shift [s]; it snaps to a crossing or peak within half of that. */
 static void move_by(struct cursors *c, const struct ground *ground, double shift)
 {
     cursor_put(c, ground, c->active, c->cursor[c->active].t + shift, 0.5 * fabs(shift));
     move_locked_cursor(c, ground, shift, 0.5 * fabs(shift));
 }
 
+/* Moves the active cursor to the next or previous crossing or peak. Returns false with the error
+ * set if there is none. */
 static bool active_cursor_jump(struct cursors *c, const struct ground *ground, bool forward,
                                struct error *error)
 {
@@ -65,6 +70,8 @@ static bool active_cursor_jump(struct cursors *c, const struct ground *ground, b
     return true;
 }
 
+/* Adds the period between the cursors to the measurements. Returns false with the error set if
+ * there is none. */
 static bool cursor_keep_period(struct session *session, struct reply *reply, struct error *error)
 {
     struct cursor_reading r;
@@ -83,6 +90,8 @@ static bool cursor_keep_period(struct session *session, struct reply *reply, str
     return true;
 }
 
+/* Performs the action of `cursor WHAT [TIME]` on cursors over time. Returns false with the error
+ * set. */
 static bool cursor_action_perform(struct session *session, const struct arguments *args,
                                   struct ground *ground, struct reply *reply, struct error *error)
 {
@@ -134,6 +143,8 @@ static bool cursor_action_perform(struct session *session, const struct argument
 
 /* ---- the point on a portrait ---- */
 
+/* Performs the action of `cursor WHAT` on the point c->point of a portrait, which stays inside its
+ * box. Returns false with the error set. */
 static bool act_on_plane(const struct session *session, const struct arguments *args,
                          struct cursors *c, const struct plot_plane *plane, struct error *error)
 {
@@ -166,7 +177,8 @@ static bool act_on_plane(const struct session *session, const struct arguments *
     }
 }
 
-/* A screen has drawn it already. */
+/* Makes sure that the portrait has been drawn, which defines its plane; a screen has done that
+ * already. Returns false with the error set. */
 static bool draw_plane(const struct session *session, struct arena *arena, struct error *error)
 {
     const struct figure_request request = {.kind = view_focus(&session->view),
@@ -180,8 +192,8 @@ static bool draw_plane(const struct session *session, struct arena *arena, struc
            session_figure(session, &request, arena, &figure, error);
 }
 
-/* Moves the point on the plane. Without arguments the point appears, at first at the motion, or
- * disappears. */
+/* Shows, moves or hides the point on a portrait. Without arguments (any is false) it appears, first
+ * at the state of the run, or disappears. */
 static bool point(struct session *session, const struct arguments *args, bool any,
                   struct reply *reply, struct error *error)
 {
@@ -214,7 +226,8 @@ static bool point(struct session *session, const struct arguments *args, bool an
     return true;
 }
 
-/* Puts a cursor to the time that an argument gives, if it does. */
+/* Puts cursor `which` to the time that the argument gives, if it is given. Returns false with the
+ * error set if it is outside of the series. */
 static bool put_argument(struct cursors *c, const struct ground *ground, int which,
                          const struct argument_value *argument, struct error *error)
 {
@@ -228,6 +241,7 @@ static bool put_argument(struct cursors *c, const struct ground *ground, int whi
     return true;
 }
 
+/* Applies all arguments of the command to the cursors. Returns false with the error set. */
 static bool apply(struct session *session, const struct arguments *args, struct ground *ground,
                   struct reply *reply, struct error *error)
 {
@@ -247,6 +261,7 @@ static bool apply(struct session *session, const struct arguments *args, struct 
            cursor_action_perform(session, args, ground, reply, error);
 }
 
+/* Adds one cursor to the record. */
 static void reply_cursor(struct reply *reply, const char *key, const struct cursors *c, int which)
 {
     reply_object(reply, key);
@@ -257,6 +272,7 @@ static void reply_cursor(struct reply *reply, const char *key, const struct curs
     reply_close(reply);
 }
 
+/* Replies with what the cursors read: lines and a record. */
 static void reply_reading(const struct session *session, struct reply *reply)
 {
     const struct cursors *c = &session->view.cursors;
@@ -283,6 +299,8 @@ static void reply_reading(const struct session *session, struct reply *reply)
     reply_end(reply);
 }
 
+/* Shows or hides the cursors if there are no arguments; otherwise applies these to them, or to the
+ * point if a portrait is in focus. */
 HANDLER(cursor)
 {
     struct cursors *c = &session->view.cursors;

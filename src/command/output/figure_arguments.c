@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Choice of a figure: the arguments that plot and describe share. */
+/* The arguments that choose a figure, which plot and describe share. */
 #include <hooke/base/unit.h>
 #include <hooke/command/figure_arguments.h>
 
@@ -51,12 +51,14 @@ static bool choose_runs(struct session *session, const struct arguments *args,
     return error_hint(error, "type: run, or: load FILE");
 }
 
+/* Returns true if the item is the name of a method. */
 static bool is_method(const struct item *item)
 {
     return item->row && item->row == catalog_find(&method_catalog, item->text);
 }
 
-/* Chooses the methods behind the name of a study's plot: rows of the catalog. */
+/* Chooses the methods behind the name of a study's plot, each once. Returns false with the error
+ * set. */
 static bool choose_methods(const struct arguments *args, struct figure_request *request,
                            struct error *error)
 {
@@ -79,7 +81,8 @@ static bool choose_methods(const struct arguments *args, struct figure_request *
     return true;
 }
 
-/* Makes the table of the study whose figure is drawn. What it says is dropped, except for notes. */
+/* Executes the study whose figure is drawn, which keeps its table as a result. Its output is
+ * dropped, except for notes. */
 static bool make_study(struct session *session, const struct figure_request *request,
                        struct reply *reply, struct error *error)
 {
@@ -155,7 +158,8 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
            error_at(error, data->where, "recordings have no columns to plot against each other");
 }
 
-/* Reads the ranges; that of x is also a window if the plot is against time. */
+/* Reads the ranges of the axes; that of x also limits the times that are drawn if the plot is
+ * against time. */
 static bool choose_ranges(const struct arguments *args, struct figure_request *request,
                           struct error *error)
 {
@@ -180,6 +184,8 @@ static bool choose_ranges(const struct arguments *args, struct figure_request *r
     return true;
 }
 
+/* Adds an axis of a portrait: a variable of the scene with its range. Returns false with the error
+ * set. */
 static bool add_side(const struct session *session, struct figure_request *request,
                      struct text name, struct text where, const double range[2],
                      struct error *error)
@@ -200,8 +206,8 @@ static bool add_side(const struct session *session, struct figure_request *reque
     return true;
 }
 
-/* Reads the sides of a portrait, where x= and y= are variables of these names, in the order of
- * typing. */
+/* Reads the axes of a portrait, in the order of typing. x= and y= mean variables of these names
+ * here. Returns false with the error set. */
 static bool choose_sides(const struct session *session, const struct arguments *args,
                          struct figure_request *request, struct error *error)
 {
@@ -233,6 +239,8 @@ static bool choose_sides(const struct session *session, const struct arguments *
     return true;
 }
 
+/* Returns true unless NAME=FROM:TO was given to a plot that is not a portrait; then sets an
+ * error. */
 static bool refuse_sides(const struct arguments *args, const struct figure_request *request,
                          struct error *error)
 {
@@ -244,6 +252,8 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
     return error_hint(error, "ranges of axes are x=FROM:TO and y=FROM:TO");
 }
 
+/* Chooses the source of the figure (a result, a study, the scene, or runs and recordings), then
+ * makes it. */
 bool make_figure(struct session *session, const struct arguments *args,
                  struct figure_request *request, struct figure *figure, struct reply *reply,
                  struct error *error)
@@ -278,7 +288,7 @@ bool make_figure(struct session *session, const struct arguments *args,
     }
     if (session_figure(session, request, args->arena, figure, error))
         return true;
-    if (!error->where.data) /* nothing there, unless it is memory */
+    if (!error->where.data) /* the window has no rows, unless memory ran out */
         error->where = window->where;
     return false;
 }

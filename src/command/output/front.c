@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Requests that the front end carries out: panes, plain, redraw. */
+/* The commands panes, plain and redraw, which the front end carries out. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 
+/* Asks the front end for a change. Returns false with the error set if there is no terminal. */
 static bool change_front(const struct session *session, enum front_change change,
                          struct error *error)
 {

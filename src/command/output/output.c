@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* export, print, echo */
+/* The commands export (tables of runs, recordings and results; scenes as programs; methods), print
+ * and echo. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
@@ -16,9 +17,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SHOWN_CHUNK_BYTES 65536u /* Bytes that are shown at least between two looks at Ctrl-C. */
+/* [byte] Output that is written between two looks at Ctrl-C. */
+#define SHOWN_CHUNK_BYTES 65536u
 
-/* Chooses the format by the ending of the file; CSV if there is none. */
+/* Chooses the format by --format or by the ending of the file; CSV if it has none. Returns false
+ * with the error set for an unknown ending. */
 static bool choose_format(const struct arguments *args, struct text path, table_format **format,
                           struct error *error)
 {
@@ -30,6 +33,8 @@ static bool choose_format(const struct arguments *args, struct text path, table_
     return row || end.len == 0 || refuse_ending(path, error);
 }
 
+/* Fills export->table with what the arguments ask for: columns of runs or of a recording,
+ * measurements, events, or a result. Returns false with the error set. */
 static bool fill_table(struct session *session, const struct arguments *args, struct export *export,
                        struct error *error)
 {
@@ -83,7 +88,8 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
     buffer_free(&path);
 }
 
-/* Each row as an object. */
+/* Replies with each row of the table as a record. Returns false with the error set if it was
+ * cancelled. */
 static bool reply_rows(struct reply *reply, const struct table *table, struct error *error)
 {
     struct table_store *const store = reply->store;
@@ -93,7 +99,8 @@ static bool reply_rows(struct reply *reply, const struct table *table, struct er
     return ok || error_set(error, ERROR_CANCELLED, "stopped before all rows were written");
 }
 
-/* A slow terminal takes long: what was not yet shown can be left out. */
+/* Writes the text in pieces, since a slow terminal takes long, so that Ctrl-C can end it. Returns
+ * false with the error set if it was cancelled. */
 static bool say_in_pieces(const struct session *session, struct text text, struct reply *reply,
                           struct error *error)
 {
@@ -109,6 +116,8 @@ static bool say_in_pieces(const struct session *session, struct text text, struc
     return true;
 }
 
+/* Writes the scene as a program, by the module that knows the ending of the file. Returns false
+ * with the error set. */
 static bool export_scene(struct session *session, const struct arguments *args, struct reply *reply,
                          struct error *error)
 {
@@ -154,7 +163,8 @@ static bool export_scene(struct session *session, const struct arguments *args, 
     return true;
 }
 
-/* Coefficients of a method, to a file or, by the name of a format alone, to the output. */
+/* Writes the coefficients of a method to a file, or to the output if FILE is only the name of a
+ * format. Returns false with the error set. */
 static bool export_method(struct session *session, const struct arguments *args,
                           struct reply *reply, struct error *error)
 {
@@ -188,6 +198,7 @@ static bool export_method(struct session *session, const struct arguments *args,
     return ok;
 }
 
+/* Writes a table to FILE, or to the output for '-'. */
 HANDLER(export)
 {
     const struct item *file = argument_value(args, "FILE")->item;
@@ -234,6 +245,7 @@ HANDLER(export)
     return true;
 }
 
+/* Prints a string, or the value of an expression with its uncertainty and unit. */
 HANDLER(print)
 {
     UNUSED(error);
@@ -272,6 +284,7 @@ HANDLER(print)
     return true;
 }
 
+/* Prints the text; if it is one string, without quotes. */
 HANDLER(echo)
 {
     const struct argument_value *rest = argument_value(args, "TEXT");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plot */
+/* The command plot: draws a figure as text, in pixels, or into a file. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
@@ -14,11 +14,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Rows of a screen for the state line, the numbers and the prompt; the hint and two more after
- * 'layout log'. */
+/* [row] Rows of a screen beside a figure (state line, numbers, prompt, hint, and two more after
+ * 'layout log'), and the smallest height of a figure. */
 #define OTHER_ROWS 6
 #define MIN_ROWS 8
 
+/* Returns true if the text ends with `end` and has more before it. */
 static bool ends_with(struct text text, const char *end)
 {
     const size_t len = strlen(end);
@@ -31,7 +32,8 @@ struct figure_file {
     size_t kind;                         /* place in writer->kinds */
 };
 
-/* Chooses the kind of file by what the name ends in. */
+/* Chooses the kind of file by the ending of its name; leaves *file zero for text. Returns false
+ * with the error set for other endings. */
 static bool choose_file(struct text path, enum plot_kind kind, struct figure_file *file,
                         struct error *error)
 {
@@ -58,6 +60,7 @@ static bool choose_file(struct text path, enum plot_kind kind, struct figure_fil
     return true;
 }
 
+/* Writes the content to the file behind >. Returns false with the error set. */
 static bool write_file(const struct session *session, const struct arguments *args,
                        const struct buffer *content, struct reply *reply, struct error *error)
 {
@@ -77,7 +80,7 @@ static bool write_file(const struct session *session, const struct arguments *ar
     return ok;
 }
 
-/* Explains how a figure that fills the whole screen can be kept in sight. */
+/* Tells how a figure that fills the whole screen can be shown in a pane. */
 static void reply_where(const struct session *session, const struct figure_request *request,
                         struct reply *reply)
 {
@@ -85,8 +88,8 @@ static void reply_where(const struct session *session, const struct figure_reque
         reply_line(reply, "'focus %s full' keeps it in a pane", plot_row(request->kind)->row.name);
 }
 
-/* Reports the largest width of the adopted fit's band; plots with bands of their own have texts of
- * their own. */
+/* Reports the largest width of the adopted fit's band. Plots that draw their own bands report them
+ * themselves. */
 static void report_band(const struct figure *figure, enum plot_kind kind, struct reply *reply)
 {
     const struct curve *curve = plot_row(kind)->figure ? NULL : figure_band(figure);
@@ -110,8 +113,8 @@ static void report_band(const struct figure *figure, enum plot_kind kind, struct
     reply_end(reply);
 }
 
-/* A label that ends in a unit of the axis, as "time (s)" or "y [cm]", chooses that unit, which is
- * printed once. Returns the label without it. */
+/* Returns the label without a unit at its end, as in "time (s)" or "y [cm]", and chooses that unit
+ * for the axis, so that it is printed once. */
 static struct text take_unit(struct text label, struct axis *axis)
 {
     const struct unit *present = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
@@ -128,7 +131,8 @@ static struct text take_unit(struct text label, struct axis *axis)
     return text_trim((struct text){label.data, open - 1});
 }
 
-/* Words of the user's in place of those that the figure has. */
+/* Replaces title, labels and names of curves by those that the user gives. Returns false with the
+ * error set. */
 static bool choose_words(const struct arguments *args, struct figure *figure, struct error *error)
 {
     const struct argument_value *title = argument_value(args, "title"),
@@ -176,7 +180,7 @@ static bool choose_words(const struct arguments *args, struct figure *figure, st
     return ok || error_memory(error);
 }
 
-/* Refuses arguments that only a picture has: its size, a grid. */
+/* Returns false with the error set if arguments were given that only pictures have (size, grid). */
 static bool refuse_in_text(const struct arguments *args, struct error *error)
 {
     static const char *const names[] = {"size", "grid"};
@@ -217,6 +221,8 @@ static void reply_numbers(const struct session *session, const struct figure_req
     report_band(figure, request->kind, reply);
 }
 
+/* Writes the figure to a file, as text or by the module that draws pictures. Returns false with the
+ * error set. */
 static bool into_file(const struct session *session, const struct arguments *args,
                       const struct figure_request *request, const struct figure_file *file,
                       struct figure *figure, struct reply *reply, struct error *error)
@@ -242,8 +248,8 @@ static bool into_file(const struct session *session, const struct arguments *arg
     return ok;
 }
 
-/* Moves the legend of a study's figure below it where the frame has no room for all of it. Appends
- * its lines, and returns how many; the curves have no names then. */
+/* Moves the legend of a study's figure below it if the frame has no room for it. Appends its lines
+ * to *lines and returns how many, 0 if it stays; the curves have no names then. */
 static int move_legend(struct figure *figure, int width, struct arena *arena, struct buffer *lines)
 {
     enum { BESIDE = 14 /* [cell] of the frame: blanks, brackets, corners */, GAP = 3 };
@@ -278,6 +284,8 @@ static int move_legend(struct figure *figure, int width, struct arena *arena, st
     return count;
 }
 
+/* Prints the figure as text of that size, with colour if wanted, and the legend below. Returns
+ * false with the error set. */
 static bool as_text(const struct session *session, const struct figure_request *request,
                     struct figure *figure, int width, int height, struct arena *arena,
                     struct reply *reply, struct error *error)
@@ -299,6 +307,8 @@ static bool as_text(const struct session *session, const struct figure_request *
     return true;
 }
 
+/* Chooses the figure and its output (file, pixels or text), makes it with a fitting number of
+ * columns, and writes it. */
 HANDLER(plot)
 {
     const struct argument_value *file = argument_value(args, ">");

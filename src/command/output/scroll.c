@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* scroll: the log, and what is read of it on the whole screen */
+/* The command scroll: scrolls the log, searches it, and shows it on the whole screen. */
 #ifndef COMMAND_ROWS
 #include "command/finding.h"
 #include <hooke/command/handler.h>
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define PAGE_WIDTH 80 /* Width [cell] without a screen. */
+#define PAGE_WIDTH 80 /* [cell] size that is assumed without a screen */
 #define PAGE_HEIGHT 24
 
 static int width_of(const struct session *session)
@@ -15,7 +15,7 @@ static int width_of(const struct session *session)
     return session->front.width ? session->front.width : PAGE_WIDTH;
 }
 
-/* Line i, counted from the newest, comes to the top of the page. */
+/* Scrolls so that line i, counted from the newest, is at the top. */
 static void show_line(struct session *session, int i)
 {
     const int height = session->front.height ? session->front.height : PAGE_HEIGHT,
@@ -24,8 +24,8 @@ static void show_line(struct session *session, int i)
     session->view.found = i;
 }
 
-/* Searches from the line behind the last one that was found; after the newest line the oldest
- * follows. */
+/* Searches the word from the line behind the last one found, and from the oldest line after the
+ * newest. Returns false with the error set if no line has it. */
 static bool find_line(struct session *session, struct text word, struct error *error)
 {
     const struct log *log = &session->log;
@@ -40,6 +40,7 @@ static bool find_line(struct session *session, struct text word, struct error *e
                     word.data);
 }
 
+/* Searches, opens or closes the reading of the log, or scrolls by rows within its length. */
 HANDLER(scroll)
 {
     UNUSED(reply);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* layout, focus, range, zoom, pan, window, trail, screenshot */
+/* Commands for what the screen shows: layout, focus, range, zoom, pan, window, overlay, trail,
+ * screenshot. They change session->view. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/file.h>
 #include <hooke/data.h>
@@ -11,14 +12,16 @@
 #include <math.h>
 #include <string.h>
 
-#define ZOOM_MAX 1e6 /* a window is never shorter than the whole span divided by this */
+#define ZOOM_MAX 1e6 /* the whole span divided by the shortest range of time */
 
+/* Counts a change of the session. Returns true. */
 static bool changed(struct session *session)
 {
     session_changed(session);
     return true;
 }
 
+/* Makes both axes automatic. */
 static void free_ranges(struct view *view)
 {
     view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
@@ -26,7 +29,7 @@ static void free_ranges(struct view *view)
 
 /* ---- layout, focus ---- */
 
-/* Describes the layout, and the part of it that is drawn on a screen that is too small. */
+/* Describes the layout, and the smaller one that is drawn if the screen is too small. */
 static void describe_layout(const struct session *session, struct buffer *text)
 {
     const struct view *view = &session->view;
@@ -49,6 +52,7 @@ static void describe_layout(const struct session *session, struct buffer *text)
                   layout_row(drawn)->row.brief);
 }
 
+/* Chooses a layout, or the next one. */
 HANDLER(layout)
 {
     UNUSED(error);
@@ -64,6 +68,7 @@ HANDLER(layout)
     return changed(session);
 }
 
+/* Chooses the pane that commands act on, if it has something to show; full shows it alone. */
 HANDLER(focus)
 {
     const struct argument_value *pane = argument_value(args, "PANE");
@@ -86,7 +91,7 @@ HANDLER(focus)
         buffer_free(&offered);
         return false;
     }
-    /* they were those of the other pane */
+    /* ranges belong to the pane that was in focus */
     if (wanted != view_focus(view))
         free_ranges(view);
     view_focus_on(view, wanted);
@@ -102,6 +107,7 @@ static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL},
                                   {"y", "", "vertical axis", "", NULL}};
 const struct catalog axis_catalog = CATALOG("axis", axes);
 
+/* Replies with the range of the horizontal or vertical axis of the pane in focus. */
 static void reply_range(const struct session *session, bool x, struct reply *reply)
 {
     const double *range = x ? session->view.x : session->view.y;
@@ -117,6 +123,7 @@ static void reply_range(const struct session *session, bool x, struct reply *rep
             SHOWN_VALUE(range[1], plot_quantity(session, view_focus(&session->view), x), 6));
 }
 
+/* Fixes the range of an axis, makes it automatic, or shows it. */
 HANDLER(range)
 {
     const bool x = argument_value(args, "AXIS")->item->index == 0;
@@ -139,7 +146,8 @@ HANDLER(range)
     return changed(session);
 }
 
-/* All the time there is: of the current run and recording together. */
+/* Sets span to the times [s] of the current run and recording together. Returns false if there is
+ * neither. */
 static bool whole_span(const struct session *session, double span[2])
 {
     const struct run *run = session_run(session);
@@ -158,16 +166,16 @@ static bool whole_span(const struct session *session, double span[2])
     return span[1] > span[0];
 }
 
+/* Sets span to the times [s] that the screen shows. Returns false if there is no screen. */
 static bool on_screen(const struct session *session, double span[2])
 {
     const struct front *front = &session->front;
     return front->time_shown && front->time_shown(front->context, session, span);
 }
 
-/*
- * The time axis as it is shown: what a screen says, else fixed, or the last window, or everything.
- * Beside a phase plot in focus stand others that have one.
- */
+/* Sets shown to the times [s] that plots show at present (as drawn on the screen, else the fixed
+ * range, else the last window, else everything), and whole to all times. Moves the focus to the
+ * position if its pane has no time axis but others are shown. Returns false with the error set. */
 static bool shown_span(struct session *session, double shown[2], double whole[2],
                        struct error *error)
 {
@@ -193,8 +201,8 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
     return true;
 }
 
-/* Moves the range into the whole span. A range as wide as that becomes automatic, if the automatic
- * range shows all of it. */
+/* Shows the times from begin [s] over width [s], moved into the whole span. A range as wide as the
+ * whole becomes automatic, if the automatic range shows all of it. */
 static void set_span(struct session *session, double begin, double width, const double whole[2])
 {
     struct view *view = &session->view;
@@ -212,6 +220,8 @@ static void set_span(struct session *session, double begin, double width, const 
     view->x[1] = begin + width;
 }
 
+/* Divides the time range by FACTOR, about the active cursor if it is in sight, else about the
+ * middle. */
 HANDLER(zoom)
 {
     const double factor = argument_value(args, "FACTOR")->item->value.value;
@@ -230,6 +240,7 @@ HANDLER(zoom)
     return changed(session);
 }
 
+/* Moves the time range. */
 HANDLER(pan)
 {
     const double shift = argument_value(args, "TIME")->item->value.value;
@@ -241,6 +252,7 @@ HANDLER(pan)
     return changed(session);
 }
 
+/* Sets or shows the length of time that plots show. */
 HANDLER(window)
 {
     UNUSED(error);
@@ -256,6 +268,7 @@ HANDLER(window)
     return changed(session);
 }
 
+/* Chooses other runs that are drawn over the current one. */
 HANDLER(overlay)
 {
     const struct argument_value *runs = argument_value(args, "run");
@@ -286,6 +299,7 @@ HANDLER(overlay)
     return changed(session);
 }
 
+/* Sets or shows the length of the phase plot's trail. */
 HANDLER(trail)
 {
     UNUSED(error);
@@ -303,6 +317,7 @@ HANDLER(trail)
 
 /* ---- screenshot ---- */
 
+/* Writes the screen to a file or to the reply. */
 HANDLER(screenshot)
 {
     const struct argument_value *file = argument_value(args, "FILE");

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Execution of the commands of events that have stopped a run, and continuation after them. */
+/* Executes the commands of events that have stopped a run, and decides if the run continues after
+ * them. */
 #include <hooke/scene/formula.h>
 #include "command/run/event_pass.h"
 
 #include <math.h>
 
-#define PASSES_MAX 10000 /* events whose commands let a run go on, in one command */
+#define PASSES_MAX 10000 /* most events after which a run continues in one command */
 /* Events pile up if they are closer than this part of the longest time between two. */
 #define PILE_TIME_RELATIVE 1e-6
 
 /*
- * Executes the commands of the event that stopped the run, with the run's parameters; those that
- * they set belong to the run alone. In records and saved sessions the run's statement stands for
- * them.
+ * The commands see and change the parameters of the run, not those of the set-up. They are not
+ * recorded, since the run's statement executes them again.
  */
 bool event_react(struct session *session, const struct event_line *event,
                  const struct arguments *args, struct reply *reply, struct error *error)
@@ -33,7 +33,8 @@ bool event_react(struct session *session, const struct event_line *event,
     return ok;
 }
 
-/* The ball that bounces ever lower does so infinitely often before it lies still (Zeno). */
+/* Returns true, with the error set, if events stop the run too often, or repeat in ever shorter
+ * times like the bounces of a ball (Zeno). */
 static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struct error *error)
 {
     const struct run *run = slot->run;
@@ -69,12 +70,15 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
     return false;
 }
 
+/* Returns true if the condition of `run until` holds now. */
 static bool is_met(const struct run_target *target)
 {
     return target->condition &&
            condition_holds(target->condition, condition_value(target->condition, target->scope));
 }
 
+/* The run continues only if the commands of all events at this time end in `continue`, and if the
+ * condition of `run until` was not met by their changes. */
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
                  const struct arguments *args, struct reply *reply, bool *ok, struct error *error)
 {
@@ -98,7 +102,7 @@ bool events_pass(struct session *session, const struct run_target *target, struc
     return *ok;
 }
 
-/* An equation there is not the law, but a jump of what moves. */
+/* Includes equations (COMMAND_IN_EVENTS), which in an event set a velocity. */
 bool event_executes(const struct command *command)
 {
     return (command->flags & (COMMAND_ANYTIME | COMMAND_IN_EVENTS)) != 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Execution of the commands of events that have stopped a run. */
+/* Commands of events. While a run advances, events_pass() executes those that let it continue;
+ * event_react() executes those of the last stop. */
 #pragma once
 
 #include <hooke/command/handler.h>
@@ -8,10 +9,11 @@
 
 /* Returns true if the command is allowed among the commands of an event. */
 bool event_executes(const struct command *command);
-/* false, always */
+/* Sets the error that an event cannot execute the command. Returns false. */
 bool refuse_in_event(const struct command *command, struct text where, struct error *error);
 
-/* Events at which a run stops only for what they change. */
+/* The events at which a run has stopped in the present command, to recognise that they repeat
+ * without end. */
 struct event_pass {
     const struct event_line *stopped[LIMIT_EVENTS]; /* events at which the run is now */
     int count;
@@ -19,12 +21,13 @@ struct event_pass {
     size_t seen; /* event records of the run */
     struct {
         bool known;
-        double last, longest; /* [s] when it was, and the longest time between two */
-        int close;            /* number of times in a row that it came at once */
+        double last, longest; /* [s] its last time, and the longest time between two */
+        int close;            /* number of times in a row that it repeated almost at once */
     } event[LIMIT_EVENTS];
 };
 
-/* The commands of an event, without `continue`. */
+/* Executes the commands of an event, without a `continue` at their end. Returns false after an
+ * error, which has been reported. */
 bool event_react(struct session *session, const struct event_line *event,
                  const struct arguments *args, struct reply *reply, struct error *error);
 /* Executes the commands of the events at which the current run has stopped, if they let it

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A run on its way: until it is where it should be, is paused, or would take too long. */
+/* Advances the current run along its last request until the target is reached, the run is paused or
+ * an event stops it; run, continue and step use it. Asks before computations that take long. */
 #include <hooke/report.h>
 #include <hooke/scene/formula.h>
 #include "command/run/going.h"
@@ -10,15 +11,16 @@
 
 /* Predicted computing time above which --force or a yes is needed [s]. */
 static const double seconds_asked = 60;
-/* Steps of an adaptive run before its speed shows how long it will take. */
+/* Steps of an adaptive run before its remaining time is estimated. */
 #define STEPS_JUDGED 100000
-#define SLICE_NS 10000000 /* 10 ms between looks at the front end */
+#define SLICE_NS 10000000 /* [ns] computing between two looks at the front end */
 
 bool takes_long(double seconds)
 {
     return seconds > seconds_asked;
 }
 
+/* Asks a person at a prompt; a person who watches the run can pause it and is not asked. */
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error)
 {
@@ -41,26 +43,27 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
                             session->setup.settings.duration);
 }
 
-/* The current run goes on along what was asked for last, at most `steps` steps of it (< 0: no
- * limit). */
+/* The way of the current run in the present command. */
 struct advance {
     struct run_slot *slot;
-    struct request request; /* as it was: the list may grow on the way */
+    struct request request; /* copy of the last request, since the journal may grow on the way */
     struct run_target target;
-    int requests; /* journal and run as they were before */
-    int64_t steps;
-    double t;
-    bool force;
-    double left; /* [s] that it would have taken when it was given up */
+    int requests;  /* length of the journal before */
+    int64_t steps; /* steps of the run before */
+    double t;      /* [s] time of the run before */
+    bool force;    /* long computations are allowed */
+    double left;   /* [s] estimated remaining computing time when it was given up */
 };
 
-/* Steps and time at the last look at an adaptive run. */
+/* Steps, simulated time [s] and computing time [s] when the remaining time of an adaptive run was
+ * last estimated. */
 struct step_pace {
     int64_t steps;
     double t, seconds;
 };
 
-/* The run's own events, in the names of its own scene. */
+/* Compiles the events of the run, with names of the run's own scene, into the target. Returns false
+ * with the error set. */
 static bool watch(struct session *session, const struct arguments *args, struct advance *advance,
                   struct error *error)
 {
@@ -78,6 +81,8 @@ static bool watch(struct session *session, const struct arguments *args, struct 
                           &advance->target.events, error);
 }
 
+/* Fills in *advance: the target of the last request, at most `steps` steps of it (none if < 0), its
+ * condition and its events. Returns false with the error set. */
 static bool set_out(struct session *session, const struct arguments *args, int64_t steps,
                     struct advance *advance, struct error *error)
 {
@@ -128,7 +133,7 @@ static double time_left(const struct run *run, const struct run_target *target, 
     return left;
 }
 
-/* Returns false if the run would take too long and this has not been confirmed. */
+/* Returns false if the rest of the run would take too long and the user does not allow it. */
 static bool goes_on(struct session *session, const struct run *run, struct advance *advance,
                     int64_t first, struct step_pace *pace)
 {
@@ -142,6 +147,8 @@ static bool goes_on(struct session *session, const struct run *run, struct advan
     return advance->force = allow_long(session, advance->left, more, false, &ignored);
 }
 
+/* Advances the run in slices, live while a person watches, else with progress, until the target is
+ * reached or the run has stopped. */
 static void run_to_target(struct session *session, struct run *run, struct advance *advance,
                           bool clocked)
 {
@@ -170,6 +177,7 @@ static void run_to_target(struct session *session, struct run *run, struct advan
         front->progress(front->context, run, 2);
 }
 
+/* Does the same as run_to_target(), and marks the session as advancing meanwhile. */
 static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
 {
     session->live.advancing = true;
@@ -177,8 +185,9 @@ static void travel(struct session *session, struct run *run, struct advance *adv
     session->live.advancing = false;
 }
 
-/* Adds to the log of the session what the statement alone does not tell. Effects of events are not
- * added, since events have them again. */
+/* Writes the journal's new requests to the history if the statement alone would not repeat them:
+ * after a pause and after changes during the run. Effects of events are left out, since events
+ * happen again. */
 static void advance_report(struct session *session, const struct advance *advance)
 {
     const bool paused = stop_is_pause(advance->slot->run->stop);
@@ -190,6 +199,7 @@ static void advance_report(struct session *session, const struct advance *advanc
     }
 }
 
+/* Replies which event has stopped the run (NULL for none) and how many have been recorded. */
 static void reply_event(const struct run_slot *slot, const struct event_line *stopped,
                         struct reply *reply)
 {
@@ -205,7 +215,8 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
                    plural_s((int64_t)count));
 }
 
-/* Says how it went; false if it did not get where it should. */
+/* Replies with the result of the run, its error estimate and warnings. Returns false with the error
+ * set if the run did not reach its target. */
 static bool arrive(struct session *session, const struct advance *advance,
                    const struct event_pass *pass, struct reply *reply, struct error *error)
 {
@@ -265,6 +276,7 @@ static bool arrive(struct session *session, const struct advance *advance,
     return right;
 }
 
+/* Tells a person who watches how to pause the run. */
 static void reply_running(const struct session *session, struct reply *reply)
 {
     reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
@@ -272,6 +284,7 @@ static void reply_running(const struct session *session, struct reply *reply)
         reply_line(reply, "it follows the clock; 'speed max' runs as fast as possible");
 }
 
+/* Advances from event to event until one of them stops the run or the target is reached. */
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error)
 {
@@ -292,7 +305,7 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
     } while (events_pass(session, &advance.target, &pass, args, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != advance.request.t && steps >= 0 &&
                        run->steps < advance.request.end;
-    /* it was not waited for */
+    /* the condition was not to be reached in these steps */
     if (early)
         advance.target.condition = NULL;
     const bool arrived = arrive(session, &advance, &pass, reply, error);

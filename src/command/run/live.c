@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* pause, speed, change */
+/* Commands for a run in progress: pause, speed, change. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 
 #include <math.h>
 
+/* Asks the run in progress to pause. */
 HANDLER(pause)
 {
     UNUSED(args);
@@ -16,6 +17,7 @@ HANDLER(pause)
     return true;
 }
 
+/* Sets or shows the speed at which watched runs follow the clock. */
 HANDLER(speed)
 {
     UNUSED(error);
@@ -30,6 +32,7 @@ HANDLER(speed)
     return true;
 }
 
+/* Sets a parameter or state variable of the current run, by the handler of set. */
 HANDLER(change)
 {
     const struct text name = argument_value(args, "NAME")->item->text;

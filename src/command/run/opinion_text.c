@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Report on the digits of an adaptive run: its estimated distance from the solution. */
+/* The error estimate of adaptive runs in text: when it is computed, its line, and warnings. */
 #include <hooke/run/opinion.h>
 
 #include <hooke/command/handler.h>
 
 #include <math.h>
 
+/* Records have the error among their fields, so that they justify more work. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply)
 {
     const int kind = session->setup.settings.opinion;
@@ -44,6 +45,7 @@ void plan_opinion(const struct session *session, const struct system *system,
             100 * OPINION_BRIEF_SHARE, OPINION_BUDGET_DOUBT / system->n);
 }
 
+/* Appends the name of the solution that the run was compared with. */
 static void put_solution(const struct opinion *opinion, struct buffer *text)
 {
     if (opinion->method)
@@ -53,7 +55,7 @@ static void put_solution(const struct opinion *opinion, struct buffer *text)
         buffer_put(text, TEXT("the closed form"));
 }
 
-/* "dop853 at tol = 1e-7 up to t = 3 s" */
+/* Appends that solution and how far it went: "dop853 at tol = 1e-7 up to t = 3 s". */
 static void put_witness(const struct run *run, struct buffer *text)
 {
     const struct opinion *opinion = &run->opinion;
@@ -66,6 +68,7 @@ static void put_witness(const struct run *run, struct buffer *text)
                                : " ('set opinion full' goes to the end)");
 }
 
+/* Returns true if the closed form of the scene is known. */
 static bool is_exact_available(const struct run *run)
 {
     const struct method *method = method_find("exact");
@@ -74,8 +77,9 @@ static bool is_exact_available(const struct run *run)
     return method && method_applies(method, &run->system, &drag, &ignored);
 }
 
-/* Reports the time from which no digit is correct, according to the second solution or because
- * variables fell below their tolerance, where neither solution knows them. */
+/* Reports the time from which no digit is certain: because the second solution differs, or because
+ * variables came to rest within their tolerance. Returns true if `set opinion warn` makes this a
+ * warning, else false with the error set. */
 static bool say_lost(const struct session *session, const struct run *run, struct reply *reply,
                      struct error *error)
 {
@@ -108,8 +112,8 @@ static bool say_lost(const struct session *session, const struct run *run, struc
     return ok;
 }
 
-/* Not where all that moves is below its tolerance: another line says so, and a smaller tol would
- * not help. */
+/* Warns of an error far above the tolerance; not if all variables are below their tolerances, which
+ * another line reports and a smaller tol would not help. */
 static void say_large(const struct run *run, double times, struct reply *reply)
 {
     double error_floor[LIMIT_VARIABLES];
@@ -123,7 +127,8 @@ static void say_large(const struct run *run, double times, struct reply *reply)
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error)
 {
-    const double spikes = 10; /* times the error, where the largest on the way deserves a word */
+    const double spikes =
+        10; /* ratio from which the largest error along the run is reported, too */
     const struct opinion *opinion = &run->opinion;
     const int digits = opinion->method ? 1 : 2;
     const bool asked = !reply->quiet && session->setup.settings.opinion != OPINIONS_OFF &&
@@ -151,7 +156,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     return ok;
 }
 
-/* Names the variables in text; JSON has a list of them. */
+/* Names at most three variables in text; JSON has a list of them. */
 void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* run, continue, step, back, reset */
+/* The commands run, continue, step, back and reset. Each makes a request in the run's journal,
+ * along which run_go_on() advances the run. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 #include "command/run/going.h"
@@ -7,9 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-#define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
-#define STEPS_MOST 1000000000
+#define UNTIL_DURATIONS 1000  /* number of durations after which `run until` gives up */
+#define STEPS_MOST 1000000000 /* most steps of `step N` */
 
+/* Creates a run of the set-up and makes it the current one; span [s] and steps (none if < 0) are
+ * what it is planned for. Returns NULL with the error set, also if it would take long and this is
+ * not allowed. */
 static struct run *new_run(struct session *session, double span, int64_t steps, bool force,
                            struct error *error)
 {
@@ -34,7 +38,8 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
     return run;
 }
 
-/* A request from where the current run is. */
+/* Adds the request to advance the current run to time t or step `end`, whichever comes first.
+ * Successive single steps become one request. Returns false with the error set. */
 static bool new_request(struct session *session, double t, int64_t end,
                         const struct argument_value *condition, struct error *error)
 {
@@ -56,12 +61,14 @@ static bool new_request(struct session *session, double t, int64_t end,
     return journal_add(slot, request, condition->count ? condition->item->text : TEXT(""), error);
 }
 
+/* Returns the value of --steps, or -1. */
 static int64_t steps_of(const struct arguments *args)
 {
     const struct argument_value *steps = argument_value(args, "steps");
     return steps->count ? (int64_t)steps->item->value.value : -1;
 }
 
+/* Runs the scene over the duration, to a time, or until a condition holds. */
 HANDLER(run)
 {
     const struct argument_value *duration = argument_value(args, "DURATION"),
@@ -104,6 +111,7 @@ HANDLER(run)
 
 /* ---- the current run ---- */
 
+/* Returns the current run, or NULL with the error set. */
 static struct run *current(const struct session *session, struct error *error)
 {
     struct run *run = session_run(session);
@@ -114,6 +122,7 @@ static struct run *current(const struct session *session, struct error *error)
     return run;
 }
 
+/* Returns true unless the run has failed or is full; then sets an error. */
 static bool can_go_on(const struct run *run, struct error *error)
 {
     if (run->stop == STOP_STALLED || !(stop_is_failure(run->stop) || run->stop == STOP_FULL))
@@ -128,6 +137,7 @@ static bool can_go_on(const struct run *run, struct error *error)
             : "change dt or the method and start a new run, or go back with 'back N'");
 }
 
+/* Warns if the set-up differs from the run, since the run continues with its own. */
 static void warn_other_scene(const struct session *session, const struct run *run,
                              struct reply *reply)
 {
@@ -144,12 +154,13 @@ static void warn_other_scene(const struct session *session, const struct run *ru
                       run->number);
 }
 
+/* Returns 1 for a run forward in time, -1 for one backward. */
 static double direction(const struct run *run)
 {
     return run->t < run->system.t0 ? -1 : 1;
 }
 
-/* Returns true if a part of the last request is left after a pause or an event. */
+/* Returns true if part of the last request is left after a pause or an event. */
 static bool is_paused(const struct session *session, const struct run *run)
 {
     const struct request *request = journal_pending(session->runs.slot[session->runs.current]);
@@ -158,12 +169,15 @@ static bool is_paused(const struct session *session, const struct run *run)
                        (at_event && request->end == INT64_MAX && run->t != request->t));
 }
 
+/* Makes the rest of the last request the present one. Returns false with the error set. */
 static bool resume(struct session *session, const struct run *run, struct error *error)
 {
     return stop_is_pause(run->stop) ||
            journal_go_on(session->runs.slot[session->runs.current], false, error);
 }
 
+/* Completes a stopped study of a module or a paused run; otherwise advances the current run
+ * further. */
 HANDLER(continue)
 {
     const struct argument_value *duration = argument_value(args, "DURATION"),
@@ -208,6 +222,7 @@ HANDLER(continue)
     return run_go_on(session, args, steps_of(args), true, reply, error);
 }
 
+/* Advances the current run, or a new one, by N steps. */
 HANDLER(step)
 {
     const struct argument_value *count = argument_value(args, "N"), none = {.count = 0};
@@ -227,7 +242,8 @@ HANDLER(step)
            run_go_on(session, args, -1, false, reply, error);
 }
 
-/* Back by so many recorded states; what is left of a paused request is still to be done. */
+/* Drops the last `rows` recorded states. What is left of a paused request can still be continued.
+ * Returns false with the error set. */
 static bool go_back(struct session *session, struct run *run, int64_t rows, struct reply *reply,
                     struct error *error)
 {
@@ -246,6 +262,7 @@ static bool go_back(struct session *session, struct run *run, int64_t rows, stru
     return ok;
 }
 
+/* Takes the current run back by N recorded states. */
 HANDLER(back)
 {
     const struct argument_value *count = argument_value(args, "N");
@@ -258,6 +275,7 @@ HANDLER(back)
                    error);
 }
 
+/* Takes the current run back to its start. */
 HANDLER(reset)
 {
     UNUSED(args);

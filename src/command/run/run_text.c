@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Description of the current state of a run. */
+/* The line that describes a run after each advance, and how a recording compares with it. */
 #include <hooke/data.h>
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -8,10 +8,10 @@
 #include <math.h>
 
 #define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
-#define NEAR_GRAVITY 0.05        /* share of it by which a sensor may be off */
+#define NEAR_GRAVITY 0.05        /* relative error that a sensor may have */
 
-/* An acceleration whose mean is that of gravity, to either side, was measured with it: NAN, or the
- * mean [m/s^2]. */
+/* Returns the mean [m/s^2] of a recorded acceleration if it is that of gravity, in either
+ * direction, within the error of a sensor; else NAN. */
 static double gravity_in(const struct recording *recording)
 {
     double sum = 0;
@@ -27,8 +27,8 @@ static double gravity_in(const struct recording *recording)
                                                                                              : NAN;
 }
 
-/* Explains why a recording of the same time is neither drawn over the run nor compared with it, or
- * how, if it has no unit. */
+/* Explains why a recording of the same time is not compared with the run, or in which unit it is
+ * compared if it has none; and that it contains gravity. */
 static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
@@ -79,7 +79,8 @@ static void say_scale(const struct session *session, const struct run *run,
     }
 }
 
-/* Says that a recording lies beside the run as a whole, and what takes that out. */
+/* Replies that most of the rms is a constant distance between recording and run, and what removes
+ * it. */
 static void say_offset(const struct session *session, const struct data_distance *data,
                        struct reply *reply)
 {
@@ -95,9 +96,9 @@ static void say_offset(const struct session *session, const struct data_distance
                SHOWN_QUANTITY(recording->zero + data->offset, own, 4));
 }
 
-/* Says how far the energy, or its balance where drag or a drive changes it, has been off; of a long
- * run how far in some of its rows, or, where that would take long, what the energy is now. An error
- * that is large only because the energy was far larger on the way names that. */
+/* Appends the error of the energy, or of its balance if drag or a drive changes it. For long runs
+ * it is that of some rows or, if that takes too long, the energy at the end. If the error is large
+ * only because the energy was far larger on the way, that peak is named. */
 static void put_energy(const struct run *run, struct buffer *text)
 {
     const double notable = 1e-3; /* relative to E0; smaller errors need no explanation */

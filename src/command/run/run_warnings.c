@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Warnings about a run, its step or its method, and the assumptions made for it. */
+/* Warnings about a run, its step or its method, each given once, and notes about what was
+ * assumed. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/run/unresolved.h>
@@ -75,8 +76,8 @@ void reply_inapplicable(const struct session *session, struct reply *reply)
         reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
 }
 
-/* Returns the period [s] in which a scene of two variables turns about its starting point, NAN for
- * other scenes and where it does not turn there. */
+/* Returns the period [s] of rotation about the starting point of a scene of two variables, by its
+ * Jacobian; NAN for other scenes and if it does not rotate there. */
 static double turning_period(const struct system *system)
 {
     double j[4];
@@ -91,7 +92,7 @@ void reply_coarse(const struct session *session, const struct run *run, struct r
 {
     const double own = derived_value(&session->setup.scene, "T0"), dt = run->settings.dt,
                  period = isnan(own) ? turning_period(&run->system) : own;
-    /* A motion that is no oscillation by itself may leave its start at another pace. */
+    /* the pace at the start is only a guess if the motion is no oscillation by itself */
     if (run->plan.adaptive || run->method->order == 0 || !(dt > (isnan(own) ? 1 : 0.125) * period))
         return;
     struct buffer text = {0};
@@ -127,10 +128,9 @@ void reply_tiny(const struct run *run, struct reply *reply)
             tiny);
 }
 
-/* ---- after it ---- */
+/* ---- after an advance ---- */
 
-/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of
- * a double. */
+/* Warns once if the method, not the scene, makes the energy grow, before it overflows. */
 static void reply_growth(struct run *run, struct reply *reply)
 {
     struct ledger ledger;
@@ -156,7 +156,7 @@ static void reply_growth(struct run *run, struct reply *reply)
     run->warned_growth = true;
 }
 
-/* Warns where fixed steps do not see how the force changes in time. */
+/* Warns if fixed steps are too long for the changes of a force in time. */
 static void reply_unresolved(const struct run *run, struct reply *reply)
 {
     double dt;
@@ -170,7 +170,8 @@ static void reply_unresolved(const struct run *run, struct reply *reply)
                   isfinite(dt) ? ", or " : "");
 }
 
-/* Warns of fixed steps across an integrable pole: the stages beside it make the step. */
+/* Warns of fixed steps across a time at which a slope is infinite but integrable: the result
+ * depends on how near stages come to it. */
 static void reply_poles(struct run *run, struct reply *reply)
 {
     if (run->warned_unsound || run->cost.poles == 0 || stop_is_failure(run->stop))
@@ -236,6 +237,7 @@ static void reply_phase_unknown(const struct run *run, struct reply *reply)
             phase, unknown);
 }
 
+/* Warns if all values have become too small for a double, unless forces hold them at 0. */
 static void reply_vanished(const struct run *run, struct reply *reply)
 {
     const int n = run->system.n;
@@ -248,7 +250,7 @@ static void reply_vanished(const struct run *run, struct reply *reply)
             DBL_MIN);
 }
 
-/* Says once that the motion is held by switches, or that these pile up. */
+/* Warns once if the motion is held by switches, or if these pile up. */
 static void reply_sliding(struct run *run, struct reply *reply)
 {
     const struct switches_state *state = &run->controller.switches;
@@ -256,7 +258,7 @@ static void reply_sliding(struct run *run, struct reply *reply)
     const bool slides = state->slides + state->crossings > 0, piles = state->piles > 0;
     const bool slot = system->dry && state->slides > 0 && state->first == system->switches - 1 &&
                       state->crossings == 0;
-    if (slot && !piles) /* as dry friction should: the run says so */
+    if (slot && !piles) /* expected of dry friction, and part of the run's line */
         return;
     if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))
         return;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* runs, use, rename, drop, note */
+/* Commands for the list of runs: runs, use, rename, drop, note. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/safe_text.h>
 #include <hooke/base/statement.h>
@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Replies with one run: a line and a record. */
 static void reply_row(const struct session *session, int index, struct reply *reply)
 {
     const struct run_slot *slot = session->runs.slot[index];
@@ -35,6 +36,7 @@ static void reply_row(const struct session *session, int index, struct reply *re
     reply_records(reply, "runs", &run_columns, &row, 1);
 }
 
+/* Lists all runs. */
 HANDLER(runs)
 {
     UNUSED(args);
@@ -56,6 +58,7 @@ static bool use_label(HANDLER_PARAMETERS)
            error_set(error, ERROR_COMMAND, "'use' needs a run");
 }
 
+/* Makes a run the current one. */
 HANDLER(use)
 {
     const struct argument_value *run = argument_value(args, "N|LABEL");
@@ -68,6 +71,7 @@ HANDLER(use)
     return true;
 }
 
+/* Gives a run a name that no other run has. */
 HANDLER(rename)
 {
     const struct text name = argument_value(args, "NAME")->item->text;
@@ -90,6 +94,7 @@ HANDLER(rename)
     return true;
 }
 
+/* Removes runs, except for one in progress. */
 HANDLER(drop)
 {
     const struct argument_value *which = argument_value(args, "N");
@@ -112,6 +117,7 @@ HANDLER(drop)
     return true;
 }
 
+/* Attaches a note to the current run. */
 HANDLER(note)
 {
     const struct text text = argument_value(args, "TEXT")->item->text;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes that a user types: var, param, equation, force, potential, observe. */
+/* Commands that type scenes, line by line: var, param, NAME' = EXPR (equation), force, potential,
+ * observe. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Skips the "=" that has to come first. */
+/* Skips the "=" that has to come first. Returns false with the error set if it is missing. */
 static bool skip_equals(struct text *rest, const char *usage, struct error *error)
 {
     text_skip_blanks(rest);
@@ -22,7 +23,7 @@ static bool skip_equals(struct text *rest, const char *usage, struct error *erro
 
 /* ---- lines of a scene ---- */
 
-/* Refuses names that would hide something that the commands need. */
+/* Returns true unless the name would hide a setting; then sets an error. */
 static bool free_name(struct text name, struct error *error)
 {
     if (!catalog_find(&setting_catalog, name))
@@ -32,8 +33,8 @@ static bool free_name(struct text name, struct error *error)
     return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.data);
 }
 
-/* A scene that nobody has chosen or changed makes room for a parameter that has the name of one of
- * its own; the others keep theirs. */
+/* Returns true if the scene can have a typed parameter of that name. The start-up scene, if nobody
+ * has changed it, gives up its parameters; other scenes keep theirs, which sets an error. */
 static bool makes_room(const struct session *session, struct text name, struct text value,
                        struct error *error)
 {
@@ -54,7 +55,8 @@ static bool makes_room(const struct session *session, struct text name, struct t
                       (int)name.len, name.data, (int)value.len, value.data);
 }
 
-/* Events belong to what moves: another scene has its own. */
+/* Makes the typed model the scene's. begins means that it is a new scene, which drops the events of
+ * the previous one. Returns false with the error set and the scene unchanged. */
 static bool use_model(struct session *session, const struct model *model, bool begins,
                       struct reply *reply, struct error *error)
 {
@@ -76,8 +78,8 @@ static bool use_model(struct session *session, const struct model *model, bool b
     return true;
 }
 
-/* A potential has to be that of the forces; where the scene is not complete yet, that is seen
- * later. */
+/* Returns true unless the line is a potential that is not that of the forces; then sets an error.
+ * If the scene is not complete yet, that is tested later. */
 static bool suits(const struct scene *scene, const struct model *model,
                   const struct typed_line *line, struct error *error)
 {
@@ -93,7 +95,8 @@ static bool suits(const struct scene *scene, const struct model *model,
     return false;
 }
 
-/* Adds the line; `uncertainty` is that of its value, or 0 if there is none. */
+/* Adds a line to the scene and replies with it; uncertainty is that of its value, or 0 if there is
+ * none. Returns false with the error set. */
 static bool add_line(struct session *session, const struct typed_line *line, double uncertainty,
                      struct reply *reply, struct error *error)
 {
@@ -124,7 +127,8 @@ static bool events_know(struct session *session, struct arena *arena, struct err
     return events_compile(session->setup.events, &scope, arena, &event, &count, error);
 }
 
-/* Removes a line; `what` describes it if it has no name. */
+/* Removes a line, unless an event uses its name; `what` describes it in the reply if it has no
+ * name. Returns false with the error set. */
 static bool remove_line(struct session *session, const struct arguments *args, enum typed_kind kind,
                         struct text name, const char *what, struct reply *reply,
                         struct error *error)
@@ -147,7 +151,8 @@ static bool remove_line(struct session *session, const struct arguments *args, e
     return true;
 }
 
-/* The parameter that such a line makes: its own, or x0 of x, x1_0 of x1, vy0 of y'. */
+/* Returns the index of the parameter that such a line makes: its own, or the initial value x0 of x,
+ * x1_0 of x1, vy0 of y'. */
 static int param_of(const struct scene *scene, const struct typed_line *line)
 {
     struct text name = line->name;
@@ -164,7 +169,8 @@ static int param_of(const struct scene *scene, const struct typed_line *line)
     return scene_param(scene, own);
 }
 
-/* NAME = VALUE; of a variable also NAME' = VALUE. */
+/* Reads NAME = VALUE, or NAME' = VALUE of a variable, and adds the line. Returns false with the
+ * error set. */
 static bool add_value(struct session *session, const struct arguments *args, enum typed_kind kind,
                       const char *usage, struct reply *reply, struct error *error)
 {
@@ -209,7 +215,7 @@ HANDLER(param)
                      error);
 }
 
-/* y' = EXPR in an event: the velocity jumps. */
+/* Executes y' = EXPR in the commands of an event: sets the velocity, by the handler of change. */
 static bool set_velocity(struct session *session, const struct arguments *args,
                          const struct typed_line *line, struct reply *reply, struct error *error)
 {
@@ -228,6 +234,7 @@ static bool set_velocity(struct session *session, const struct arguments *args,
     return change->handler(session, &changed, reply, error);
 }
 
+/* Adds an equation of first or second order; in an event, sets a velocity. */
 HANDLER(equation)
 {
     struct text rest = argument_value(args, "NAME' = EXPR")->item->text;
@@ -250,7 +257,7 @@ HANDLER(equation)
     return add_line(session, &line, 0, reply, error);
 }
 
-/* EXPR, or NAME = EXPR. */
+/* Returns NAME of NAME = EXPR and moves *rest behind the '='; an empty text for EXPR alone. */
 static struct text read_left(struct text *rest)
 {
     const struct text name = peek_name(*rest), right = text_behind(*rest, name.len);
@@ -260,6 +267,7 @@ static struct text read_left(struct text *rest)
     return name;
 }
 
+/* Adds or removes a force, of one variable if it is named. */
 HANDLER(force)
 {
     struct text rest = argument_value(args, "EXPR|off")->item->text;
@@ -283,6 +291,7 @@ HANDLER(force)
                : add_line(session, &line, 0, reply, error);
 }
 
+/* Adds or removes the potential of the forces. */
 HANDLER(potential)
 {
     const struct text rest = argument_value(args, "EXPR|off")->item->text;
@@ -292,6 +301,7 @@ HANDLER(potential)
                                 : add_line(session, &line, 0, reply, error);
 }
 
+/* Adds or removes a quantity that runs record beside the state. */
 HANDLER(observe)
 {
     struct typed_line line = {.kind = TYPED_OBSERVE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* event */
+/* The command event: what a run watches for, and what happens then. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/scene/formula.h>
@@ -14,6 +14,7 @@ static void reply_line_of(const struct event_line *line, struct reply *reply)
     event_describe(line, false, reply_buffer(reply));
 }
 
+/* Lists the events of the next run. */
 static void reply_events(const struct session *session, struct reply *reply)
 {
     const struct events *events = session->setup.events;
@@ -23,6 +24,7 @@ static void reply_events(const struct session *session, struct reply *reply)
         reply_line(reply, "no events");
 }
 
+/* Removes all events. */
 static void drop_all(struct session *session, struct reply *reply)
 {
     const int count = session->setup.events ? session->setup.events->count : 0;
@@ -33,13 +35,15 @@ static void drop_all(struct session *session, struct reply *reply)
         reply_line(reply, "no events");
 }
 
+/* Sets an error with an example. Returns false. */
 static bool event_usage(struct text where, const char *what, struct error *error)
 {
     error_at(error, where, "%s", what);
     return error_hint(error, "for example: event top when y' falling do record");
 }
 
-/* As far as can be seen now: what they mean is seen when they are executed. */
+/* Refuses commands that an event cannot execute; their arguments are checked when they are
+ * executed. Returns false with the error set. */
 static bool check_commands(struct text commands, struct error *error)
 {
     bool passes;
@@ -57,7 +61,7 @@ static bool check_commands(struct text commands, struct error *error)
     return true;
 }
 
-/* do stop|record|COMMANDS */
+/* Reads do stop|record|COMMANDS. Returns false with the error set. */
 static bool read_action(struct parser *parser, struct event_line *line, struct item *commands,
                         struct error *error)
 {
@@ -83,7 +87,7 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
 bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
                struct error *error)
 {
-    /* It has to mean the same whenever it is looked at: no variables, no results. */
+    /* variables and results are excluded, so that the meaning never changes */
     const struct names names = {.session = session, .expects_run = true, .saved_only = true};
     const struct expr_scope scope = names_scope(&names);
     struct event_line line = {.action = EVENT_STOP};
@@ -115,6 +119,7 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
     return events != NULL;
 }
 
+/* Lists, removes or defines events. */
 HANDLER(event)
 {
     const struct argument_value *name = argument_value(args, "NAME"),

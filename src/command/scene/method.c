@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* method */
+/* The command method: the integrator, its step or tolerance, and its drag variant. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 
+/* Replies with the method that the next run uses. */
 static void reply_method(const struct session *session, struct reply *reply)
 {
     const struct setup *setup = &session->setup;
@@ -23,6 +24,8 @@ static void reply_method(const struct session *session, struct reply *reply)
         buffer_format(text, ", drag %s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
 }
 
+/* Returns true if the method has the drag variant; otherwise sets an error with those that it
+ * has. */
 static bool check_drag(const struct method *method, const struct item *item, struct error *error)
 {
     const enum drag drag = (enum drag)(item->index + 1);
@@ -37,6 +40,7 @@ static bool check_drag(const struct method *method, const struct item *item, str
                           : error_hint(error, "this method evaluates drag as part of the force");
 }
 
+/* Chooses the method; dt= gives it fixed steps, tol= lets it adapt them. */
 HANDLER(method)
 {
     const struct argument_value *name = argument_value(args, "NAME"),

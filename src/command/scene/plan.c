@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plan */
+/* The command plan: what the next run will compute, and what it costs. */
 #ifndef COMMAND_ROWS
 #include <hooke/module.h>
 #include <hooke/plot.h>
 #include <hooke/run/price.h>
 #include <hooke/command/handler.h>
 
+/* Appends the predicted work and its parts. */
 static void plan_prices(const struct session *session, const struct system *system,
                         const struct run_settings *settings, const struct plan *plan,
                         struct buffer *text)
@@ -31,6 +32,7 @@ static void plan_prices(const struct session *session, const struct system *syst
     run_prices_describe(&scenario, &work, text);
 }
 
+/* Describes method, error estimate, events, figures and predicted work of a run. */
 HANDLER(plan)
 {
     UNUSED(args);

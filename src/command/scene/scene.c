@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* scene, set, unset, let */
+/* The commands scene, set (NAME = VALUE), unset and let. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Appends NAME = VALUE of a parameter. */
 static void put_param(const struct session *session, int param, struct buffer *text)
 {
     const struct scene *scene = &session->setup.scene;
@@ -22,6 +23,7 @@ static void put_param(const struct session *session, int param, struct buffer *t
 
 /* ---- scene ---- */
 
+/* Returns true if the preset gives the parameter a value. */
 static bool preset_sets(const struct preset *preset, const char *name)
 {
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
@@ -30,8 +32,8 @@ static bool preset_sets(const struct preset *preset, const char *name)
     return false;
 }
 
-/* Parameters that matter here: those of the preset, those the user has set, and of the many of the
- * oscillator those of every spring. */
+/* Describes the scene with the parameters that matter: m, k, gamma, y0, v0 and those that were
+ * set. */
 static void reply_scene(const struct session *session, struct reply *reply)
 {
     static const char always[] = " m k gamma y0 v0 ";
@@ -71,7 +73,7 @@ static void reply_scene(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
-/* Warns of variables whose names are parameters in the new scene. */
+/* Warns of the user's variables that are hidden by names of the new scene. */
 static void warn_hidden(const struct session *session, struct reply *reply)
 {
     for (int i = 0; i < session->setup.lets; i++) {
@@ -97,7 +99,7 @@ bool keep_own_scene(struct session *session, struct error *error)
     return true;
 }
 
-/* An empty one; the handler's caller takes the set-up back if it fails. */
+/* Begins an empty typed scene. Returns false with the error set. */
 static bool new_scene(struct session *session, const struct argument_value *name,
                       struct error *error)
 {
@@ -119,6 +121,7 @@ static bool new_scene(struct session *session, const struct argument_value *name
     return false;
 }
 
+/* Chooses a preset or begins a typed scene; then describes it. */
 HANDLER(scene)
 {
     const struct argument_value *name = argument_value(args, "NAME|new"),
@@ -136,7 +139,7 @@ HANDLER(scene)
         else if (!new_scene(session, as, error))
             return false;
         settings_of_scene(&session->setup.settings, session->setup.scene.preset);
-        /* they may speak of what is not there */
+        /* events may use names that the new scene lacks */
         if (session->setup.scene.model != previous)
             session->setup.events = NULL;
         session->view.starts = 0;
@@ -167,7 +170,8 @@ bool read_value(struct parser *parser, const char *what, enum quantity quantity,
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
 
-/* Replies with the value that was set; events that happen often are not reported. */
+/* Replies with the value that was set, unless an event sets it, which may happen often. Frees the
+ * text. */
 static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
 {
     if (!session->execution.passing)
@@ -185,7 +189,7 @@ static int state_named(const struct session *session, struct text name, struct t
     return model_state(run->system.model, name);
 }
 
-/* The scene as it was, where the run that goes on cannot follow. */
+/* Changes the parameter in a run in progress, too. On failure restores the scene, returns false. */
 static bool bind_param(struct session *session, int param, const struct scene *previous,
                        double *start_time, struct error *error)
 {
@@ -196,7 +200,7 @@ static bool bind_param(struct session *session, int param, const struct scene *p
 }
 
 /* Notes a value that was probably meant otherwise: a number without a unit that is far from the
- * scene's own value, or the frequency of a drive that is off. */
+ * usual value, or the frequency of a drive that is off. */
 static void note_slip(const struct session *session, int param, const struct item *item,
                       struct reply *reply)
 {
@@ -231,6 +235,7 @@ static void note_slip(const struct session *session, int param, const struct ite
                           "this frequency type: omega0 = VALUE)");
 }
 
+/* Sets a parameter and replies with it. Returns false with the error set. */
 static bool set_param(struct session *session, int param, const struct item *item,
                       struct reply *reply, struct error *error)
 {
@@ -249,7 +254,7 @@ static bool set_param(struct session *session, int param, const struct item *ite
     return true;
 }
 
-/* Sets a variable of the current run: a jump. */
+/* Sets a variable of the current run (a jump). Returns false with the error set. */
 static bool set_state(struct session *session, int variable, struct parser *parser,
                       struct reply *reply, struct error *error)
 {
@@ -276,7 +281,7 @@ static bool set_state(struct session *session, int variable, struct parser *pars
     return true;
 }
 
-/* Setting T0 sets k: the relative uncertainty goes along through the derivative of the inverse. */
+/* Sets the parameter that a derived quantity determines (k for T0), with its uncertainty. */
 static bool set_derived(struct session *session, const struct derived_row *derived,
                         const struct item *item, struct reply *reply, struct error *error)
 {
@@ -310,6 +315,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     return true;
 }
 
+/* Replies with a setting, and that the method does not use it if so. */
 static void reply_setting(const struct session *session, const struct setting *setting,
                           struct reply *reply)
 {
@@ -330,6 +336,7 @@ static void reply_setting(const struct session *session, const struct setting *s
     }
 }
 
+/* Sets a variable of the user and replies with it. Returns false with the error set. */
 static bool set_let(struct session *session, struct text name, const struct item *item,
                     struct reply *reply, struct error *error)
 {
@@ -355,6 +362,8 @@ static bool set_let(struct session *session, struct text name, const struct item
     return true;
 }
 
+/* Finds what NAME is: a variable of the run, parameter, derived quantity, setting or variable of
+ * let. */
 HANDLER(set)
 {
     const struct text name = argument_value(args, "NAME")->item->text;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* show */
+/* The command show: values of names, settings, and summaries. */
 #ifndef COMMAND_ROWS
 #include <hooke/data.h>
 #include <hooke/base/safe_text.h>
@@ -11,13 +11,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Value or text of a name. */
+/* Value or text of a name, as a row of the record. */
 struct shown {
-    const char *name, *text; /* `text` is that of a setting whose value is no number */
+    const char *name, *text; /* text is that of a setting, or NULL */
     double value, uncertainty;
     const char *unit;
 };
 
+/* Adds the value or text to a record. */
 static void put_shown(struct reply *reply, const char *key, const void *row)
 {
     const struct shown *shown = row;
@@ -37,7 +38,7 @@ static const struct result_column of_shown[] = {
 };
 static const struct result_columns shown_columns = RESULT_COLUMNS(of_shown, struct shown);
 
-/* Replies "NAME = VALUE", then what it is in its column. */
+/* Replies NAME = VALUE, then the description in its column, and adds the record. */
 static void shown_value_put(struct reply *reply, const struct shown *shown, const char *value,
                             const char *brief, const char *more)
 {
@@ -47,6 +48,7 @@ static void shown_value_put(struct reply *reply, const struct shown *shown, cons
     reply_records(reply, "show", &shown_columns, shown, 1);
 }
 
+/* Shows a value with its uncertainty and unit. */
 static void show_value(const struct session *session, const struct named_value *value,
                        const char *brief, struct reply *reply)
 {
@@ -61,6 +63,7 @@ static void show_value(const struct session *session, const struct named_value *
                     brief, "");
 }
 
+/* Shows the value of a row's name, if it has one at present. */
 static void show_name(const struct session *session, const struct row *row, struct reply *reply)
 {
     struct named_value value = {.quantity = QUANTITY_OTHER};
@@ -71,6 +74,7 @@ static void show_name(const struct session *session, const struct row *row, stru
     show_value(session, &value, row->brief, reply);
 }
 
+/* Shows a setting, and that its value comes from the scene if the user has not set it. */
 static void show_setting(const struct session *session, const struct setting *setting,
                          struct reply *reply)
 {
@@ -90,6 +94,7 @@ static void show_catalog_values(const struct session *session, const struct cata
         show_name(session, catalog_row(catalog, i), reply);
 }
 
+/* Shows all settings, or only those of how results look. */
 static void show_settings(const struct session *session, bool display_only, struct reply *reply)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
@@ -99,6 +104,7 @@ static void show_settings(const struct session *session, bool display_only, stru
     }
 }
 
+/* Shows the scene: its lines, parameters and derived quantities. */
 static void show_scene(const struct session *session, struct reply *reply)
 {
     const struct row *preset = &session->setup.scene.preset->row;
@@ -112,6 +118,7 @@ static void show_scene(const struct session *session, struct reply *reply)
     show_catalog_values(session, scene_derived(&session->setup.scene), reply);
 }
 
+/* Shows the current run. */
 static void show_run(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);
@@ -121,6 +128,7 @@ static void show_run(const struct session *session, struct reply *reply)
         reply_line(reply, "no run");
 }
 
+/* Shows the current recording. */
 static void show_data(const struct session *session, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
@@ -131,6 +139,7 @@ static void show_data(const struct session *session, struct reply *reply)
         buffer_put(text, TEXT("no recording"));
 }
 
+/* Shows the files that were read, and the file of `record`. */
 static void show_files(const struct session *session, struct reply *reply)
 {
     for (int i = 0; i < session->recordings; i++) {
@@ -143,6 +152,7 @@ static void show_files(const struct session *session, struct reply *reply)
     reply_line(reply, "record   %s", session->transcript.path ? session->transcript.path : "off");
 }
 
+/* Shows the state line and the numbers of runs, recordings and measurements. */
 static void show_summary(const struct session *session, struct reply *reply)
 {
     struct buffer *text = reply_buffer(reply);
@@ -182,6 +192,7 @@ static void show_state(const struct session *session, const struct model *model,
     }
 }
 
+/* Shows every name that has a value. */
 static void show_all(const struct session *session, struct reply *reply)
 {
     show_scene(session, reply);
@@ -194,6 +205,7 @@ static void show_all(const struct session *session, struct reply *reply)
         show_state(session, session_run(session)->system.model, reply);
 }
 
+/* Shows a topic, a setting or a name; explains why a name has no value. */
 HANDLER(show)
 {
     const struct argument_value *what = argument_value(args, "NAME");

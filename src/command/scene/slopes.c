@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives, by the run's state, of values that events set; see run_set_jump_slopes(). */
+/* Derivatives of the values that events set by the state of the run; run_set_jump_slopes() needs
+ * them for error estimates. */
 #include <hooke/command/handler.h>
 
 #include <float.h>
 #include <math.h>
 
+/* Reads the value at two states for each variable, and for the time, and takes central
+ * differences. */
 bool find_slopes(const struct parser *initial, struct run *run, const char *what,
                  enum quantity quantity, double *slope)
 {
-    static const double difference = 6e-6; /* a compromise of rounding and curvature */
+    /* relative increment, at which errors by rounding and by curvature are about equal */
+    static const double difference = 6e-6;
     const double t = run->t;
     bool ok = true;
     for (int i = 0; i <= run->system.n; i++) {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The command atol: absolute tolerances of single variables. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 
 #include <stdlib.h>
 
+/* Lists the absolute tolerances that were set. */
 static void list_atol(const struct session *session, struct reply *reply)
 {
     struct buffer text = {0};
@@ -18,6 +20,7 @@ static void list_atol(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
+/* Sets the error that name is not a variable of the scene. Returns false. */
 static bool no_variable(const struct model *model, struct text name, struct error *error)
 {
     struct buffer names = {0};
@@ -33,7 +36,8 @@ static bool no_variable(const struct model *model, struct text name, struct erro
     return false;
 }
 
-/* Sets the tolerance of one variable. */
+/* Sets or removes the tolerance of variable i and replies with it. Returns false with the error
+ * set. */
 static bool set_atol(struct session *session, int i, struct parser *parser, struct reply *reply,
                      struct error *error)
 {
@@ -56,6 +60,7 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
     return true;
 }
 
+/* Lists, sets or removes absolute tolerances. */
 HANDLER(atol)
 {
     const struct argument_value *name = argument_value(args, "NAME"),

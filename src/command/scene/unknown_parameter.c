@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error message for a name that is no parameter. */
+/* The error for a name that is no parameter, with what it is instead. */
 #include <hooke/command/handler.h>
 #include <hooke/module.h>
 
 #include <stdio.h>
 
+/* Appends the names of the scene's parameters. */
 static void put_params(const struct scene *scene, struct buffer *text)
 {
     for (size_t i = 0; i < scene_params(scene)->count; i++)
         buffer_format(text, " %s", param_at(scene, (int)i)->row.name);
 }
 
-/* It is known, as something else that has no value of its own. */
+/* Returns true, with the error set, if the name is known as something else: a command, variable or
+ * observable. */
 static bool other_kind(const struct session *session, struct text name, struct text value,
                        struct error *error)
 {
@@ -41,6 +43,7 @@ static bool other_kind(const struct session *session, struct text name, struct t
     return error->code != ERROR_NONE;
 }
 
+/* Names a left-out module or the other kind of the name first, else suggests similar names. */
 bool unknown_parameter(const struct session *session, struct text name, struct text value,
                        struct error *error)
 {
@@ -62,7 +65,7 @@ bool unknown_parameter(const struct session *session, struct text name, struct t
     for (int i = 0; i < session->setup.lets; i++)
         suggestion_offer(&suggestion, session->setup.let[i].name);
     const bool elsewhere = model_with(name) != NULL;
-    if (scene->model != &oscillator_model) { /* it has few */
+    if (scene->model != &oscillator_model) { /* few enough to list them all */
         struct buffer text = {0};
         put_params(scene, &text);
         error_at(error, name, "%s has no parameter '%.*s'; it has%s", scene->preset->row.name,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* help, apropos */
+/* The commands help and apropos. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
@@ -15,10 +15,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#define HELP_WIDTH 80 /* Width of help [cell] without a terminal and --size. */
+#define HELP_WIDTH 80 /* [cell] width of help without a terminal */
 
 /* ---- help for one thing ---- */
 
+/* Appends the lines, indented by two spaces. */
 static void put_indented(struct buffer *text, const char *lines)
 {
     struct text rest = text_of(lines), line;
@@ -27,7 +28,7 @@ static void put_indented(struct buffer *text, const char *lines)
             buffer_format(text, "  %.*s\n", (int)line.len, line.data);
 }
 
-/* The rows that an argument can be, where usage has no room for them. */
+/* Appends the choices of arguments that are too many for the usage. */
 static void put_choices(const struct command *command, struct buffer *text)
 {
     for (int i = 0; i < command->arguments; i++) {
@@ -44,6 +45,7 @@ static void put_choices(const struct command *command, struct buffer *text)
     }
 }
 
+/* Explains a command: usage, text, examples, related commands. */
 static void help_command(const struct row *row, struct buffer *text)
 {
     const struct command *command = command_at(row);
@@ -64,7 +66,7 @@ static void help_command(const struct row *row, struct buffer *text)
             buffer_format(text, " %.*s", (int)word.len, word.data);
 }
 
-/* ", a parameter of pendulum"; of the oscillator that goes without saying. */
+/* Appends "NAME [UNIT], a parameter of pendulum: …"; the oscillator is not named. */
 static void put_kind(struct buffer *text, const struct row *row, const char *kind,
                      const struct model *model)
 {
@@ -73,6 +75,7 @@ static void put_kind(struct buffer *text, const struct row *row, const char *kin
                   other ? " of " : "", other ? model->row.name : "", row->brief);
 }
 
+/* Explains a parameter: default, limit, units. */
 static void help_param(const struct model *model, const struct row *row, struct buffer *text)
 {
     const struct param_row *param = (const struct param_row *)(const void *)row;
@@ -93,6 +96,7 @@ static void help_param(const struct model *model, const struct row *row, struct 
     buffer_free(&units);
 }
 
+/* Explains a derived quantity. */
 static void help_derived(const struct model *model, const struct row *row, struct buffer *text)
 {
     const struct derived_row *derived = (const struct derived_row *)(const void *)row;
@@ -103,6 +107,7 @@ static void help_derived(const struct model *model, const struct row *row, struc
                   row->name);
 }
 
+/* Explains a setting: default and choices. */
 static void help_setting(const struct row *row, struct buffer *text)
 {
     const struct setting *setting = setting_from(row);
@@ -118,6 +123,7 @@ static void help_setting(const struct row *row, struct buffer *text)
     buffer_format(text, "\n  show %s\nsee also: set unset show", row->name);
 }
 
+/* Appends the largest stable step of the method on the undamped oscillator. */
 static void put_stable_limit(const struct method *method, struct buffer *text)
 {
     enum drag drag = DRAG_DEFAULT;
@@ -141,6 +147,7 @@ static void put_stable_limit(const struct method *method, struct buffer *text)
     }
 }
 
+/* Explains a method: formula, coefficients, order, properties, drag variants, source. */
 static void help_method(const struct row *row, struct buffer *text)
 {
     static const struct {
@@ -184,6 +191,7 @@ static void help_method(const struct row *row, struct buffer *text)
                   row->name, row->name);
 }
 
+/* Explains a unit and lists others of the same quantity. */
 static void help_unit(const struct row *row, struct buffer *text)
 {
     const struct unit *unit = unit_from(row);
@@ -206,6 +214,7 @@ static void help_observable(const struct row *row, struct buffer *text)
                   row->name, *row->unit ? row->unit : "1", row->brief, row->name, row->name);
 }
 
+/* Explains a preset: state variables and parameters. */
 static void help_preset(const struct row *row, struct buffer *text)
 {
     const struct preset *preset = preset_from(row);
@@ -238,6 +247,7 @@ static void help_guide(const struct row *row, struct buffer *text)
     buffer_format(text, "'recipe %s' runs them", row->name);
 }
 
+/* Catalogs that help explains, and the function that explains a row. */
 static const struct topic {
     const struct catalog *catalog;
     void (*help)(const struct row *row, struct buffer *text); /* NULL if one line is enough */
@@ -261,7 +271,7 @@ static const struct topic {
     {&word_catalog, NULL},
 };
 
-/* Those above, then those of modules, then one without a catalog. */
+/* Returns the i-th topic: those above, then those of modules, then one without a catalog. */
 static struct topic topic_at(size_t i)
 {
     if (i < COUNT_OF(topics))
@@ -279,6 +289,7 @@ const struct catalog *help_catalog(int i)
     return topic_at((size_t)i).catalog;
 }
 
+/* Explains a row, in one line if its catalog has no function. */
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
 {
     buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
@@ -289,10 +300,8 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
                       *row->citation ? "\nsource: " : "", row->citation);
 }
 
-/*
- * Long lines as rows that fit; what is set in can be pasted and stays whole. A log pane breaks
- * lines itself, and anew whenever its width changes.
- */
+/* Replies with lines broken to the width, except for indented ones, which can be pasted. A log pane
+ * breaks lines itself whenever its width changes. */
 static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
 {
     const int width = session->front.width ? session->front.width : HELP_WIDTH;
@@ -315,9 +324,9 @@ static void reply_wrapped(const struct session *session, struct text text, struc
     buffer_free(&output);
 }
 
-/* ---- what the models have ---- */
+/* ---- names of models ---- */
 
-/* The first that is found in full, the same name elsewhere in a line. */
+/* Explains a name of the model: in full if *known is not set yet, else in a line. */
 static void help_model(const struct model *model, struct text name, bool *known,
                        struct buffer *text)
 {
@@ -350,7 +359,7 @@ static void help_model(const struct model *model, struct text name, bool *known,
     }
 }
 
-/* The present scene's first. */
+/* Explains the name in all models, the present one first, and offers their names as suggestions. */
 static void help_models(const struct model *present, struct text name,
                         struct suggestion *suggestion, struct buffer *text)
 {
@@ -366,6 +375,7 @@ static void help_models(const struct model *present, struct text name,
     }
 }
 
+/* Collects what all catalogs know of the word; suggests similar words if they know nothing. */
 HANDLER(help)
 {
     const struct argument_value *word = argument_value(args, "WORD");
@@ -427,7 +437,7 @@ HANDLER(help)
 
 /* ---- apropos ---- */
 
-/* Each of the words, somewhere in what is said of the row. */
+/* Returns true if each of the words occurs in the row's name, description, source or text. */
 static bool speaks_of(const struct catalog *catalog, const struct row *row, struct text words)
 {
     const char *text;
@@ -450,6 +460,7 @@ static bool speaks_of(const struct catalog *catalog, const struct row *row, stru
     return all;
 }
 
+/* Lists the rows of a catalog that speak of the words. Returns how many. */
 static int search(const struct catalog *catalog, struct text words, struct reply *reply)
 {
     int found = 0;

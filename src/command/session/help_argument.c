@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Help on one argument of a command: what it takes, what the command's text says of it. */
+/* Help on one argument of a command, from its type and the command's text; and help for the word at
+ * the cursor (F1). */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include "command/session/topics.h"
@@ -32,6 +33,7 @@ static void put_name(const struct argument *argument, struct buffer *text)
     buffer_format(text, "%s%s%s", dashes, argument->name, argument->form == FORM_KEY ? "=" : "");
 }
 
+/* Returns true if the sentence contains the name as a whole word. */
 static bool stands_in(struct text sentence, struct text name)
 {
     for (size_t i = 0; i + name.len <= sentence.len; i++) {
@@ -69,6 +71,7 @@ static bool put_sentences(struct text text, struct text name, struct buffer *out
     return *separator == ' ';
 }
 
+/* Explains an argument: its form and units, the sentences about it, choices and examples. */
 static void put_argument(const struct command *command, const struct argument *argument,
                          struct buffer *text)
 {
@@ -127,6 +130,8 @@ void help_given(const struct command *command, struct text *word, struct buffer 
 
 /* ---- F1 ---- */
 
+/* Moves *begin back to the start of the word around it, which ends at one of `ends`. Returns the
+ * length of the word. */
 static size_t word_around(struct text line, size_t *begin, const char *ends)
 {
     size_t end = *begin;

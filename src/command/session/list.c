@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* list */
+/* The command list: rows of catalogs, methods, measurements, events and others, each as a line and
+ * a record. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Begins a record with the members that every row has. */
 static void record_names(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
     reply_begin(reply, catalog->kind);
@@ -20,6 +22,7 @@ static void record_names(const struct catalog *catalog, const struct row *row, s
     reply_string(reply, "alias", row->alias);
 }
 
+/* Adds the record of a method; stable is its limit of omega0 dt. */
 static void record_method(const struct row *row, double stable, struct reply *reply)
 {
     const struct method *method = method_from(row);
@@ -58,6 +61,7 @@ void reply_listed(const struct catalog *catalog, const struct row *row, struct r
     reply_end(reply);
 }
 
+/* Lists the measurements that are kept. */
 static void list_measurements(const struct session *session, struct reply *reply)
 {
     if (session->measurements == 0)
@@ -84,7 +88,8 @@ static void list_observables(const struct model *model, struct reply *reply)
         const bool observed = i >= model->n;
         const struct variable variable =
             observed ? model_observed_variable(model, i - model->n) : model->variable[i];
-        if (!observed && model == &oscillator_model) /* the table says more of them */
+        if (!observed &&
+            model == &oscillator_model) /* the observables below describe them better */
             continue;
         const struct row row = {variable.name, quantity_unit(variable.quantity),
                                 observed ? "observed by the user" : "state variable", "", NULL};
@@ -100,6 +105,7 @@ static void list_observables(const struct model *model, struct reply *reply)
     }
 }
 
+/* Lists what KIND asks for; runs are listed by their own command. */
 HANDLER(list)
 {
     static const struct catalog *const catalogs[] = {

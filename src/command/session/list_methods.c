@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* list methods: a table of 80 columns, all of them or those that are wanted. */
+/* list methods: a table of the methods, all of them or those with the properties that are asked
+ * for. */
 #include "command/session/list_methods.h"
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
@@ -8,7 +9,7 @@
 
 #include <math.h>
 
-/* Words that choose: any of these flags, and none of those. */
+/* A word that chooses methods with any of these flags and none of those. */
 #define FILTER(word, says, any_of, none_of)                                                        \
     {                                                                                              \
         .row = {word, "", says, "", NULL}, .any = any_of, .none = none_of                          \
@@ -30,11 +31,13 @@ static const struct method_filter {
 };
 const struct catalog method_kind_catalog = CATALOG("kind of method", filters);
 
+/* Properties that the methods in the list have; each filter must choose a method. */
 struct wanted_methods {
     unsigned any[COUNT_OF(filters)], none[COUNT_OF(filters)];
-    int filters, order; /* order 0: any */
+    int filters, order; /* an order of 0 stands for any */
 };
 
+/* Reads words such as "stiff" and "order 4". Returns false with the error set if one is unknown. */
 static bool read_wanted(struct text words, struct wanted_methods *wanted, struct error *error)
 {
     while ((words = text_trim(words)).len > 0) {
@@ -65,6 +68,7 @@ static bool read_wanted(struct text words, struct wanted_methods *wanted, struct
     return true;
 }
 
+/* Returns true if the method has all properties. */
 static bool is_wanted(const struct wanted_methods *wanted, const struct method *method)
 {
     bool is = wanted->order == 0 ||
@@ -100,6 +104,7 @@ static const char *use_of(const struct method *method)
     return method->order == 1 ? "for teaching: errors grow" : "short runs, fixed steps";
 }
 
+/* Appends the largest stable omega0 dt in its column. */
 static void put_stable(double limit, struct buffer *line)
 {
     if (limit == 0)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* recipe: the lines of a topic of help, one after another */
+/* The command recipe: executes the lines of a topic of help. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 #include "command/session/topics.h"
 
+/* Shows each line as if it were typed and executes it. */
 HANDLER(recipe)
 {
     UNUSED(error);

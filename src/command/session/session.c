@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* source, record, history, timing, clear, quit */
+/* The commands source, record, history, timing, clear and quit. */
 #include <hooke/run/timing.h>
 
 #ifndef COMMAND_ROWS
@@ -8,6 +8,7 @@
 #include <hooke/command/handler.h>
 #include <hooke/session/log.h>
 
+/* Executes the lines of a file. */
 HANDLER(source)
 {
     char *path = script_path(args->where, argument_value(args, "FILE")->item->text, args->arena);
@@ -18,6 +19,7 @@ HANDLER(source)
     return script_file(session, path, args->where ? args->where : &prompt, reply);
 }
 
+/* Appends executed commands to a file from now on, or ends that. */
 HANDLER(record)
 {
     const struct text name = argument_value(args, "FILE")->item->text;
@@ -48,6 +50,7 @@ HANDLER(record)
     return true;
 }
 
+/* Returns true if `rest` contains `wanted`; an empty text is contained in every one. */
 static bool contains(struct text rest, struct text wanted)
 {
     for (; rest.len >= wanted.len; rest = text_after(rest, 1)) {
@@ -59,6 +62,7 @@ static bool contains(struct text rest, struct text wanted)
     return false;
 }
 
+/* Lists the last typed lines, or those that contain a text. */
 HANDLER(history)
 {
     const struct argument_value *what = argument_value(args, "WHAT");
@@ -88,6 +92,7 @@ HANDLER(history)
     return true;
 }
 
+/* Sets or shows how carefully studies measure computing times. */
 HANDLER(timing)
 {
     UNUSED(error);
@@ -101,6 +106,7 @@ HANDLER(timing)
     return true;
 }
 
+/* Clears the screen of the front end. */
 HANDLER(clear)
 {
     UNUSED(args);
@@ -111,6 +117,7 @@ HANDLER(clear)
     return true;
 }
 
+/* Leaves the program after this line. */
 HANDLER(quit)
 {
     UNUSED(args);

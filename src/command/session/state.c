@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* undo, redo, checkpoint, restore, save */
+/* The commands undo, redo, checkpoint, restore and save. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+/* Goes back (or forward) by N statements and names each. Returns false with the error set if there
+ * is none. */
 static bool undo_or_redo(struct session *session, const struct arguments *args, bool back,
                          struct reply *reply, struct error *error)
 {
@@ -35,6 +37,7 @@ HANDLER(redo)
     return undo_or_redo(session, args, false, reply, error);
 }
 
+/* Keeps the present state under a name. */
 HANDLER(checkpoint)
 {
     const struct argument_value *name = argument_value(args, "NAME");
@@ -50,6 +53,7 @@ HANDLER(checkpoint)
     return true;
 }
 
+/* Returns to a checkpoint, the latest one without a name. */
 HANDLER(restore)
 {
     const struct argument_value *name = argument_value(args, "NAME");
@@ -60,8 +64,8 @@ HANDLER(restore)
     return true;
 }
 
-/* Returns true if a file of that name can hold a set-up: pictures and tables have other
- * commands. */
+/* Returns true if a file of that name can hold a set-up; for endings of pictures and tables sets an
+ * error that names the right command. */
 static bool is_setup_file(struct text path, struct error *error)
 {
     const struct text end = text_ending(path);
@@ -77,6 +81,7 @@ static bool is_setup_file(struct text path, struct error *error)
         (int)path.len, path.data);
 }
 
+/* Writes the set-up as commands to a file. */
 HANDLER(save)
 {
     const struct item *file = argument_value(args, "FILE")->item;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Topics that `help` alone lists: ways to begin, of the core and of modules, each with lines that
- * can be pasted one after another. */
+/* The topics of help (tasks of a newcomer with lines that can be pasted), and the lists of
+ * commands. */
 #include "command/session/topics.h"
 
 #include <string.h>

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Topics of help, shared by the commands help, recipe and completion. */
 #pragma once
 
 #include <hooke/command/handler.h>
 
 struct catalog;
 
-/* Question of a newcomer, and lines that answer it; each works after those above it. */
+/* A task of a newcomer, with lines of commands that do it; each line works after those above it. */
 struct guide_topic {
     struct row row;
     const char *text;   /* a paragraph */
@@ -26,6 +27,6 @@ void help_all(struct buffer *text);
 /* Returns the word behind the command, with *command set, if a statement such as `set opinion` or
  * `compare dt=5ms` was typed; otherwise all of it, with NULL. */
 struct text help_topic_of(struct text words, const struct command **command);
-/* Appends what argument of the command the word is, and leaves of it the name that is explained
- * besides: `dt` of compare's dt=5ms, `k` of sweep's k=1:2; nothing. */
+/* Appends the explanation of *word if it is an argument of the command, and shortens *word to the
+ * name that has to be explained, too (`dt` of compare's dt=5ms), or to nothing if there is none. */
 void help_given(const struct command *command, struct text *word, struct buffer *text);
