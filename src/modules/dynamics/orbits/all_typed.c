@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Built-in scenes as the lines that one would type: of the texts in the rows of their terms. */
+/* Converts built-in scenes to typed ones (typed_written): writes the lines that a user would type,
+ * from the texts in the rows of the scene's terms, so that their equations have bounds. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/number.h>
 #include <ctype.h>
@@ -7,6 +8,7 @@
 
 #include "modules/dynamics/orbits/forms.h"
 
+/* The lines of the typed scene while they are written. */
 struct writing {
     const struct scene *scene;
     struct system system;
@@ -16,12 +18,14 @@ struct writing {
     struct error *error;
 };
 
+/* Returns the number of equations: half of the variables for those of second order. */
 static int rows_of(const struct system *system)
 {
     return system->order == 2 ? system->n / 2 : system->n;
 }
 
-/* The text of a buffer that is freed. Returns false if out of memory. */
+/* Copies the text of a buffer into the arena and frees the buffer. Returns false with an error if
+ * out of memory. */
 static bool take_buffer_text(struct writing *w, struct buffer *buffer, struct text *text)
 {
     text->data = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));
@@ -30,6 +34,7 @@ static bool take_buffer_text(struct writing *w, struct buffer *buffer, struct te
     return text->data || error_memory(w->error);
 }
 
+/* Appends an empty line of that kind and name, and returns it. */
 static struct typed_line *writing_line_append(struct writing *w, enum typed_kind kind,
                                               struct text name)
 {
@@ -38,11 +43,14 @@ static struct typed_line *writing_line_append(struct writing *w, enum typed_kind
     return line;
 }
 
+/* Returns the name of variable i. */
 static struct text variable_name(const struct writing *w, int i)
 {
     return text_of(w->system.model->variable[i].name);
 }
 
+/* Sets *name to the name of variable i with a prime: its derivative. Returns false if out of
+ * memory. */
 static bool primed(struct writing *w, int i, struct text *name)
 {
     struct buffer buffer = {0};
@@ -50,6 +58,7 @@ static bool primed(struct writing *w, int i, struct text *name)
     return take_buffer_text(w, &buffer, name);
 }
 
+/* Returns the length of the name at the beginning of the text. */
 static size_t letters(struct text text)
 {
     size_t n = 0;
@@ -72,8 +81,9 @@ static bool is_name_used(const struct writing *w, const char *wanted)
     return false;
 }
 
-/* ---- the lines, equations first: they say which parameters are there ---- */
+/* ---- lines; parameters come last, as the equations tell which are needed ---- */
 
+/* Appends a summand of an equation. */
 static void put_part(struct buffer *output, const char *part)
 {
     buffer_format(output, "%s%s", output->len > 0 && part[0] != '-' ? "+" : "", part);
@@ -105,7 +115,8 @@ static bool write_equation(struct writing *w, int row)
     return take_buffer_text(w, &text, &line->expr);
 }
 
-/* Velocities have names of their own in what was typed on top. */
+/* Writes velocities as observed quantities under the names that typed forces use, then the typed
+ * observables and parameters. Returns false if out of memory. */
 static bool write_observed(struct writing *w)
 {
     const struct model *model = w->scene->model;
@@ -126,6 +137,7 @@ static bool write_observed(struct writing *w)
     return true;
 }
 
+/* Writes the initial values. Returns false if out of memory. */
 static bool write_start(struct writing *w)
 {
     const int rows = rows_of(&w->system);
@@ -140,6 +152,7 @@ static bool write_start(struct writing *w)
     return true;
 }
 
+/* Writes the built-in parameters that occur in an equation. */
 static void write_params(struct writing *w)
 {
     const struct model *base = typed_base(w->scene->model);
@@ -153,6 +166,7 @@ static void write_params(struct writing *w)
     }
 }
 
+/* Writes all lines. Returns false with an error if out of memory. */
 static bool write_lines(struct writing *w)
 {
     const size_t max = 3 * (size_t)w->system.n + w->scene->model->params->count +

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Means with errors: batches of correlated values, smooth weights for regular ones. */
+/* Means with their errors: tapers for correlated values, smooth weights for regular motion. */
 #include "modules/dynamics/orbits/average.h"
 
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-#define CORRELATION_SAMPLES 4096 /* values of which the correlation is looked at */
+#define CORRELATION_SAMPLES 4096 /* largest number of values whose correlation is computed */
 /* Length of a batch in correlation times or in times between crossings of the mean. */
 #define BATCH_CORRELATION_TIMES 5
 /* A batch mean must scatter by more than this part of the scatter of independent values. */
 #define BATCH_SCATTER_RELATIVE 1e-2
 #define VALUE_ROUNDING_RELATIVE 1e-9 /* rounding relative to the size of the values */
 
+/* Returns the mean of n values, with compensated summation. */
 static double mean_of(const double *value, size_t n)
 {
     double sum = 0, low = 0; /* compensated (Kahan 1965) */
@@ -24,29 +25,30 @@ static double mean_of(const double *value, size_t n)
     return n > 0 ? sum / (double)n : NAN;
 }
 
-/* ---- weights that rise from 0 and fall to it, u from 0 to 1 ----
- *
- * Rates of growth are mostly differences of something along the motion, whose sum is that at both
- * ends: with weights 1 it scatters more than what is looked for (batches of the Lorenz system would
- * have to be longer than 100 s).
- */
+/* ---- weights that rise from 0 and fall to it, u from 0 to 1 ----  Rates of growth are mostly
+ * differences of some function along the motion, so that their sum depends on both ends: with equal
+ * weights these ends would scatter more than the mean itself (batches of the Lorenz system would
+ * have to be longer than 100 s). */
 
 typedef double weight(double u);
 
+/* Smooth weight: all derivatives are 0 at both ends. */
 static double bump_weight(double u)
 {
     return exp(-1 / (u * (1 - u)));
 }
 
-#define WINDOW_RAMP_FRACTION (1.0 / 16)
+#define WINDOW_RAMP_FRACTION (1.0 / 16) /* part of the series in which weights rise or fall */
 
+/* Weight of 1 with cosine ramps at both ends. */
 static double trapezoid(double u)
 {
     const double end = fmin(u, 1 - u) / WINDOW_RAMP_FRACTION;
     return end < 1 ? (1 - cos(PI * end)) / 2 : 1;
 }
 
-/* *square: the sum of squares of the weights, whose sum is 1, or NULL if not wanted */
+/* Returns the weighted mean of n values. Sets *square, unless NULL, to the sum of the squares of
+ * the weights, which are scaled to a sum of 1. */
 static double weighted_mean(const double *value, size_t n, weight *weight_function, double *square)
 {
     double sum = 0, weights = 0, squares = 0;
@@ -61,6 +63,7 @@ static double weighted_mean(const double *value, size_t n, weight *weight_functi
     return n > 0 ? value[0] + sum / weights : NAN;
 }
 
+/* Returns the autocovariance of n values at a lag. */
 static double covariance(const double *value, size_t n, double mean, size_t lag)
 {
     double sum = 0;
@@ -85,7 +88,7 @@ static double correlation_time(const double *value, size_t n, double mean)
     return variance > 0 ? fmax(2 * sum / variance - 1, 1) : 1;
 }
 
-/* So many values go from one time at which the mean is crossed upwards to the next. */
+/* Returns the mean number of values between two upward crossings of the mean. */
 static double crossing_time(const double *value, size_t n, double mean)
 {
     size_t count = 0;
@@ -120,7 +123,8 @@ double average_scatter(const double *value, size_t n, int tapers)
     return sqrt(sum / (tapers - 1) * square);
 }
 
-/* Neighbours are put together until there are few enough; how many values make one. */
+/* Averages neighbouring values until at most CORRELATION_SAMPLES remain, coarse [*count]. Returns
+ * the number of values that make one. */
 static size_t coarsen(const double *value, size_t n, double *coarse, size_t *count)
 {
     const size_t each = (n + CORRELATION_SAMPLES - 1) / CORRELATION_SAMPLES;
@@ -130,6 +134,7 @@ static size_t coarsen(const double *value, size_t n, double *coarse, size_t *cou
     return each;
 }
 
+/* The four smooth means are of the whole, of both halves, and of the middle. */
 void average_find(const double *value, size_t n, double size, double *scratch,
                   struct average *average)
 {

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Means over time of series that are correlated, or regular. */
+/* Means over time of series whose values are correlated, or of regular motion, with their
+ * errors. */
 #pragma once
 
 #include <hooke/base/text.h>
 
-#define AVERAGE_BATCHES 10 /* The scatter is unknown with fewer batches. */
-#define AVERAGE_MOST 12
+#define AVERAGE_BATCHES 10 /* fewer batches do not tell the scatter */
+#define AVERAGE_MOST 12    /* largest number of batches */
 
-/* Values one after another, each the mean over an equal time. */
+/* Averages of successive values, each of which is the mean over an equal time. */
 struct average {
-    double mean; /* The weights rise and fall in the first and the last sixteenth. */
+    double mean; /* mean with weights that rise and fall in the first and the last sixteenth */
     /* number of batches, at most AVERAGE_MOST; each lasts several times the correlation time
      * (initial sequence of Geyer 1992, 3.3) or the time between crossings of the mean */
     int batches;
@@ -22,12 +23,13 @@ struct average {
      * difference between these means of the whole, of its halves and of its middle.
      */
     double smooth, spread;
-    bool regular; /* The four agree as means of chaotic motion would not. */
+    bool regular; /* true if these four means agree better than those of chaotic motion could */
 };
 
 /* Computes the averages of value [n]. scratch [n] is overwritten. `size` is the size of the values;
  * scatter below 1e-9 of it does not count. */
 void average_find(const double *value, size_t n, double size, double *scratch,
                   struct average *average);
-/* Standard error of such a mean by so many tapers, at most AVERAGE_MOST. */
+/* Returns the standard error of such a mean of value [n], estimated with `batches` tapers, at most
+ * AVERAGE_MOST. */
 double average_scatter(const double *value, size_t n, int batches);

@@ -1,25 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Newton's method for a periodic orbit near a guess. Where orbits come in families (of conservative
- * motion) the shooting equations are singular: the least change is taken, which stays near the
- * amplitude that there is.
- */
+/* Newton's method for a periodic orbit near a guess (orbit_close). Where orbits come in families,
+ * of conservative motion, the shooting equations are singular; the smallest correction is then
+ * taken, which stays near the present amplitude. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define RESIDUAL_CLOSED_SIZES 1e-8 /* residual, in natural sizes */
+#define RESIDUAL_CLOSED_SIZES 1e-8 /* largest residual of a closed orbit, in natural sizes */
 #define SECOND_SOLUTION_TOLERANCE                                                                  \
     1e-12                             /* tolerance of a second solution, which tells the error     \
                                        */
 #define RESIDUAL_POLISHED_SIZES 1e-11 /* residual below which nothing more is to be gained */
 #define JACOBIAN_ENTRIES_MAX ((size_t)CURVE_MAX * CURVE_MAX)
 
-/* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
- * along which the unknowns stay as they are, or NULL if there is none. room:
- * [2][JACOBIAN_ENTRIES_MAX] */
+/* Closes the orbit with unknowns u by the Gauss-Newton method with the smallest step, which also
+ * works in families. The unknowns do not move along `normal`, of length 1, unless that is NULL.
+ * room [2][JACOBIAN_ENTRIES_MAX] is work memory. Returns false if it does not converge. */
 static bool close_least(struct solution_curve *path, const double *normal, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;
@@ -57,7 +55,7 @@ static bool close_least(struct solution_curve *path, const double *normal, doubl
             }
             trace += a[i * n + i];
         }
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < n; i++) /* a family makes the matrix singular */
             a[i * n + i] += 1e-13 * trace / n;
         if (!matrix_solve(n, a, correction))
             return false;
@@ -135,7 +133,7 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
         fine = solutions_at(&path, &point, true, &orbit->solution);
     }
     orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
-    if (fine && orbit->family) { /* double ones are no more exact than that */
+    if (fine && orbit->family) { /* double multipliers are less accurate */
         orbit->solution.unstable = 0;
         for (int i = 0; i < orbit->solution.values; i++)
             orbit->solution.unstable +=

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Points along a curve, and special ones between them.
- *
- * A zero of a test is looked for along the chord between two points: each place on it is corrected
- * in the plane across. Where two curves cross, this correction is singular at the very point: there
- * the test and the unknowns are polynomials through places to both sides of it (Chebyshev's nodes),
- * whose errors are those of rounding divided by the distance.
- */
+/* Points along a curve, and special points between them. A zero of a test is searched along the
+ * chord between two points: each place on it is corrected in the plane across the chord. Where two
+ * curves cross, this correction is singular at the zero itself; there the test and the unknowns are
+ * interpolated by polynomials through places on both sides of it (Chebyshev nodes), whose errors
+ * are rounding divided by the distance. */
 #include "modules/dynamics/orbits/continuation.h"
 
 #include <float.h>
@@ -16,24 +13,25 @@
 #include <hooke/base/numeric.h>
 #include <hooke/scene/formula.h>
 
-#define CORRECTIONS_MAX 8
-#define JACOBIAN_REUSE_DISTANCE 3e-6 /* derivatives so far away are those of the place */
+#define CORRECTIONS_MAX 8            /* largest number of Newton's steps */
+#define JACOBIAN_REUSE_DISTANCE 3e-6 /* derivatives so near are good enough for a step */
 /* A step along the curve ends when the next correction would be smaller. */
 #define STEP_NEXT_CORRECTION_MAX 1e-9
 #define STALLED_CORRECTION_MAX                                                                     \
-    1e-9 /* and below this does not get smaller by more than rounding                              \
-          */
-#define FINE_CORRECTION_MAX 1e-15
+    1e-9                          /* and below this does not get smaller by more than rounding     \
+                                   */
+#define FINE_CORRECTION_MAX 1e-15 /* a correction below this is rounding */
 /* Derivatives that were computed within this distance are exact to rounding. */
 #define JACOBIAN_EXACT_DISTANCE 1e-12
-#define ZERO_LOOKS_MAX 60 /* looks for a zero, after which the test counts as not smooth */
-#define HALVINGS_MAX 12
-#define STRAIGHT_CHORD_FRACTION 1e-3 /* part of a chord along which the curve goes straight on */
+#define ZERO_LOOKS_MAX 60            /* evaluations after which a test counts as not smooth */
+#define HALVINGS_MAX 12              /* largest number of times that a chord is shortened */
+#define STRAIGHT_CHORD_FRACTION 1e-3 /* part of a chord that counts as straight */
 /* Rounding error of a test relative to its values at the ends of the chord. */
 #define TEST_ROUNDING_RELATIVE 1e-13
 #define TANGENT_ROUNDING 1e-14   /* rounding of a tangent */
-#define CORRECTION_MAX_UNITS 0.5 /* A correction of this part of a unit leads elsewhere. */
+#define CORRECTION_MAX_UNITS 0.5 /* a larger correction leads to another curve */
 
+/* Returns the dot product of two vectors [n]. */
 static double vector_dot(int n, const double *a, const double *b)
 {
     double sum = 0;
@@ -58,7 +56,8 @@ double curve_distance(int n, const double *a, const double *b)
     return sqrt(sum);
 }
 
-/* [jacobian; direction] x = right, which becomes x [n + 1]. */
+/* Solves the system of the n rows of the Jacobian and the row `direction` for the right side [n +
+ * 1], which becomes the solution. Returns false if it is singular. */
 static bool solve_bordered(const struct curve_problem *problem, const double *direction,
                            double *right)
 {
@@ -80,7 +79,8 @@ bool curve_tangent(const struct curve_problem *problem, const double *direction,
     return vector_normalise(n + 1, tangent);
 }
 
-/* The largest part of it, each relative to its unknown where that is more than 1. */
+/* Returns the largest component of a correction, relative to its unknown if that is larger than
+ * 1. */
 static double correction_size(int n, const double *correction, const double *u)
 {
     double most = 0;
@@ -89,6 +89,9 @@ static double correction_size(int n, const double *correction, const double *u)
     return most;
 }
 
+/* Applies Newton's method in the plane through `guess` across `direction`, then computes tangent
+ * and tests. Without `fine` it stops when the next correction would be negligible for a step.
+ * Returns false if it fails. */
 static bool correct(const struct curve_problem *problem, const double *guess,
                     const double *direction, bool fine, struct curve_place *point)
 {
@@ -112,7 +115,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
             return false;
         for (int i = 0; i <= n; i++)
             point->u[i] += f[i];
-        /* the next, if they go on to shrink with their squares */
+        /* size of the next correction if convergence remains quadratic */
         const double next = size * fmin(size / last, 1) * fmin(size / last, 1);
         if (size < FINE_CORRECTION_MAX || (size < STALLED_CORRECTION_MAX && size >= last / 2) ||
             (size < JACOBIAN_EXACT_DISTANCE && isfinite(last) && next < FINE_CORRECTION_MAX) ||
@@ -130,6 +133,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
     return false;
 }
 
+/* Chooses the accuracy of the residuals if the problem has a choice. */
 static void curve_problem_aim(const struct curve_problem *problem, bool fine)
 {
     if (problem->aim)
@@ -184,21 +188,22 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *p
 
 /* ---- special points ---- */
 
+/* The chord between two points of a curve, on which a zero is searched. */
 struct chord {
     const struct curve_problem *problem;
     const struct curve_place *a, *b;
-    double direction[CURVE_MAX], length;
-    int test;
-    curve_value *value; /* function whose zero is searched for, or NULL to take the test's */
-    void *context;
-    int looks;
-    struct curve_place point;
-    double share; /* position of `point` on the chord, or NAN if there is none */
-    bool failed;
+    double direction[CURVE_MAX], length; /* unit vector from a to b, and their distance */
+    int test;                 /* index of the test whose zero is searched, unless `value` is set */
+    curve_value *value;       /* function whose zero is searched, or NULL for the test */
+    void *context;            /* context of `value` */
+    int looks;                /* number of evaluations so far */
+    struct curve_place point; /* last place */
+    double share; /* position of `point` on the chord, 0 to 1, or NAN if there is none */
+    bool failed;  /* a place could not be corrected */
 };
 
-/* A guess at that share of the chord: on along the tangent where the last place is near, else it
- * follows the tangents of both ends. */
+/* Computes a guess at a share (0 to 1) of the chord: along the tangent of the last place if that is
+ * near, else by the cubic through both ends with their tangents. */
 static void guess_at(const struct chord *c, double share, double *guess)
 {
     const int n = c->problem->n;
@@ -221,6 +226,8 @@ static void guess_at(const struct chord *c, double share, double *guess)
         guess[i] += distance * c->direction[i];
 }
 
+/* Evaluates the test, or c->value, at a share of the chord; NAN if there is no solution. A test
+ * that is 0 but for rounding gives 0. */
 static double test_at(void *context, double share)
 {
     struct chord *c = context;
@@ -242,6 +249,7 @@ static double test_at(void *context, double share)
     return fabs(value) <= rounding ? 0 : value;
 }
 
+/* Sets up the chord from a to b. */
 static void chord_init(struct chord *c, const struct curve_problem *problem,
                        const struct curve_place *a, const struct curve_place *b, int test)
 {
@@ -262,12 +270,13 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
     return c.length > 0 && curve_correct(problem, guess, c.direction, true, point);
 }
 
-#define INTERPOLATION_NODES 10
-#define INTERPOLATION_LEVELS 6
-#define TOO_NEAR 1e-4           /* part of the largest value of the test */
-#define CROSSING_ERROR_MAX 1e-6 /* a crossing that is not known better than this is none */
+#define INTERPOLATION_NODES 10 /* places through which a polynomial is laid */
+#define INTERPOLATION_LEVELS 6 /* largest number of times that their distance is reduced */
+#define TOO_NEAR 1e-4          /* smallest value of the test, relative to the largest, at a place */
+#define CROSSING_ERROR_MAX 1e-6 /* a crossing that is less accurate than this does not count */
 
-/* Interpolates by Newton's divided differences. */
+/* Returns the value at `position` of the polynomial through `count` nodes, by Newton's divided
+ * differences. */
 static double interpolated(int count, const double *node, const double *value, double position)
 {
     double d[INTERPOLATION_NODES];
@@ -281,6 +290,7 @@ static double interpolated(int count, const double *node, const double *value, d
     return sum;
 }
 
+/* Values of a test at nodes. */
 struct fitted_test {
     int count;
     double node[INTERPOLATION_NODES], value[INTERPOLATION_NODES];
@@ -292,8 +302,9 @@ static double fitted_value(void *context, double position)
     return interpolated(f->count, f->node, f->value, position);
 }
 
-/* Places on both sides of the crossing, from which it is not so near that the correction goes to
- * the other curve. */
+/* Gathers places at Chebyshev nodes around `centre`, up to `half` away. Places too near to the
+ * crossing are left out, as their correction may lead to the other curve. Returns false if too few
+ * remain on both sides. */
 static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
                    struct curve_place *point)
 {
@@ -323,7 +334,8 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
            signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
 }
 
-/* The zero near `centre` of polynomials through places up to `half` from it. */
+/* Finds the crossing near `centre` by polynomials through places up to `half` from it, all as
+ * shares of the chord. */
 static bool locate_crossing(struct chord *c, double centre, double half, struct curve_place *point,
                             double *share)
 {
@@ -350,8 +362,9 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     return true;
 }
 
-/* A place where another curve crosses: about ever smaller pieces, as long as that helps: nearer to
- * it the test is smaller, and what corrections and rounding leave moves its zero by more. */
+/* Finds a crossing from places that come ever nearer, as long as that moves the result less: too
+ * near, errors of the corrections and rounding dominate. Returns false if the uncertainty remains
+ * too large. */
 static bool look_about(struct chord *c, double share, double half, struct curve_place *point,
                        double *uncertainty)
 {
@@ -406,6 +419,8 @@ static bool find_crossing(struct chord *c, struct curve_place *point, double *un
     return false;
 }
 
+/* Finds the zero of a test on the chord from a to b. Returns false if the chord is too far from the
+ * curve. */
 static bool locate_on_chord(const struct curve_problem *problem, const struct curve_place *a,
                             const struct curve_place *b, int test, struct curve_place *point,
                             double *uncertainty)

@@ -1,49 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Curves of solutions: n equations in n + 1 unknowns, the last of which is the parameter, all of
- * them in units of their natural sizes. Pseudo-arclength (Keller 1977).
- */
+/* Continuation of curves of solutions by pseudo-arclength (Keller 1977): n equations in n + 1
+ * unknowns, the last of which is the parameter, all in units of their natural sizes. Fill in a
+ * struct curve_problem, correct a guess with curve_correct(), then call curve_step() in turn, and
+ * curve_locate() where a test changes its sign. */
 #pragma once
 
 #include "modules/dynamics/orbits/field.h"
 
-#define CURVE_MAX 64 /* unknowns with the parameter */
-#define CURVE_TESTS 4
-#define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */
-#define CURVE_LEVEL 1e-12 /* and that is rounding */
+#define CURVE_MAX 64      /* largest number of unknowns, including the parameter */
+#define CURVE_TESTS 4     /* largest number of tests */
+#define CURVE_STEEP 1e-8  /* parameter's part of a tangent that a normal step does not resolve */
+#define CURVE_LEVEL 1e-12 /* parameter's part of a tangent that is rounding */
 
+/* The equations of a curve and the tests for its special points. */
 struct curve_problem {
     void *context;
-    int n; /* equations */
+    int n; /* number of equations */
     /* computes f [n] and its derivatives [n][n + 1]; returns false if there is no such point or if
      * cancelled */
     bool (*residual)(void *context, const double *u, double *f, double *jacobian);
-    /*
-     * Functions of a place on the curve that pass through 0 at special points [tests]: u, the
-     * derivatives there and the tangent. Only their signs and zeros count.
-     */
+    /* Computes value [tests]: functions of a place that pass through 0 at special points, from the
+     * unknowns u, the derivatives there and the tangent. Only their signs and zeros matter. */
     void (*test)(void *context, const double *u, const double *jacobian, const double *tangent,
                  double *value);
     int tests;
-    /* chooses whether residuals are exact to rounding or as a step along the curve needs; NULL if
-     * they are always the same */
+    /* Chooses whether residuals are computed to rounding or as accurately as a step needs; NULL if
+     * there is no choice. */
     void (*aim)(void *context, bool fine);
     unsigned singular; /* bits of tests whose zeros are places where two curves cross */
     struct curve_work *work;
 };
 
-/* Room for two matrices: too much for a stack. */
+/* Work memory: two matrices, which are too large for a stack. */
 struct curve_work {
     double jacobian[CURVE_MAX * CURVE_MAX]; /* derivatives at the place examined last */
     double matrix[CURVE_MAX * CURVE_MAX];   /* overwritten by the solver */
 };
 
+/* A point of the curve. */
 struct curve_place {
     double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1]; the tangent has length 1 */
     double test[CURVE_TESTS];
     double residual; /* largest residual before the last correction */
     int corrections;
-    bool careful; /* corrected to rounding, as the parameter hardly changes */
+    bool careful; /* corrected to rounding, since the parameter hardly changes there */
 };
 
 /*
@@ -60,9 +60,9 @@ bool curve_tangent(const struct curve_problem *problem, const double *direction,
  * unknown), with its tests. Returns false if none is found. */
 bool curve_step(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double step, struct curve_place *next);
-/* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
- * where `tests` cross there the curve is singular. *uncertainty: half the width of what is
- * uncertain. */
+/* Finds the zero of a test between two points of the curve where its signs differ. Sets
+ * *uncertainty to half of the width, as arclength, of the interval that holds it. Returns false if
+ * it is not found. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
                   const struct curve_place *b, int test, struct curve_place *point,
                   double *uncertainty);
@@ -70,13 +70,15 @@ bool curve_locate(const struct curve_problem *problem, const struct curve_place 
  * none was found. */
 bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
                    const struct curve_place *b, double share, struct curve_place *point);
-/* A smooth function of the places of a curve; NAN where it is not known. */
+/* A smooth function of the points of a curve; NAN where it is unknown. */
 typedef double curve_value(void *context, const struct curve_place *point);
-/* Finds the zero of such a function between two points of the curve, where its signs differ, also
- * where the curve is singular; *uncertainty as curve_locate(). */
+/* Finds the zero of such a function between two points of the curve where its signs differ, even if
+ * the curve is singular there. Sets *uncertainty, and returns, as curve_locate(). */
 bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
                      const struct curve_place *b, curve_value *value, void *context,
                      struct curve_place *point, double *uncertainty);
-/* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
+/* Returns the largest magnitude in u [n], at least 1: steps are longer where the solution has grown
+ * beyond its natural size. */
 double curve_unit(int n, const double *u);
+/* Returns the Euclidean distance of two points [n]. */
 double curve_distance(int n, const double *a, const double *b);

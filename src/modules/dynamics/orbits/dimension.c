@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The dimension of Kaplan and Yorke with its derivatives. */
 #include "modules/dynamics/orbits/dimension.h"
 
 #include <math.h>
 
-/* Standard errors within which a sum may be 0. */
+/* Number of standard errors within which a sum counts as 0. */
 static const double standard_errors = 2;
 /* An exponent is taken for 0 only if its error is below this part of the largest one: a larger
  * error tells nothing. */
 static const double zero_error_max = 1e-3;
 
-/* Counts the leading exponents that are 0: one for a cycle, several for a torus. Each is a whole
- * dimension, whatever the sign of its rounding. */
+/* Returns the number of leading exponents that are 0: one for a cycle, several for a torus. Each
+ * counts as a whole dimension, whatever the sign of its rounding. */
 static int count_zeros(const struct exponent *e, int count, double scale)
 {
     int zeros = 0;
@@ -20,6 +21,7 @@ static int count_zeros(const struct exponent *e, int count, double scale)
     return zeros;
 }
 
+/* Returns the sum of the first `count` exponents. */
 static double sum_of(const struct exponent *e, int count)
 {
     double sum = 0;
@@ -28,7 +30,7 @@ static double sum_of(const struct exponent *e, int count)
     return sum;
 }
 
-/* Derivatives of i + (L1 + ... + Li)/|L(i+1)|. */
+/* Computes slope [count], the derivatives of i + (L1 + ... + Li)/|L(i+1)|. */
 static void find_slopes(const struct exponent *e, int i, int count, double *slope)
 {
     const double next = -e[i].value;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* f(x, p) = 0 as a curve. */
+/* The curve problem of equilibria, f(y, p) = 0, and its tests for folds, branch points and Hopf
+ * points. */
 #include "modules/dynamics/orbits/problem.h"
 
 #include <math.h>
 #include <string.h>
 
+/* Returns the entry in row i and column j of a [n][n]. */
 static double entry(int n, const double *a, int i, int j)
 {
     return a[i * n + j];
@@ -31,6 +33,8 @@ void matrix_pair_sums(int n, const double *jacobian, double *pairs)
                     *pairs++ = pair_sum(n, jacobian, p, q, r, s);
 }
 
+/* Computes f and its derivatives by y and p, in units of sizes. Returns false if the scene cannot
+ * have p or if cancelled. */
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     const struct equilibrium_curve *curve = context;
@@ -55,6 +59,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     return true;
 }
 
+/* Computes the tests: the parameter's part of the tangent (fold), the determinant of the bordered
+ * Jacobian (branch point), and that of the pair sums (Hopf point). */
 static void equilibrium_curve_test(void *context, const double *u, const double *jacobian,
                                    const double *tangent, double *value)
 {

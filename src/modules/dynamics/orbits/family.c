@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Follows a family of periodic orbits (of conservative motion) to the member with a wanted period:
- * the period changes step by step, and each orbit is closed from the one before, with its period
- * held and the least change of everything else.
- */
+/* Follows a family of periodic orbits (of conservative motion) to the member with a wanted period:
+ * the period changes step by step, and each orbit is closed from the previous one with its period
+ * held and the least change of everything else. */
 #include <math.h>
 
 #include "modules/dynamics/orbits/solutions.h"
 
-/* Logarithms of the ratio of two periods: the longest step, and one that is given up. */
+/* Longest step, as the logarithm of the ratio of two periods, and the step below which the search
+ * is given up. */
 static const double longest_step = 0.03, shortest_step = 1e-6;
-/* An orbit is another one if its start has moved by more than this part of the extent, or if its
- * extent has changed by more than this factor. */
+/* A closed orbit is not the next of the family if its start has moved by more than this part of the
+ * extent, or if its extent has changed by more than this factor. */
 static const double moved_max = 0.5, extent_change_max = 2;
-/* Relative to the first: periods as near as this are the same. */
+/* Two periods are the same if they differ by less than this part. */
 static const double same_period = 1e-12;
 enum { STEPS_MAX = 1000 };
 
-/* Closes the orbit with that period; false if it is not the next one of the family. */
+/* Closes the orbit with that period from the last one. Returns false if it is not the next one of
+ * the family. */
 static bool close_next(struct orbit_search *s, const struct found_orbit *last, double period,
                        struct found_orbit *next)
 {
@@ -63,6 +63,8 @@ static void follow_family(struct orbit_search *s, double wanted, struct found_or
     }
 }
 
+/* If the family does not change its period in the wanted direction, the other one is tried to learn
+ * whether its period changes at all. */
 bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error)
 {
     const double first = s->found->solution.period;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scene as a vector field with free parameters, and its flow with derivatives. */
+/* A scene as a vector field with free parameters, its flow with derivatives, and where it jumps. */
 #include "modules/dynamics/orbits/field.h"
 
 #include <float.h>
@@ -13,17 +13,17 @@
 
 #include "modules/solving/compute/solve.h"
 
-#define FLOW_TOL 1e-13
-#define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
-#define FLOW_STIFF 2000000
-#define PARAM_STEP_RELATIVE 1e-6
-#define RATES_JUMP 1e-6 /* relative change of the rates across a kink that is no rounding */
+#define FLOW_TOL 1e-13     /* relative tolerance of flows */
+#define FLOW_MOST 400000   /* evaluations of a flow after which the equations count as stiff */
+#define FLOW_STIFF 2000000 /* largest number of evaluations of a flow by the implicit method */
+#define PARAM_STEP_RELATIVE 1e-6 /* step of differences by a parameter, relative to its value */
+#define RATES_JUMP 1e-6 /* relative change of the rates across a jump that is not rounding */
 /* Part of the largest size below which a natural size is only a floor. */
 static const double unseen_size_max = 2e-12;
 /* Admissible error of derivatives by a parameter, in units of sizes. */
 #define PARAM_DERIVATIVE_ERROR 1e-7
 
-/* ---- what it is ---- */
+/* ---- rates and their derivatives ---- */
 
 /* Drops what was computed for the old values of the parameters. */
 static void forget(struct vector_field *field)
@@ -115,7 +115,8 @@ void field_jacobian(struct vector_field *field, const double *y, double *jacobia
     system_jacobian(&field->system, field->system.t0, y, jacobian);
 }
 
-/* Values of free parameter j on both sides; their distance. */
+/* Copies the scene with free parameter j a little larger and smaller. Returns the difference of its
+ * values. */
 static double sides(const struct vector_field *field, int j, struct scene side[2])
 {
     const int index = field->param[j];
@@ -167,6 +168,8 @@ double field_drive_by(struct vector_field *field, int j)
 
 /* ---- the flow ---- */
 
+/* Integrates the system over `span` with a method and at most `most` evaluations. Sets end [n] and,
+ * unless NULL, grid [FIELD_TIMES][n]. Returns false if it does not get there. */
 static bool flow_integrate(struct vector_field *field, const struct system *system,
                            const char *name, double span, int64_t most, double *end, double *grid)
 {
@@ -185,8 +188,8 @@ static bool flow_integrate(struct vector_field *field, const struct system *syst
     return stop == STOP_END;
 }
 
-/* Integrates by dop853, or by radau5 if that takes too many steps because the equations are
- * stiff. */
+/* Integrates with dop853, or with radau5 if that takes too many steps because the equations are
+ * stiff. Returns false if neither gets there or if cancelled. */
 static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
                   double *grid)
 {
@@ -195,6 +198,7 @@ static bool go_on(struct vector_field *field, const struct system *system, doubl
             (field->stiff = flow_integrate(field, system, "radau5", span, FLOW_STIFF, end, grid)));
 }
 
+/* The system is copied, so that its start and sizes can be replaced. */
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
                   double *grid)
 {
@@ -210,6 +214,8 @@ bool field_follow(struct vector_field *field, double t, const double *start, dou
     return fine;
 }
 
+/* Sets up the variational equations for the present parameters. Returns false if out of memory or
+ * if a derivative by a parameter is not available. */
 static bool bind_variation(struct vector_field *field)
 {
     if (field->varied)
@@ -225,6 +231,7 @@ static bool bind_variation(struct vector_field *field)
     return field->varied = variation_add_trace(field->variation);
 }
 
+/* Converts the solution of the variational equations to derivatives in units of sizes. */
 static void take_slopes(const struct vector_field *field, const double *all,
                         struct flow_slopes *slopes)
 {
@@ -317,6 +324,7 @@ double field_side(const struct vector_field *field, const struct field_plane *pl
     return sum;
 }
 
+/* Context of side_after(). */
 struct crossing_search {
     struct vector_field *field;
     double t;
@@ -325,6 +333,7 @@ struct crossing_search {
     double *point;
 };
 
+/* Follows the motion for `span`, and returns the side of the plane on which it is then. */
 static double side_after(void *context, double span)
 {
     const struct crossing_search *c = context;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Types of equilibria. A centre is claimed where the plane's flow keeps areas, or is reversed by a
- * reflection that the equilibrium lies on (Devaney 1976), or energy is constant. */
+/* Types of equilibria. A centre is claimed only if the flow of two variables preserves areas, or is
+ * reversed by a reflection that the equilibrium lies on (Devaney 1976), or if energy is
+ * constant. */
 #include "modules/dynamics/orbits/forms.h"
 
 #include <hooke/base/catalog.h>
@@ -14,11 +15,13 @@
 #include "modules/dynamics/orbits/solutions.h"
 
 #define REAL_PART_ZERO 1e-13 /* real part relative to the largest eigenvalue that counts as 0 */
-/* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
+/* Largest width of the bounds of a slope, relative to the largest slope, from which eigenvalues are
+ * computed. */
 static const double slope_uncertainty_max = 1e-3;
-/* Relative to values and sizes: where a zero without a proof may be, as at the edge of a domain. */
+/* Uncertainty of the state of an equilibrium without a proof, relative to its values and sizes. */
 static const double unproven_position_error = 1e-14;
-/* The same share of the largest slope elsewhere, if the slope is 0 but for rounding. */
+/* Largest width, relative to the largest slope a natural size away, of slopes that are 0 but for
+ * rounding. */
 static const double slope_rounding_max = 1e-9;
 #define SYMMETRY_SAMPLES 16              /* number of states at which symmetries are tested */
 #define SYMMETRY_ROUNDING_RELATIVE 1e-11 /* rounding, as a part of the largest rate or slope */
@@ -63,18 +66,20 @@ bool scene_with_bounds(const struct scene *scene, const struct system *system,
 
 /* ---- symmetries of the plane ---- */
 
+/* A system of two variables around an equilibrium. */
 struct plane {
     const struct system *bounded;
     const double *size, *centre; /* [2] */
 };
 
+/* Chooses a random state within one size of the centre. */
 static void sample(const struct plane *plane, uint64_t *seed, double *y)
 {
     for (int i = 0; i < 2; i++)
         y[i] = plane->centre[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
 }
 
-/* Returns true if the divergence is 0 everywhere. */
+/* Returns true if the divergence is 0 at all sampled states. */
 static bool keeps_areas(const struct plane *plane)
 {
     uint64_t seed = 11;
@@ -89,8 +94,8 @@ static bool keeps_areas(const struct plane *plane)
     return keeps;
 }
 
-/* Returns true if R f(R y) = -f(y), where the reflection R changes the sign of one variable of y -
- * about or exchanges both. */
+/* Returns true if R f(R y) = -f(y) at all sampled states, for the reflection R with matrix r about
+ * the centre. */
 static bool reverses(const struct plane *plane, const double r[4])
 {
     const double *centre = plane->centre;
@@ -127,7 +132,8 @@ static bool has_centres(const struct vector_field *field, const struct system *b
 
 /* ---- types ---- */
 
-/* Values on the imaginary axis, zero of them, do not say more than the others do. */
+/* Returns the type of an equilibrium that has `zero` eigenvalues on the imaginary axis. `centre` is
+ * true if it is known to be a centre. */
 static enum equilibrium_type type_beside(const struct solution *s, int zero, bool centre)
 {
     if (s->unstable > 0 && s->unstable + zero < s->values)
@@ -137,6 +143,7 @@ static enum equilibrium_type type_beside(const struct solution *s, int zero, boo
     return centre ? EQUILIBRIUM_CENTRE : EQUILIBRIUM_DEGENERATE;
 }
 
+/* Returns the type of an equilibrium from its eigenvalues. */
 static enum equilibrium_type type_of(const struct solution *s, const struct vector_field *field,
                                      const struct system *bounded, bool conservative)
 {
@@ -158,7 +165,8 @@ static enum equilibrium_type type_of(const struct solution *s, const struct vect
     return s->unstable == 0 ? EQUILIBRIUM_STABLE_NODE : EQUILIBRIUM_UNSTABLE_NODE;
 }
 
-/* Poincare's and Hopf's: the sign of det J, a product of eigenvalues of which pairs are > 0. */
+/* Returns the Poincare-Hopf index, the sign of det J, from the real eigenvalues (pairs have a
+ * positive product), or 0 if an eigenvalue is 0. */
 static int index_of(const struct solution *s)
 {
     int negative_count = 0;
@@ -170,7 +178,8 @@ static int index_of(const struct solution *s)
     return negative_count % 2 ? -1 : 1;
 }
 
-/* The largest part becomes real and positive. */
+/* Multiplies a complex vector by a phase, so that its largest component becomes real and
+ * positive. */
 static void complex_vector_rotate(int n, double *re, double *im)
 {
     int pivot = 0;
@@ -185,6 +194,7 @@ static void complex_vector_rotate(int n, double *re, double *im)
     }
 }
 
+/* Computes the eigenvectors; NAN where one is not found. */
 static void find_vectors(int n, const double *jacobian, const struct solution *solution,
                          struct equilibrium_form *form)
 {
@@ -218,6 +228,7 @@ static void clean(struct solution *s)
     }
 }
 
+/* Returns the largest width of the bounds of the slopes [n][n], infinite if one has no bounds. */
 static double widest_slope(int n, const struct interval *slopes)
 {
     double widest = 0;
@@ -227,6 +238,7 @@ static double widest_slope(int n, const struct interval *slopes)
     return widest;
 }
 
+/* Returns the largest magnitude in the middle of the bounds of the slopes [n][n]. */
 static double largest_slope(int n, const struct interval *slopes)
 {
     double largest = 0;
@@ -235,8 +247,8 @@ static double largest_slope(int n, const struct interval *slopes)
     return largest;
 }
 
-/* Returns true if bounds of the slopes [n][n] at a state tell what they are: beside the largest of
- * them, or, where all are about 0, beside the largest a natural size away. */
+/* Returns true if the bounds of the slopes [n][n] at a state are narrow, relative to the largest
+ * slope, or, if all are about 0, relative to the largest slope a natural size away. */
 static bool slopes_are_known(const struct vector_field *field, const struct system *bounded,
                              const double *state, const struct interval *slopes)
 {
@@ -252,7 +264,7 @@ static bool slopes_are_known(const struct vector_field *field, const struct syst
     return widest <= slope_rounding_max * largest_slope(n, away);
 }
 
-/* Sets what cannot be known where slopes are infinite, or nothing but rounding. */
+/* Marks eigenvalues and eigenvectors as unknown, since slopes are infinite or uncertain. */
 static void form_without_slopes(int n, struct solution *solution, struct equilibrium_form *form)
 {
     *form = (struct equilibrium_form){.type = EQUILIBRIUM_DEGENERATE};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lyapunov exponents: means over bins of equal time, their errors, and what has to hold. */
+/* Lyapunov exponents (lyapunov_find): means of the tangents' growth over bins of equal time, their
+ * errors, and checks that they must satisfy. */
 #include "modules/dynamics/chaos.h"
 
 #include <assert.h>
@@ -12,28 +13,30 @@
 #include "modules/dynamics/orbits/tangents.h"
 
 #define EVALUATIONS_DEFAULT 2000000 /* evaluations if no duration is given */
-#define PILOT_DIVISOR 10            /* The pilot takes one part in this number of them. */
-#define TIME_BINS_MIN 4096          /* bins of the duration; there are at most twice as many */
-#define BIN_STEPS 16                /* Smallest number of steps in a bin, as far as it is known */
-#define FORCED_BINS 512
-#define MAP_PERIODS 8 /* periods over which the map is examined */
-#define AT_REST 1e-9  /* rate of rest relative to the largest exponent */
+#define PILOT_DIVISOR 10            /* one part in this number of them precedes the averages */
+#define TIME_BINS_MIN 4096          /* number of bins; for a drive there may be twice as many */
+#define BIN_STEPS 16                /* smallest number of steps in a bin, if steps are known */
+#define FORCED_BINS 512             /* smallest number of bins for a drive */
+#define MAP_PERIODS 8               /* periods over which the map is examined */
+#define AT_REST 1e-9 /* rate, relative to the largest exponent, below which the motion rests */
 /* Volumes are conserved if their rate is below this part of the largest exponent. */
 #define VOLUME_ROUNDING 1e-12
 
+/* State of lyapunov_find(). */
 struct exponents_search {
     const struct lyapunov_request *request;
     struct lyapunov *found;
     struct tangents t;
-    double t0, period; /* [s] Bins are parts of it, or several of them, if > 0. */
-    bool timed;        /* driven, but not periodically */
-    int parts, times;  /* A bin is 1/parts or `times` periods. */
-    double bin;        /* [s] */
-    size_t bins, done;
-    double *series; /* [count + 1][bins]: exponents, divergence; then as many for work */
-    enum tangents_end end;
+    double t0, period;     /* [s] start, and period of the drive or 0 */
+    bool timed;            /* driven, but not periodically */
+    int parts, times;      /* A bin is 1/parts or `times` periods. */
+    double bin;            /* [s] length of a bin */
+    size_t bins, done;     /* number of bins, and of finished ones */
+    double *series;        /* [count + 1][bins]: exponents, divergence; then as many for work */
+    enum tangents_end end; /* reason why the last advance has ended */
 };
 
+/* Advances by `span` [s]. Returns false, with s->end, if that is not possible. */
 static bool advance_tangents(struct exponents_search *s, double t_begin, double span)
 {
     s->end = tangents_advance(&s->t, t_begin, span);
@@ -41,13 +44,14 @@ static bool advance_tangents(struct exponents_search *s, double t_begin, double 
     return s->end == TANGENTS_OK;
 }
 
+/* Reports the fraction that is done; 2 ends the report. */
 static void report_exponents(const struct exponents_search *s, double fraction)
 {
     if (s->request->progress)
         s->request->progress(s->request->context, fraction);
 }
 
-/* 1, 2 or 5 times a power of ten, at most x */
+/* Returns the largest of 1, 2 or 5 times a power of ten that is at most x. */
 static double round_down(double x)
 {
     const double power = pow(10, floor(log10(x) + 1e-9)), digit = x / power;
@@ -56,8 +60,9 @@ static double round_down(double x)
     return digit >= 2 * (1 - 1e-9) ? power * 2 : power;
 }
 
-/* ---- before: until the motion is where it stays ---- */
+/* ---- the time before averages are taken ---- */
 
+/* Returns the time [s] in which a variable changes by its natural size at the present state. */
 static double state_timescale(const struct exponents_search *s)
 {
     const struct system *system = &s->t.field.system;
@@ -68,6 +73,8 @@ static double state_timescale(const struct exponents_search *s)
     return most > 0 && isfinite(1 / most) ? 1 / most : 1;
 }
 
+/* Advances for a tenth of the default number of evaluations, when no time was given. Returns false
+ * if the motion ends or if cancelled. */
 static bool go_unasked(struct exponents_search *s)
 {
     double span = s->period > 0 ? s->period : state_timescale(s);
@@ -81,6 +88,8 @@ static bool go_unasked(struct exponents_search *s)
     return true;
 }
 
+/* Advances for the time `skip` [s], or for whole periods of the drive. Returns false if the motion
+ * ends or if cancelled. */
 static bool go_before(struct exponents_search *s, double skip)
 {
     double pieces = 32, span = skip / pieces;
@@ -141,8 +150,10 @@ static bool begin_exponents(struct exponents_search *s)
     return s->series;
 }
 
-/* ---- the time of which means are taken ---- */
+/* ---- the time that averages are taken over ---- */
 
+/* Advances through bin b and stores its mean rates. Returns false if the motion ends or if
+ * cancelled. */
 static bool go_bin(struct exponents_search *s, size_t b)
 {
     struct tangents *t = &s->t;
@@ -163,6 +174,7 @@ static bool go_bin(struct exponents_search *s, size_t b)
     return fine;
 }
 
+/* Advances through all bins. Returns false if the motion ends or if cancelled. */
 static bool go_through(struct exponents_search *s)
 {
     for (s->done = 0; s->done < s->bins; s->done++) {
@@ -174,8 +186,10 @@ static bool go_through(struct exponents_search *s)
     return true;
 }
 
-/* ---- what they are ---- */
+/* ---- exponents from the bins ---- */
 
+/* Computes the Kaplan-Yorke dimension and its error, from the series that its derivatives combine.
+ * order [count] are the indices of the sorted exponents. */
 static void find_dimension(const struct exponents_search *s, const int *order)
 {
     struct lyapunov *f = s->found;
@@ -202,6 +216,7 @@ static void find_dimension(const struct exponents_search *s, const int *order)
         f->dimension.error = average_scatter(mixed, s->done, f->batches);
 }
 
+/* Returns true if the motion has come to rest at an equilibrium. */
 static bool has_come_to_rest(const struct exponents_search *s)
 {
     double most = 1 / s->found->time;
@@ -210,6 +225,7 @@ static bool has_come_to_rest(const struct exponents_search *s)
     return !s->timed && s->period == 0 && 1 / state_timescale(s) < AT_REST * most;
 }
 
+/* Sorts the exponents by falling value; order [count] becomes their indices before. */
 static void exponents_sort(struct lyapunov *f, int *order)
 {
     for (int i = 0; i < f->count; i++) {
@@ -224,6 +240,7 @@ static void exponents_sort(struct lyapunov *f, int *order)
     }
 }
 
+/* Computes all results from the finished bins. */
 static void evaluate(struct exponents_search *s)
 {
     struct lyapunov *f = s->found;
@@ -262,8 +279,9 @@ static void evaluate(struct exponents_search *s)
     find_dimension(s, order);
 }
 
-/* Periods from here by the flow, and by the derivatives of the map over one, from the same states
- * and tangents. */
+/* Returns the largest difference [1/s] between exponents by the flow and by derivatives of the
+ * stroboscopic map, over MAP_PERIODS periods from the same states and tangents; NAN if one cannot
+ * be computed. */
 static double compare_with_map(struct exponents_search *s)
 {
     struct tangents *t = &s->t;
@@ -292,6 +310,7 @@ static double compare_with_map(struct exponents_search *s)
     return worst;
 }
 
+/* Returns the reason why the exponents are not determined or end early, or NULL. */
 static const char *reason_of(const struct exponents_search *s)
 {
     switch (s->end) {

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Multipliers of an orbit from the maps of its segments. Their product is not formed: where
- * differences first grow and then die it loses what is left of them. Instead a basis is carried
- * around the orbit until it is that of the eigenvectors, fastest first, as in the periodic QR
- * algorithm (Bojanczyk, Golub, Van Dooren 1992): the logarithms of what each segment does to it are
- * right however far the multipliers are apart.
- *
- * Of an autonomous orbit the direction of motion is left out at both ends of each segment, and with
- * it the trivial multiplier.
- */
+/* Multipliers of an orbit from the maps of its segments. The product of the maps is not formed,
+ * since where differences first grow and then decay it would lose the small ones. Instead a basis
+ * is carried around the orbit until it is that of the eigenvectors, fastest first, as in the
+ * periodic QR algorithm (Bojanczyk, Golub, Van Dooren 1992): the logarithms of what each segment
+ * does to it are accurate however different the multipliers are. For an autonomous orbit the
+ * direction of motion is projected out at both ends of each segment, and with it the trivial
+ * multiplier. */
 #include "modules/dynamics/orbits/multipliers.h"
 
 #include <math.h>
@@ -16,12 +13,13 @@
 
 #include "modules/solving/compute/algebra.h"
 
-#define QR_SWEEPS 6
+#define QR_SWEEPS 6                    /* times that the basis is carried around the orbit */
 #define SIGN_NOISE_MAX 0.5             /* uncertainty above which the sign of a test is unknown */
 #define MULTIPLIER_KNOWN_RELATIVE 1e-3 /* largest relative uncertainty of a known multiplier */
 
 typedef double square[FIELD_VARIABLES * FIELD_VARIABLES];
 
+/* Computes the product of a [rows][inner] and b [inner][columns]. */
 static void multiply(int rows, int inner, int columns, const double *a, const double *b,
                      double *product)
 {
@@ -34,8 +32,8 @@ static void multiply(int rows, int inner, int columns, const double *a, const do
         }
 }
 
-/* The columns of Householder's reflection that takes the rate to the first axis, but for the first:
- * an orthonormal basis of what lies across, [n][n - 1]. */
+/* Computes an orthonormal basis [n][n - 1] of the directions across the rate: all columns but the
+ * first of the Householder reflection that takes the rate to the first axis. */
 static void transverse_basis(int n, const double *rate, double *basis)
 {
     double v[FIELD_VARIABLES];
@@ -47,7 +45,8 @@ static void transverse_basis(int n, const double *rate, double *basis)
             basis[i * (n - 1) + j - 1] = (i == j) - v[i] * v[j] / half;
 }
 
-/* The map of a segment between what lies across at both its ends, [n - 1]^2. */
+/* Computes the map of a segment between the directions across the motion at both of its ends, [n -
+ * 1][n - 1]. `first` and `last` are the rates there. */
 static void quotient(int n, const double *map, const double *first, const double *last,
                      double *reduced)
 {
@@ -80,7 +79,7 @@ static double drift(const struct orbit_maps *o, double *each)
     return o->rate ? sum : NAN;
 }
 
-/* a [n][n] = q r, by Gram and Schmidt twice; q replaces a. */
+/* Factors a [n][n] = q r by the Gram-Schmidt process, applied twice; q replaces a. */
 static void orthogonalise(int n, double *a, double *r)
 {
     memset(r, 0, (size_t)(n * n) * sizeof *r);
@@ -124,11 +123,13 @@ static void carry(int n, int segments, const double *map, const double *errors, 
     }
 }
 
+/* Returns the magnitude of an eigenvalue. */
 static double size_of(struct eigenvalue value)
 {
     return hypot(value.re, value.im);
 }
 
+/* Sorts eigenvalues by falling magnitude. */
 static void eigenvalues_sort(int n, struct eigenvalue *value)
 {
     for (int i = 1; i < n; i++)
@@ -139,7 +140,8 @@ static void eigenvalues_sort(int n, struct eigenvalue *value)
         }
 }
 
-/* The smallest, by the product of all (Liouville), where it is better known so. */
+/* Computes the smallest multiplier from the product of all, which Liouville's formula gives, if
+ * that is more accurate. */
 static void mend_last(int n, double log_determinant, struct eigenvalue *value, double *uncertain)
 {
     double log_others = 0, sign = 1, error_sum = 0;
@@ -198,7 +200,8 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     return true;
 }
 
-/* (x - at) / max(1, |x|): of the same sign, and passing 0 as smoothly */
+/* Returns x - reference, divided by |x| if that exceeds 1, so that products of many do not
+ * overflow. */
 static double bounded(double x, double reference)
 {
     return (x - reference) / fmax(1, fabs(x));

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * A periodic orbit from a state near it: the motion is followed until it nearly returns, the turn
- * with the smallest period first, and Newton's method closes it (close.c).
- */
+/* Finds a periodic orbit from a state near it (orbit_find): the motion is followed until it nearly
+ * returns, returns are tried from the earliest on, and Newton's method closes the orbit
+ * (close.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,15 +11,15 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define RETURNS_MAX 48
-#define RETURN_NEAR_FRACTION 0.02 /* A return within this part of the extent begins a search, */
-#define RETURN_FAR_FRACTION 0.2   /* and within this part if there was no better one. */
-#define REST_SIZES 1e-7           /* The motion rests if its extent is below this, in sizes. */
-#define SETTLING_SPANS_MAX 40     /* spans for which the motion may settle */
+#define RETURNS_MAX 48            /* largest number of returns in a span */
+#define RETURN_NEAR_FRACTION 0.02 /* a return within this part of the extent is tried */
+#define RETURN_FAR_FRACTION 0.2   /* the same later, if there was none as near */
+#define REST_SIZES 1e-7           /* the motion rests if its extent, in sizes, is below this */
+#define SETTLING_SPANS_MAX 40     /* number of spans for which the motion may settle */
 #define SETTLING_PERIODS_MAX 240  /* the same in periods of the drive */
 #define SUBHARMONIC_MAX 16        /* largest multiple of the drive's period */
-#define RETURN_TRIES_MAX 6        /* largest number of returns tried at once, */
-#define ALL_TRIES 24              /* and in all, as the motion may be chaotic */
+#define RETURN_TRIES_MAX 6        /* largest number of returns of one span that are tried */
+#define ALL_TRIES 24              /* largest number of tries at all: the motion may be chaotic */
 /* The search ends after this number of evaluations, which take about a second. */
 #define SEARCH_EVALUATIONS_MAX 6000000
 
@@ -35,7 +34,8 @@ static bool closes_after(struct orbit_search *s, const struct solution *orbit, i
            field_distance(&s->field, orbit->state, end) < 1e-5 * orbit_extent(&s->field, orbit);
 }
 
-/* Closes the orbit, and looks for one with a part of its period. */
+/* Closes the orbit, then divides its period by 2, 3, 5 and 7 as long as it closes after that time,
+ * too. Returns false if no orbit is found. */
 static bool close_smallest(struct orbit_search *s, const double *state, double period, int multiple,
                            struct found_orbit *orbit)
 {
@@ -57,13 +57,15 @@ static bool close_smallest(struct orbit_search *s, const double *state, double p
     return true;
 }
 
+/* Reports progress of unknown extent. */
 static void orbit_progress_report(const struct orbit_search *s)
 {
     if (s->request->progress)
         s->request->progress(s->request->context, 0);
 }
 
-/* Takes the first that is stable, and keeps the first of all. Returns true if it is stable. */
+/* Tries to close an orbit. The first one found is stored in *s->found, and a wanted one replaces
+ * it: a stable one, or any if the motion need not settle. Returns true if it is wanted. */
 static bool take_orbit(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};
@@ -80,12 +82,15 @@ static bool take_orbit(struct orbit_search *s, const double *state, double perio
 
 /* ---- returns of the motion ---- */
 
+/* Times [s] at which the motion passes near its start, and how near, as a fraction of its
+ * extent. */
 struct returns {
     int count;
-    double time[RETURNS_MAX], distance[RETURNS_MAX]; /* part of the extent */
+    double time[RETURNS_MAX], distance[RETURNS_MAX];
 };
 
-/* Returns false if the motion does not get there. */
+/* Follows the motion over `span` [s], and finds where it crosses the plane through its start in the
+ * same direction. Sets s->extent and end [n]. Returns false if the motion cannot be followed. */
 static bool find_returns(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;
@@ -122,6 +127,7 @@ static bool find_returns(struct orbit_search *s, double span, struct returns *fo
     return true;
 }
 
+/* Returns true if the search has used up its evaluations or tries. */
 static bool spent(const struct orbit_search *s)
 {
     return s->field.evals > SEARCH_EVALUATIONS_MAX || s->tries >= ALL_TRIES;
@@ -145,6 +151,8 @@ static bool take_returns(struct orbit_search *s, const struct returns *r, double
     return false;
 }
 
+/* Ends a search that has found no wanted orbit. Returns true if there is another one at least, else
+ * sets *error: `why`, or that it was cancelled. */
 static bool nothing(struct orbit_search *s, const char *why, struct error *error)
 {
     if (cancelled(s->request->cancel))
@@ -159,6 +167,8 @@ static bool nothing(struct orbit_search *s, const char *why, struct error *error
                       system_variable(&s->field.system, 0).name);
 }
 
+/* Finds an orbit of an autonomous scene. The span is adapted until it has some returns; then these
+ * are tried, and if none closes to a stable orbit, the motion goes on to settle. */
 static bool find_own(struct orbit_search *s, struct error *error)
 {
     static const char none[] = "the motion does not return to an earlier state";
@@ -213,6 +223,8 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
 
 /* ---- with a drive ---- */
 
+/* Finds the response to a drive with this period [s]: the motion settles until its states at
+ * multiples of the period recur. */
 static bool find_driven(struct orbit_search *s, double drive, struct error *error)
 {
     const double t0 = s->field.system.t0;
@@ -267,11 +279,12 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
 
 /* ---- the orbit itself ---- */
 
-#define SAMPLES_MOST 4096
+#define SAMPLES_MOST 4096 /* largest number of samples of an orbit */
 /* Longer gaps between samples, relative to the extent, are divided. */
 #define SAMPLE_GAP_FRACTION 0.03
-#define SUBDIVISIONS_MAX 3
+#define SUBDIVISIONS_MAX 3 /* times that a gap is divided, by FIELD_TIMES - 1 each */
 
+/* Appends a sample and extends the extrema of the orbit by it. */
 static void put_sample(struct found_orbit *orbit, int n, double t, const double *y)
 {
     double *row = orbit->sample + orbit->samples * (n + 1);
@@ -286,6 +299,7 @@ static void put_sample(struct found_orbit *orbit, int n, double t, const double 
     orbit->samples++;
 }
 
+/* Returns true if two states differ by more than a share of the range of some variable. */
 static bool is_far(const struct solution *s, const double *a, const double *b, double share)
 {
     bool far = false;
@@ -294,7 +308,9 @@ static bool is_far(const struct solution *s, const double *a, const double *b, d
     return far;
 }
 
-/* Rows after the start; of those that are closer in time only where it moves far. */
+/* Samples the motion from `start` over `span` [s], and again more densely between states that are
+ * far apart. `depth` is the number of such subdivisions. Returns false if the motion cannot be
+ * followed. */
 static bool sample(struct vector_field *field, struct found_orbit *orbit, double t,
                    const double *start, double span, int depth)
 {
@@ -334,7 +350,8 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
     return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
 }
 
-/* [J] over a period: what a drive puts in; without one, what is put in where power is above 0. */
+/* Returns the energy [J] that the drive puts in over a period; without a drive, that which the
+ * forces put in while their power is positive. */
 static double energy_of(const struct system *system, const struct found_orbit *orbit)
 {
     const int n = system->n;
@@ -351,6 +368,8 @@ static double energy_of(const struct system *system, const struct found_orbit *o
     return sum;
 }
 
+/* Completes *s->found: samples, distance from the requested state, energy. An orbit on which the
+ * equations jump has no multipliers. Returns false with *error if out of memory. */
 static bool finish(struct orbit_search *s, struct error *error)
 {
     struct found_orbit *orbit = s->found;
@@ -374,7 +393,8 @@ static bool finish(struct orbit_search *s, struct error *error)
     return true;
 }
 
-/* A parameter that the equations of the search may be differentiated by, as it is no time. */
+/* Returns the index of a parameter that the shooting equations can be differentiated by: not 0, and
+ * not the start time. */
 static int some_param(const struct scene *scene)
 {
     for (int i = 0; i < (int)scene_params(scene)->count; i++)

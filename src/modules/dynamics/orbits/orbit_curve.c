@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Periodic orbits as a curve, by multiple shooting: unknowns are the states at the beginning of
- * each segment and the period, unless the drive gives it. Of an autonomous scene the start lies in
- * the plane across the orbit before (Seydel 2010, Practical Bifurcation and Stability Analysis,
- * 7.3).
- */
+/* The curve problem of periodic orbits by multiple shooting: unknowns are the states at the
+ * beginning of each segment and the period, unless the drive gives it. The start of an autonomous
+ * orbit lies in the plane across the reference orbit (Seydel 2010, Practical Bifurcation and
+ * Stability Analysis, 7.3). */
 #include <hooke/base/numeric.h>
 #include "modules/dynamics/orbits/problem.h"
 
 #include <math.h>
 #include <string.h>
 
-#define FINE_TOL 1e-13 /* tolerance of flows relative to the sizes */
-#define WALK_TOL 1e-8
+#define FINE_TOL 1e-13             /* tolerance of flows relative to the sizes */
+#define WALK_TOL 1e-8              /* the same for a step along the curve */
 #define NEW_SEGMENT_GROWTH_MAX 1e2 /* growth of differences in a new segment, at most */
 /* Differences that grow and decay within a period are resolved by these. */
 #define SEGMENTS_MIN 5
@@ -23,6 +21,7 @@
 /* Part of the period by which it may shrink without redistributing the time. */
 #define SHRINK_ROOM_FRACTION 0.25
 
+/* Converts a state from unknowns to SI units. */
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
     for (int i = 0; i < field->n; i++)
@@ -36,12 +35,13 @@ double orbit_curve_period(const struct orbit_curve *c, const double *u)
     return c->multiple * (c->drive > 0 ? c->drive : field_drive(c->field));
 }
 
-/* [s] since the orbit's beginning */
+/* Returns the time [s] from the start of the orbit to the beginning of segment i. */
 static double begins(const struct orbit_curve *c, int i, double period)
 {
     return c->fixed[i] + period * c->share[i];
 }
 
+/* Returns the length [s] of segment i. */
 static double span_of(const struct orbit_curve *c, int i, double period)
 {
     return begins(c, i + 1, period) - begins(c, i, period);
@@ -56,13 +56,14 @@ static void rate_of(struct vector_field *field, double t, const double *y, doubl
         rate[i] /= field->size[i];
 }
 
-/* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
+/* The flow over one segment: time, start and end [SI], derivatives. */
 struct shot {
     double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
     struct flow_slopes slopes;
     double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
 };
 
+/* Computes the flow over segment i. Returns false if it cannot be followed. */
 static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
                   struct shot *s)
 {
@@ -91,6 +92,7 @@ static void add_drive(const struct orbit_curve *c, int i, double rate, struct sh
     }
 }
 
+/* Adds the equations of segment i: its end is the start of the next one. */
 static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct shot *s,
                      double *f, double *jacobian)
 {
@@ -110,6 +112,7 @@ static void put_rows(const struct orbit_curve *c, const double *u, int i, const 
     }
 }
 
+/* Adds the equation that fixes the phase of an autonomous orbit. */
 static void put_phase(const struct orbit_curve *c, const double *u, double *f, double *jacobian)
 {
     const int n = c->field->n, row = c->segments * n, all = c->problem.n + 1;
@@ -120,6 +123,8 @@ static void put_phase(const struct orbit_curve *c, const double *u, double *f, d
     }
 }
 
+/* Computes the shooting equations and their derivatives, and stores the maps of the segments.
+ * Returns false if a flow cannot be followed or if cancelled. */
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct orbit_curve *c = context;
@@ -174,7 +179,7 @@ void orbit_curve_map(const struct orbit_curve *c, double *map)
     }
 }
 
-/* rate [segments][n] where each begins */
+/* Computes the rates [segments][n] at the beginnings of the segments, in units of size. */
 static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
 {
     const int n = c->field->n;
@@ -186,6 +191,7 @@ static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
     }
 }
 
+/* Computes the tests for folds, branch points, period doublings and Neimark-Sacker points. */
 static void orbit_curve_test(void *context, const double *u, const double *jacobian,
                              const double *tangent, double *value)
 {
@@ -205,13 +211,15 @@ static void orbit_curve_test(void *context, const double *u, const double *jacob
     value[ORBIT_TORUS] = known ? multipliers_torus(&multipliers) : NAN;
 }
 
+/* Chooses the tolerance of the flows. */
 static void orbit_curve_aim(void *context, bool fine)
 {
     struct orbit_curve *c = context;
     c->field->tol = fine ? FINE_TOL : WALK_TOL;
 }
 
-/* Moves all of the orbit that the tangent leads to by the same time, so that it has this phase. */
+/* Changes the tangent so that it leads to orbits of the present phase: all segments are shifted by
+ * the same time. */
 static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
 {
     const int n = c->field->n;
@@ -235,7 +243,8 @@ static double room_of(const struct orbit_curve *c, double period, const double *
     return room;
 }
 
-/* Shares of what is added to the period: of each segment the more the slower both its ends are. */
+/* Computes shares in a change of the period, as share[i + 1] - share[i] for segment i: the slower
+ * the motion at both of its ends, the larger. */
 static void slow_shares(const struct orbit_curve *c, double period, const double *rate,
                         double *share)
 {
@@ -334,6 +343,7 @@ bool orbit_curve_follow(const struct orbit_curve *c, const double *u, int segmen
     return field_follow(c->field, *t, y, *span, grid);
 }
 
+/* Returns true if differences grow too much in segment i. */
 static bool is_long(const struct orbit_curve *c, int i)
 {
     return c->growth[i] > SEGMENT_GROWTH_MAX;
@@ -347,7 +357,8 @@ bool orbit_curve_is_long(const struct orbit_curve *c)
     return any && c->problem.n + 1 + c->field->n <= CURVE_MAX;
 }
 
-/* Unknowns with those segments cut into two: each old one, and what it becomes half way. */
+/* Computes the unknowns after the segments marked in `halved` are cut into two. Returns false if a
+ * flow cannot be followed. */
 static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double *u, double *cut)
 {
     struct vector_field *field = c->field;
@@ -374,6 +385,7 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
     return true;
 }
 
+/* Cuts the segments marked in `halved` into two. */
 static void cut_shares(struct orbit_curve *c, const bool *halved)
 {
     double share[CURVE_MAX], fixed[CURVE_MAX];
@@ -394,7 +406,7 @@ static void cut_shares(struct orbit_curve *c, const bool *halved)
     c->segments = next;
 }
 
-#define DIFFERENCE_STEP_UNITS 1e-6
+#define DIFFERENCE_STEP_UNITS 1e-6 /* step of a difference, in the unknowns' units */
 
 bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 {
@@ -442,7 +454,8 @@ bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double 
         period = multiple * drive;
     if (!(period > 0) || !isfinite(period))
         return false;
-    /* it stays that where a parameter of 0 takes the drive, or one of several, away */
+    /* a drive that does not depend on the parameter keeps its period even where its strength is
+     * 0 */
     c->drive = c->forced && field_drive_by(field, 0) == 0 ? drive : 0;
     c->tsize = period;
     c->segments = segments_for(field, state, period);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solutions as places on a curve. */
+/* Solutions as points of a curve: unknowns, eigenvalues or multipliers, extrema, and the kind of
+ * special points. */
 #include "modules/dynamics/orbits/solutions.h"
 
 #include <math.h>
@@ -47,7 +48,7 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
         field_free(field);
         return error_memory(error);
     }
-    /* sizes of what is followed, not of the scene's start */
+    /* sizes are those of the solution, not of the scene's start */
     for (int i = 0; i < field->n; i++)
         field->size[i] = fmax(field->size[i], fabs(guess->state[i]));
     if (guess->kind == SOLUTION_EQUILIBRIUM) {
@@ -81,15 +82,17 @@ bool solutions_correct_at(struct solution_curve *path, const double *u, int sign
     return curve_correct(path->problem, u, direction, true, point);
 }
 
-/* ---- what it is ---- */
+/* ---- properties of a solution ---- */
 
+/* Extends the extrema of variable i to the value y. */
 static void take_extremes(struct solution *s, int i, double y)
 {
     s->top[i] = fmax(s->top[i], y);
     s->bottom[i] = fmin(s->bottom[i], y);
 }
 
-/* Extrema of a cubic between two states that are h apart. */
+/* Extends the extrema of variable i by those of the cubic between two states that are a time h
+ * apart. */
 static void cubic_extremes(struct solution *s, int i, double h, double y0, double f0, double y1,
                            double f1)
 {
@@ -131,6 +134,8 @@ static bool find_extremes(struct solution_curve *path, const double *u, struct s
     return true;
 }
 
+/* Computes the eigenvalues from the Jacobian, and counts those that grow. Returns false if that
+ * fails. */
 static bool fill_equilibrium(struct solution_curve *path, const double *jacobian,
                              struct solution *s)
 {
@@ -148,6 +153,7 @@ static bool fill_equilibrium(struct solution_curve *path, const double *jacobian
     return true;
 }
 
+/* Computes period and multipliers, and counts those that grow. Returns false if that fails. */
 static bool fill_orbit(struct solution_curve *path, const double *u, struct solution *s)
 {
     struct multipliers m;
@@ -164,6 +170,7 @@ static bool fill_orbit(struct solution_curve *path, const double *u, struct solu
     return true;
 }
 
+/* Sets kind and state of the solution from the unknowns of a point. */
 static void place(const struct solution_curve *path, const struct curve_place *point,
                   struct solution *s)
 {
@@ -202,7 +209,8 @@ bool solutions_seen(struct solution_curve *path, const struct curve_place *point
            find_extremes(path, point->u, s);
 }
 
-/* The pair nearest to where it is taken for: complex, or real ones that only look like it. */
+/* Returns true if a complex pair of eigenvalues is on the imaginary axis, or for a `map` on the
+ * unit circle, so that the test of the pair is not 0 because of two real ones. */
 static bool has_pair(const struct solution *s, bool map)
 {
     double best = HUGE_VAL, im = 0, size = 0;
@@ -226,6 +234,7 @@ int solution_ones(const struct solution *s)
     return count;
 }
 
+/* Returns true if a multiplier is -1. */
 static bool has_turned(const struct solution *s)
 {
     for (int i = 0; i < s->values; i++)

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One curve of solutions of either kind, and where it begins. */
+/* One curve of equilibria or periodic orbits: from a solution to unknowns of a curve problem and
+ * back, and the start of branches. solutions_begin(), solutions_correct_at(), solutions_at() for
+ * each point, solutions_end(). */
 #pragma once
 
 #include "modules/dynamics/dynamics.h"
@@ -8,6 +10,7 @@
 
 struct cancel;
 
+/* A curve of solutions of one kind. */
 struct solution_curve {
     struct vector_field field;
     enum solution_kind kind;
@@ -16,7 +19,7 @@ struct solution_curve {
         struct orbit_curve orbit;
     };
     const struct curve_problem *problem; /* problem of `equilibrium` or of `orbit` */
-    struct curve_work *work;
+    struct curve_work *work;             /* memory of the problem */
 };
 
 /* Prepares the curve for a solution as a guess, at the field's present parameter. Its unknowns are
@@ -25,6 +28,7 @@ struct solution_curve {
 bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error);
+/* Frees what the curve holds. */
 void solutions_end(struct solution_curve *path);
 /* Corrects u onto the curve at its parameter. The tangent points to growing (1) or falling (-1)
  * values. Returns false if it does not converge. */
@@ -34,7 +38,8 @@ bool solutions_correct_at(struct solution_curve *path, const double *u, int sign
  * orbit. Returns false if it cannot be computed. */
 bool solutions_at(struct solution_curve *path, const struct curve_place *point, bool extremes,
                   struct solution *solution);
-/* The same of the point that has just been corrected, multipliers as before the last correction. */
+/* Computes the solution, with extrema, at the point that was corrected last. Multipliers are those
+ * before the last correction, which saves flows. Returns false if it cannot be computed. */
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *solution);
 /* Returns the kind of special point at which the test is 0, or SPECIAL_NONE, as for neutral
@@ -42,8 +47,9 @@ bool solutions_seen(struct solution_curve *path, const struct curve_place *point
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);
 
-/* Computes the direction [problem->n + 1] of the branch at a special point with unknowns u, which
- * solutions_begin() has found. Returns false if it has none. */
+/* Computes the direction [problem->n + 1] of the branch at a special point whose unknowns u
+ * solutions_begin() has computed. For orbits u is recomputed. Returns false if a flow cannot be
+ * followed. */
 bool solutions_along(struct solution_curve *path, const struct branch_point *special, double *u,
                      double *direction);
 /*
@@ -57,15 +63,16 @@ bool solutions_leave(struct solution_curve *path, const struct scene *scene, int
 
 /* ---- the search for a periodic orbit (orbit.c), and along families of them (family.c) ---- */
 
+/* State of orbit_find(). */
 struct orbit_search {
     const struct orbit_request *request;
     struct vector_field field;
-    double state[DYNAMICS_VARIABLES], t;
+    double state[DYNAMICS_VARIABLES], t; /* present state and time of the motion */
     double extent; /* extent of the motion over the last span, in units of size */
-    double first;  /* extent over the first span */
-    int tries;
+    double first;  /* largest extent so far */
+    int tries;     /* number of attempts to close an orbit */
     struct found_orbit *found;
-    bool any; /* *found is an orbit, though not the wanted one. */
+    bool any; /* *found is an orbit, though perhaps not a stable one */
 };
 
 /* Closes an orbit from a guess. `normal` is a direction [1/SI] of the states and of the logarithm
@@ -73,7 +80,7 @@ struct orbit_search {
  * equilibrium. */
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
                  const double *normal, struct found_orbit *orbit);
-/* Largest of the ranges of the variables along it, in units of size. */
+/* Returns the largest range of a variable along the orbit, in units of its size. */
 double orbit_extent(const struct vector_field *field, const struct solution *solution);
 /*
  * Follows the family of orbits from *found to the one with the wanted period [s], which replaces

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Motion and tangents in the same steps; QR as soon as the tangents lean on each other. */
+/* Integrates a motion with its tangents in the same steps, and makes the tangents orthonormal (QR)
+ * as soon as they become too long, short or parallel. */
 #include "modules/dynamics/orbits/tangents.h"
 
 #include <math.h>
@@ -18,6 +19,7 @@
 /* Jump relative to the rates, above what steps across a kink leave. */
 #define RATE_JUMP_RELATIVE 1e-3
 
+/* The tangents begin as unit vectors, in units of the variables' sizes. */
 bool tangents_init(struct tangents *t, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error)
 {
@@ -76,7 +78,8 @@ void tangents_orthonormalise(int n, int count, double *column, double *diagonal)
     }
 }
 
-/* Takes over what a QR of the tangents gives, where they lean on each other or that is wanted. */
+/* Makes the tangents orthonormal and adds their growth to t->growth, if `wanted` or if their
+ * condition or length exceeds ORTHONORMAL_CONDITION_MAX. */
 static void straighten(struct tangents *t, bool wanted)
 {
     const int n = t->n;
@@ -105,6 +108,7 @@ static void straighten(struct tangents *t, bool wanted)
     t->step.warm = false;
 }
 
+/* Returns true if the state is farther from 0 than `bound` sizes, or not finite. */
 static bool is_beyond(const struct tangents *t, double bound)
 {
     bool far = false;
@@ -113,8 +117,8 @@ static bool is_beyond(const struct tangents *t, double bound)
     return far;
 }
 
-/* Returns false if the motion has gone too far. With linear forces tangents do not depend on the
- * motion, which may begin anew. */
+/* Returns false if the motion has escaped. With linear forces tangents do not depend on the motion,
+ * which then begins anew at 0. */
 static bool stays(struct tangents *t)
 {
     const bool far = is_beyond(t, ESCAPE_SIZES);
@@ -125,7 +129,8 @@ static bool stays(struct tangents *t)
     return true;
 }
 
-/* Returns true if the equations jump between two branches that a step has crossed. */
+/* Returns true if the last step has crossed a switch at which the right-hand sides jump. branch
+ * [switches] are the states of the switches before the step, and are updated. */
 static bool jumps(const struct tangents *t, double *branch)
 {
     const struct system *system = &t->variation.base;
@@ -147,6 +152,7 @@ static bool jumps(const struct tangents *t, double *branch)
     return jump > RATE_JUMP_RELATIVE * size;
 }
 
+/* Steps that become ever shorter end the integration as well. */
 enum tangents_end tangents_advance(struct tangents *t, double t_begin, double span)
 {
     const double end = t_begin + span;

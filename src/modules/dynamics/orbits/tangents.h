@@ -1,32 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A motion with tangents that are kept orthonormal. */
+/* A motion with tangent vectors, which are kept orthonormal while their growth is recorded: what
+ * Lyapunov exponents are computed from. tangents_init(), then tangents_advance() in turn, then
+ * tangents_free(). */
 #pragma once
 
 #include "modules/dynamics/orbits/field.h"
 
 struct cancel;
 
-#define TANGENT_TOL 1e-12
+#define TANGENT_TOL 1e-12 /* relative tolerance of the integration */
 
+/* Reasons why tangents_advance() has ended. */
 enum tangents_end {
     TANGENTS_OK,
-    TANGENTS_LEAVE, /* The motion has left every bound. */
-    TANGENTS_JUMP,  /* The equations jump, and tangents with them. */
-    TANGENTS_STALL,
+    TANGENTS_LEAVE, /* the motion has left every bound */
+    TANGENTS_JUMP,  /* the equations jump, so that tangents are unknown */
+    TANGENTS_STALL, /* no step is possible any more */
     TANGENTS_CANCELLED
 };
 
+/* State of a motion of n variables with `count` tangents. */
 struct tangents {
     struct vector_field field;
     struct variation variation;
     int n, count;
-    double y[LIMIT_VARIABLES]; /* state, tangents in units of sizes, integral of the divergence */
+    double y[LIMIT_VARIABLES]; /* state [n], tangents [count][n], integral of the divergence */
     struct step step;
     struct controller controller;
-    double growth[FIELD_VARIABLES]; /* logarithms, of what is gone through since they were 0 */
-    double divergence;              /* the same: its integral */
-    double elapsed;                 /* [s] since the start */
-    double condition;               /* largest so far */
+    /* logarithm of the growth in each direction, and integral of the divergence, since the caller
+     * has set them to 0 */
+    double growth[FIELD_VARIABLES];
+    double divergence;
+    double elapsed;   /* [s] time since the start */
+    double condition; /* largest condition number of the tangents so far */
     int64_t steps;
     const struct method *method;
 };
@@ -36,11 +42,12 @@ struct tangents {
 bool tangents_init(struct tangents *tangents, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error);
 void tangents_free(struct tangents *tangents);
-/* Advances by `span` from t [s]. The tangents are orthonormal at the end. */
+/* Advances by `span` [s] from time t [s]. The tangents are orthonormal at the end. */
 enum tangents_end tangents_advance(struct tangents *tangents, double t, double span);
-/* y in its first turn */
+/* Reduces angles of the state to one turn. */
 void tangents_unwind(struct tangents *tangents);
+/* Returns the number of evaluations of the right-hand side so far. */
 int64_t tangents_evals(const struct tangents *tangents);
-/* Makes the columns [count][n] orthonormal by Gram and Schmidt, twice. diagonal [count] becomes
- * their lengths. */
+/* Makes the vectors column [count][n] orthonormal by the Gram-Schmidt process, applied twice.
+ * diagonal [count] becomes the lengths that they had after their projections were removed. */
 void tangents_orthonormalise(int n, int count, double *column, double *diagonal);
