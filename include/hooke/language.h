@@ -93,8 +93,8 @@ enum command_flag {
     COMMAND_CHANGES = 1,    /* may change what undo restores: a snapshot is taken before */
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
-    COMMAND_NESTS =
-        8, /* executes other statements, which stand in the log of the session themselves */
+    /* executes other statements, which stand in the log of the session themselves */
+    COMMAND_NESTS = 8,
     COMMAND_IN_EVENTS = 16, /* also what an event executes, although it changes the session */
     COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
     COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */
@@ -102,8 +102,8 @@ enum command_flag {
     /* NAME' = EXPR during a run is short for it: a variable gets another value. */
     COMMAND_JUMPS = 256,
     COMMAND_TABLES = 512, /* its result is a table: > FILE may stand behind it */
-    COMMAND_RESTORES =
-        1024, /* may stand in a session that saved itself, as may what undo takes back */
+    /* may stand in a session that saved itself, as may what undo takes back */
+    COMMAND_RESTORES = 1024,
     COMMAND_BESIDE = 2048, /* also while a recording is collected */
 };
 

@@ -227,9 +227,8 @@ void buffer_word(struct buffer *buffer, struct text word);
 
 /* Largest number of columns of a table for people. */
 #define TABLE_COLUMNS_MAX 24
-#define TABLE_RANK_WIDE                                                                            \
-    4 /* Rank of columns that are dropped silently if the table is too wide.                       \
-       */
+/* Rank of columns that are dropped silently if the table is too wide. */
+#define TABLE_RANK_WIDE 4
 
 /* A table as aligned text. Set arena, columns, gap, indent, max and rank; add the headings and then
  * the cells row by row with cell_…(); end with text_table_put(). */

@@ -17,10 +17,9 @@ struct catalog {
     /* Array of `count` structs, `stride` bytes apart, each of which begins with a struct row. */
     const void *rows;
     size_t count, stride;
-    const struct row
-        /* Array of `absences` rows of names that this build leaves out; each row's brief says why
-         * it is missing and what to do. */
-        *absent;
+    /* Array of `absences` rows of names that this build leaves out; each row's brief says why
+     * it is missing and what to do. */
+    const struct row *absent;
     size_t absences;
 };
 

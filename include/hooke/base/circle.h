@@ -1,28 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Constants of sine and cosine, shared by scalar code and by code for vectors of any width so that
- * both return the same bits.
+ * circle: constants of sine and cosine, which scalar and vector code share so that both give the
+ * same bits. Only src/base/elementary and the vector kernels include it.
  *
- * x = n pi/2 + r (Cody & Waite 1980), pi/2 in three parts; the products of n (at most 19 bits) with
- * the first two are exact. Polynomials for |r| <= pi/4 (Remez exchange in 400 bits, weights of the
- * relative error, coefficients rounded one after another, the others found again each time): sin r
- * = r + r^3 S(r^2) to 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
+ * The argument is reduced as x = n pi/2 + r (Cody & Waite 1980) with pi/2 split into three parts;
+ * the products of n (at most 19 bits) with the first two parts are exact. Two polynomials follow
+ * for
+ * r| <= pi/4: sin r = r + r^3 S(r^2), relative error 2^-57.9, and cos r = 1 - r^2/2 + r^4 C(r^2),
+ * relative error 2^-64. They were found by Remez exchange in 400-bit arithmetic; coefficients were
+ * rounded to double one after another, and the others fitted again after each rounding.
  */
 #pragma once
 
-#define HALF_PI_1 0x1.921fb54400000p+0 /* 33 bits each, and what follows */
+/* pi/2 = HALF_PI_1 + HALF_PI_2 + HALF_PI_3; the first two have 33 significant bits. */
+#define HALF_PI_1 0x1.921fb54400000p+0
 #define HALF_PI_2 0x1.0b4611a600000p-34
 #define HALF_PI_3 0x1.3198a2e037073p-69
 #define TWO_OVER_PI 0x1.45f306dc9c883p-1
-#define CIRCLE_FAR 0x1p19 /* |x| beyond takes all of pi's digits */
-#define CIRCLE_CLOSE                                                                               \
-    0x1p-40               /* and so does what is left of n pi/2 where it is less than this n       \
-                           */
-#define CIRCLE_NEAR 0.785 /* nothing to reduce below */
-/* Added to a number, it removes the fraction; the low bits of the sum are the integer. */
+/* Largest |x| that is reduced in this way: beyond it n has more than 19 bits, so that the reduction
+ * needs more digits of pi. */
+#define CIRCLE_FAR 0x1p19
+/* If |r| < n CIRCLE_CLOSE, x is so near to n pi/2 that cancellation leaves too few correct bits:
+ * the reduction needs more digits of pi, too. */
+#define CIRCLE_CLOSE 0x1p-40
+#define CIRCLE_NEAR 0.785 /* Just below pi/4; a smaller |x| needs no reduction. */
+/* Adding it to a double with |x| < 2^51 rounds that to an integer, which the low bits of the sum
+ * hold. */
 #define ROUND_TO_INTEGER 0x1.8p52
 
-/* S and C, s = r^2, q = s^2; GIVE(coefficient of S, that of C) chooses. */
+/* S(s) or C(s) for s = r^2 and q = s^2, by Estrin's scheme. The macro GIVE(a, b) chooses between
+ * the coefficient a of S and b of C. */
 #define CIRCLE_SERIES(GIVE, s, q)                                                                  \
     ((GIVE(-0x1.5555555555548p-3, 0x1.555555555554bp-5) +                                          \
       (s)*GIVE(0x1.111111110f730p-7, -0x1.6c16c16c15013p-10)) +                                    \

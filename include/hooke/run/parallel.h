@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Items of work shared by threads, whose results are kept by item and not by thread. */
+/* parallel: distributes independent items of work over threads. Results belong to the item, so that
+ * they do not depend on the number of threads. Fill a struct parallel and call parallel_do(). */
 #pragma once
 
 #include <hooke/base/text.h>
@@ -8,22 +9,25 @@ struct cancel;
 
 enum { PARALLEL_THREADS_MAX = 256 };
 
+/* The work, owned by the caller. */
 struct parallel {
-    int threads; /* 0 means as many as there are processors */
+    int threads; /* Number of threads; 0 stands for the number of processors. */
+    /* Stops the work between items; may be NULL. */
     const struct cancel *cancel;
-    /* Is called by the calling thread ten times a second; may be NULL. */
+    /* Called by the calling thread ten times a second with the fraction of items begun; may be
+     * NULL. */
     void (*progress)(void *context, double fraction);
     void *progress_context;
-    /* Does item `index` in a thread, numbered from 0. It looks at `cancel` itself where it takes
-     * long. */
+    /* Does item `index` in thread number `thread`, from 0. Several threads call it at once. If an
+     * item takes more than 50 ms it must call cancelled() itself. */
     void (*work)(void *context, int thread, int64_t index);
     void *context;
 };
 
-/* Returns how many threads there will be at most for so many items, at least 1. */
+/* Returns the number of threads, at least 1, that parallel_do() uses at most for `count` items. */
 int parallel_threads(const struct parallel *parallel, int64_t count);
 
-/* Does all items from 0 to count - 1, with fewer threads where no more can be made, in the calling
- * thread if there are none. Returns how many threads there were. If it is cancelled some items are
- * not done. */
+/* Does the items 0 to count - 1 and returns when all threads have ended; in the calling thread if
+ * no thread can be created. Returns the number of threads. Some items are not done if it is
+ * cancelled. */
 int parallel_do(const struct parallel *parallel, int64_t count);

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rules that select the rows of a run to be recorded. */
+/* record: the rule by which a run chooses the states that it records as rows. */
 #pragma once
 
 #include <stdint.h>
 
+/* All steps, decimated if there are too many; all steps; every n-th step; even times. */
 enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
 struct recording_rule {
     enum record_rule rule;
-    int64_t every; /* number of steps between two rows (RECORD_EVERY) */
-    /* [s], positive. With RECORD_TIMES rows are recorded at t0 + k interval, inside of steps too,
-     * and at the present state. */
+    int64_t every; /* Number of steps between two rows (RECORD_EVERY). */
+    /* [s] > 0. With RECORD_TIMES rows are at t0 + k interval, also inside steps, and at the current
+     * state. */
     double interval;
 };

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The longest step that a method takes on a system at all, whether it would be stable or not. */
+/* step_limit: the longest step that a method can take on a system at all, stable or not. */
 #pragma once
 
 #include <hooke/method.h>
 
-/* Returns the largest dt [s] that method_fits() accepts, HUGE_VAL if it accepts every one and 0 if
- * it accepts none. */
+/* Returns the largest dt [s] that method_fits() accepts: HUGE_VAL if it accepts every dt, 0 if
+ * none. */
 double plan_step_limit(const struct system *system, const struct method *method, enum drag drag);

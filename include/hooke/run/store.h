@@ -1,29 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A run as bytes: what a session file keeps of it. */
+/* store: a run as bytes in a session file. run_store() writes all but scene, method and rows,
+ * run_store_rows() the rows, in pieces; run_restore() makes the run again. */
 #pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/run.h>
 
-struct stored_rows { /* consecutive rows, as run_store_rows() gives them */
+struct stored_rows { /* A piece of consecutive rows, as run_store_rows() has written them. */
+    /* Index of the first row, number of rows, and bytes per row. */
     size_t first, count, row_bytes;
+    /* The bytes, owned by the caller. */
     const char *cursor;
 };
 
-/* All but scene, method and rows, as fields (hooke/base/fields.h). */
+/* Appends all of a run but scene, method and rows, as fields (<hooke/base/fields.h>). */
 void run_store(const struct run *run, struct buffer *output);
-size_t run_recorded(const struct run *run); /* that are recorded, as they are stored */
+/* Returns the number of recorded rows, without the current state. */
+size_t run_recorded(const struct run *run);
+/* Returns the number of bytes of a stored row. */
 size_t run_row_bytes(const struct run *run);
+/* Appends the rows first to first + count - 1. */
 void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *output);
-/* Rows that have not changed since somebody said that so many are stored; 0 at first. */
+/* Returns the number of rows that are stored and unchanged since run_set_stored(); 0 at first. */
 size_t run_rows_stored(const struct run *run);
+/* Notes that the first `rows` rows are stored. */
 void run_set_stored(struct run *run, size_t rows);
-/*
- * Restores a run bit for bit, so that it continues as it would have; only an external solver, whose
- * memory is its own, begins anew there. Nothing of the run is computed again. `scene` is the scene
- * at the start, `places` has the indices of its parameters in the file, and piece [pieces] are all
- * the rows, in order. Returns NULL, with an error, if they do not make a run.
- */
+/* Restores a run, bit for bit, so that it continues as it would have; only an external solver,
+ * which has memory of its own, starts again. Nothing is computed again. `scene` is the scene at the
+ * start, `places` has the indices of its parameters in the file, and piece [pieces] are all rows in
+ * order. Returns NULL, with `error` set, if they are not a valid run; free the result by
+ * run_destroy(). */
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
                         const struct field_places *places, const struct stored_rows *piece,
                         size_t pieces, struct error *error);

@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Definition of how times are measured and shown: the setting `timing`. */
+/* timing: values of the setting `timing`, which chooses how run times are measured and shown. */
 #pragma once
 
 struct catalog;
 
+/* The choices. */
 enum timing {
-    TIMING_OFF, /* nothing is measured, and no answer holds a time */
+    /* Nothing is measured, and no reply contains a time, so that replies are reproducible. */
+    TIMING_OFF,
+    /* 3 to 5 measurements of at least 0.2 ms each. */
     TIMING_QUICK,
+    /* 15 measurements of at least 1 ms each. */
     TIMING_FULL
 };
 
-extern const struct catalog timing_catalog; /* struct row at the enum's place: off, quick, full */
+/* Names of the choices, struct row at the index of the enum: off, quick, full. */
+extern const struct catalog timing_catalog;

@@ -211,9 +211,8 @@ extern const struct model *const scene_models[];
 #define TERM_VALUES 64
 /* Largest number of terms of a system. */
 #define TERM_MAX 16
-#define LIMIT_MODEL_ROWS                                                                           \
-    3 /* Largest number of accelerations or derivatives of a built-in model.                       \
-       */
+/* Largest number of accelerations or derivatives of a built-in model. */
+#define LIMIT_MODEL_ROWS 3
 
 /* Properties of a force term. */
 enum term_flag {
@@ -442,6 +441,7 @@ int model_state(const struct model *model, struct text name);
  * form of their own; and, by the matrix exponential, for other linear systems of up to 16 variables
  * with constant coefficients.
  */
+
 /* Returns true if there is an exact solution. */
 bool system_has_exact(const struct system *system);
 /* Computes the state y [n] at t [s] of the solution that is start [n] at t0, before or after t0.

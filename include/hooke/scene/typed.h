@@ -151,6 +151,7 @@ const struct program *term_program(const struct bound_term *term, int *values);
  * long as its frozen branch is the right one. Arrays `branch` and `guard` have [system->switches],
  * at most LIMIT_SWITCHES.
  */
+
 /* Computes the branches of all switches at (t [s], y). */
 void system_branches(const struct system *system, double t, const double *y, double *branch);
 /* Makes *frozen the system on these branches. */
