@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events: sign changes of an expression, located on the dense output of the step in which they
- * happen. */
+ * happen. Bounds of the expression prove that none is missed, or a doubt is noted. events_begin()
+ * for each call of run_advance(), events_find() after each step. */
 #include <hooke/scene/formula.h>
 #include "run/event/watch.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-/* Rounding units by which a sum of one term per step may be off, besides one for each step. */
+/* Rounding error, in units of the last place, of a sum over steps, besides one for each step. */
 #define TIME_ROUNDING_ULPS 16
-/* Touches that are nearer to each other, as a part of a step, count as one. */
+/* Touches of 0 that are nearer to each other, as a part of a step, count as one. */
 #define TOUCH_SEPARATION 1e-7
-/* Touches are one, too, if the value is 0 at all bounds of this many even parts between them. */
+/* They count as one, too, if the value is 0 at the ends of this many even parts between them. */
 #define TOUCH_LOOKS 4
 /* Factor by which the error of a step may have grown in the run. */
 #define ERROR_GROWTH_FACTOR 100
@@ -32,20 +33,21 @@ static double error_fraction(const struct run *run)
     return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
-/* The same for what errors that have grown may be: nearer to 0, a touch is not certain. */
+/* Returns the same for errors that have grown since: nearer to 0 than that, a touch is not
+ * certain. */
 static double doubt_fraction(const struct run *run)
 {
     return run->plan.adaptive ? ERROR_GROWTH_FACTOR * error_fraction(run) : NEAR_FIXED;
 }
 
-/* Takes note of a state for the sizes of the run so far. */
+/* Raises the sizes of the variables to those of a state. */
 static void note_sizes(struct event_watch *watch, const double *y)
 {
     for (int i = 0; i < watch->run->system.n; i++)
         watch->size[i] = fmax(watch->size[i], fabs(y[i]));
 }
 
-/* Finds the sizes of a run that has steps which were not watched. */
+/* Finds the sizes of the variables in all recorded rows. */
 static void find_sizes(struct event_watch *watch)
 {
     const struct trace *trace = watch->run->trace;
@@ -61,9 +63,9 @@ void events_forget_sizes(struct run *run)
         run->private_state->watch->sized = false;
 }
 
-/* ---- where a segment begins ---- */
+/* ---- at the beginning of a call of run_advance() ---- */
 
-/* The run stands where the condition became true, perhaps but for errors: not there again. */
+/* Begins at the end of a run that the condition has stopped: it must become false first. */
 static void depart_from_condition(struct event_watch *watch, struct watched *watched)
 {
     struct run *run = watch->run;
@@ -121,23 +123,25 @@ struct event_search {
     struct event_watch *watch;
     struct watched *watched;
     int event;
-    double stop_theta; /* an event that stops the run is there: what comes after does not happen */
-    bool failed;
-    double largest; /* larger of the values at both ends of the interval that is searched */
+    double stop_theta; /* fraction of the step at which an event stops the run; 1 if none does */
+    bool failed;       /* memory ran out */
+    double largest;    /* larger one of the magnitudes at both ends of the interval searched */
     /* Fraction of the step at which it is so close to 0 that a touch can be neither proved nor
      * excluded; NAN if there is none. */
     double doubtful_theta;
     /* Fraction of the step at which an event that would have stopped the run nearly happened; NAN
      * if there is none. */
     double miss;
-    const struct root_search *roots; /* that goes on */
+    const struct root_search *roots; /* the search in progress; NULL if there is none */
 };
 
+/* Returns true if the event is the condition. */
 static bool is_until(const struct event_search *look)
 {
     return look->event == look->watch->stop_event;
 }
 
+/* Returns the event's function at the fraction theta of the step. */
 static double look_value(void *context, double theta)
 {
     const struct event_search *look = context;
@@ -152,6 +156,7 @@ static struct jet look_bounds(void *context, double a, double b)
     return events_watch_bounds(look->watch, look->watched, a, b);
 }
 
+/* Returns true if the function may be 0 at theta, within this fraction of the variables' sizes. */
 static bool is_zero(const struct event_search *look, double theta, double fraction)
 {
     const struct step_path *path = &look->watch->path;
@@ -160,8 +165,7 @@ static bool is_zero(const struct event_search *look, double theta, double fracti
     return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, fraction);
 }
 
-/* As the last one, at the end of the step before or where the run began: it has not left 0 since.
- */
+/* Returns true if a touch at theta is the one before, because the value has not left 0 since. */
 static bool is_same_touch(const struct event_search *look, double theta, double fraction)
 {
     const struct step_path *path = &look->watch->path;
@@ -175,6 +179,7 @@ static bool is_same_touch(const struct event_search *look, double theta, double 
     return same;
 }
 
+/* Returns true if the function touches 0 at theta; otherwise notes if it is doubtful. */
 static bool look_touches(void *context, double theta)
 {
     struct event_search *look = context;
@@ -188,7 +193,7 @@ static bool look_touches(void *context, double theta)
     return false;
 }
 
-/* Notes where an event nearly happens: another solution, a tolerance away, may meet it. */
+/* Notes that an event nearly happens at theta: another solution, a tolerance away, may meet it. */
 static bool look_misses(void *context, double theta)
 {
     struct event_search *look = context;
@@ -197,6 +202,7 @@ static bool look_misses(void *context, double theta)
     return false;
 }
 
+/* Adds an event to those found in the step. Returns false if out of memory. */
 static bool crossing_add(struct event_watch *watch, const struct event_crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
@@ -209,10 +215,8 @@ static bool crossing_add(struct event_watch *watch, const struct event_crossing 
     return true;
 }
 
-/*
- * Returns true if the value goes through infinity where its sign changes: towards theta it grows
- * from both sides. A comparison becomes true there, too, but a value does not pass through 0.
- */
+/* Returns true if the sign changes because the value goes through infinity: towards theta it grows
+ * from both sides. A comparison becomes true there, too, but the value does not pass through 0. */
 static bool is_pole(struct event_search *look, double theta)
 {
     /* fractions of the step, from far to near */
@@ -227,6 +231,8 @@ static bool is_pole(struct event_search *look, double theta)
     return pole;
 }
 
+/* Takes note of a sign change (sign 1 or -1) or a touch (0) at theta, if the event asks for it.
+ * Returns false if the search ends: the run stops there, records are full, or out of memory. */
 static bool look_found(void *context, double theta, int sign)
 {
     struct event_search *look = context;
@@ -313,7 +319,7 @@ static int sign_beyond(const struct event_search *look, int previous_sign)
     return sign != 0 ? sign : previous_sign;
 }
 
-/* Returns true if an event is due within the rounding of the sums that led to the end of the
+/* Returns true if an event is due within the rounding of the times that led to the end of the
  * run. */
 static bool is_due(const struct event_search *look, const struct run_target *target)
 {
@@ -328,6 +334,7 @@ static bool is_due(const struct event_search *look, const struct run_target *tar
                                  (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON * size;
 }
 
+/* Notes that an event may have been missed in this step; `is_close` means by a touch only. */
 static void doubt(struct run *run, const struct event_search *look, double theta, bool is_close)
 {
     struct event_doubt *doubt =
@@ -339,6 +346,7 @@ static void doubt(struct run *run, const struct event_search *look, double theta
     doubt->is_close = is_close && (doubt->is_close || doubt->steps == 1);
 }
 
+/* Searches the step from theta_begin, where the function has this value, to theta_end. */
 static void search(struct event_search *look, double theta_begin, double value, double theta_end)
 {
     struct watched *watched = look->watched;
@@ -381,7 +389,7 @@ static void search(struct event_search *look, double theta_begin, double value, 
         watched->budget *= 2;
 }
 
-/* Searches the step just taken, up to look->until. */
+/* Searches the step just taken for the event of `look`, up to look->stop_theta. */
 static void look_at(struct event_search *look, const struct run_target *target)
 {
     struct watched *watched = look->watched;
@@ -419,6 +427,7 @@ static void look_at(struct event_search *look, const struct run_target *target)
     }
 }
 
+/* Orders events by time, then by definition, for qsort(). */
 static int by_time(const void *a, const void *b)
 {
     const struct event_crossing *p = a, *q = b;
@@ -426,8 +435,8 @@ static int by_time(const void *a, const void *b)
                                 : p->event - q->event;
 }
 
-/* Sorts by time; events whose times differ only by rounding count as simultaneous and keep the
- * order of definition. */
+/* Sorts the events found by time and computes their states. Events whose times differ only by
+ * rounding count as simultaneous and keep the order of definition. */
 static void put_in_order(struct event_watch *watch)
 {
     const struct step_path *path = &watch->path;
@@ -456,7 +465,7 @@ static void put_in_order(struct event_watch *watch)
             path_state(path, found[i].theta, watch->state + i * n);
 }
 
-/* Keeps the signs for where the run goes on from here: a value may be 0 for longer than a step. */
+/* Keeps the signs for the next call of run_advance(): a value may be 0 for longer than a step. */
 static void leave_signs(struct event_watch *watch)
 {
     for (int i = 0; i < watch->events; i++) {
@@ -467,7 +476,7 @@ static void leave_signs(struct event_watch *watch)
     watch->left_t = watch->run->t;
 }
 
-/* Those that stop the run first: the others are looked for up to there. */
+/* Events that stop the run are found first: the others are searched for up to there. */
 bool events_find(struct run *run, const struct segment *segment, double t, double h)
 {
     struct event_watch *watch = run->private_state->watch;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Search for bursts that are so short that no step of a run has seen them. */
+/* run_missed_burst(): search for bursts, changes of a force so short that no step of a run has met
+ * them. Typed equations tell where they may be; a step over such a time is then compared with
+ * accurate solutions with and without the burst. */
 #include <hooke/base/cancel.h>
 #include <hooke/run/unresolved.h>
 #include <hooke/scene/bursts.h>
@@ -9,28 +11,31 @@
 #include <float.h>
 #include <math.h>
 
-/* Segments of a run along which missed bursts are searched for. */
+/* Largest number of segments of a run, straight ways between recorded states, that are searched. */
 #define MISSED_SEGMENTS_MAX 256
-#define SEGMENT_BURSTS_MAX 16
-/* Parts of each step that is solved again, so that no burst is passed over. */
+#define SEGMENT_BURSTS_MAX 16 /* largest number of bursts that are kept of them */
+/* Parts in which a step is solved again, so that the solution meets each burst. */
 #define BURST_SUBSTEPS 4
-#define SOLVE_TOL 1e-9 /* tolerance of that */
-/* A burst that is shorter, in units of the last place of t, is a point, as singularities are. */
+#define SOLVE_TOL 1e-9 /* tolerance of that solution */
+/* A burst shorter than this, in units of the last place of t, is a point, like a singularity. */
 #define BURST_MIN_ULPS 1000
-/* A step across a jump is about equally far from either solution, within this factor. */
+/* A step has missed a burst if it is this many times farther from the solution with it than from
+ * the one without; a step across a jump is about equally far from either. */
 #define BURST_DISTANCE_RATIO 4
-/* Part of a variable's natural size; smaller values count as that large. */
+/* Smaller values of a variable count as this part of its natural size. */
 #define SIZE_MIN 1e-6
-/* Stretches that a search looks at, each of which takes what 200 evaluations of the equations do:
- * so many, and so many more for each way, and one for so many evaluations of the run. */
-enum { LOOKS_MIN = 1024, LOOKS_A_WAY = 8, EVALS_A_LOOK = 5000 };
-/* Looks along one way, and looks of which a comparison with a step that is solved again takes the
- * place. */
-enum { LOOKS_ONE_WAY = 128, LOOKS_A_SOLUTION = 256 };
-/* Part of its length before and after a burst at which the rates are those without it. */
+/* A look examines one interval of a segment, which takes the time of 200 evaluations. */
+enum {
+    LOOKS_MIN = 1024,      /* looks of a search in any case, */
+    LOOKS_A_WAY = 8,       /* more for each segment and variable, */
+    EVALS_A_LOOK = 5000,   /* and one more per that many evaluations of the run */
+    LOOKS_ONE_WAY = 128,   /* looks along one segment that are always allowed */
+    LOOKS_A_SOLUTION = 256 /* price, in looks, of solving a step again */
+};
+/* Distance from a burst, as a part of its length, at which rates are those without it. */
 #define BURST_MARGIN 1e-3
 
-/* The first row from `first` on whose time is beyond t, in the direction of the run. */
+/* Returns the first row from `first` on whose time is after t, in the direction of the run. */
 static size_t row_beyond(const struct trace *trace, size_t first, double t)
 {
     size_t row = trace_row_at(trace, t);
@@ -39,7 +44,8 @@ static size_t row_beyond(const struct trace *trace, size_t first, double t)
     return row > first ? row : first;
 }
 
-/* A recorded state inside, of those from row `first` on. */
+/* Returns true if a row after `first` was recorded inside of the burst, so that steps have met
+ * it. */
 static bool is_seen(const struct trace *trace, size_t first, const struct burst *burst)
 {
     const double low = fmin(burst->t_begin, burst->t_end),
@@ -49,9 +55,10 @@ static bool is_seen(const struct trace *trace, size_t first, const struct burst 
            trace_time(trace, row) < high;
 }
 
-/* ---- whether a step has seen it ---- */
+/* ---- deciding whether a step has met a burst ---- */
 
-/* Goes on from y at t to `end` in even pieces, each by accurate methods. */
+/* Solves the equations from y at t to `end` in BURST_SUBSTEPS parts, into y. Returns false if that
+ * fails. */
 static bool solve_pieces(const struct run *run, double t, double *y, double end)
 {
     const struct system *system = &run->system;
@@ -65,7 +72,7 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
     return true;
 }
 
-/* Returns the distance from y [n] of the step from row i to the next, in the sizes of the
+/* Returns the largest distance of the state after row i from y [n], in the sizes of the
  * variables. */
 static double distance_of_step(const struct run *run, size_t i, const double *y)
 {
@@ -79,6 +86,7 @@ static double distance_of_step(const struct run *run, size_t i, const double *y)
     return max;
 }
 
+/* Returns the variable in which two states differ most, in natural sizes. */
 static int most_different(const struct system *system, const double *a, const double *b)
 {
     int most = 0;
@@ -88,12 +96,10 @@ static int most_different(const struct system *system, const double *a, const do
     return most;
 }
 
-/*
- * Decides whether the step from row i passed over what happens in `burst`: the solution with it is
- * compared with the one in which the rates stay what they were before it. A step that ends at a
- * switch inside of itself is like the first, a step that has met nothing of it is like the second.
- * Also true where this cannot be decided, but for singularities.
- */
+/* Decides whether the step from row i missed what happens in `burst`: the solution with it is
+ * compared with one whose rates during the burst are those just before it. A step that met the
+ * burst, or ended at its switch, is like the first; one that met nothing of it is like the second.
+ * Returns true also if this cannot be decided, but not for singularities. */
 static bool step_passed_over(const struct run *run, size_t i, const struct burst *burst)
 {
     const int n = run->system.n;
@@ -123,18 +129,16 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
     if (!(distance_of_step(run, i, y_solved) >
           BURST_DISTANCE_RATIO * distance_of_step(run, i, y_extrapolated)))
         return false;
-    /* A jump is no burst: the next steps see what it leads to. */
+    /* A jump after which the rates differ is no burst: the next steps meet its consequences. */
     const int k = most_different(&run->system, y_solved, y_extrapolated);
     system_derivative(&run->system, burst->t_end + length * BURST_MARGIN, y_solved, end_slope);
     return fabs(end_slope[k] - slope[k]) <=
            fabs(y_solved[k] - y_extrapolated[k]) / fabs(length) / 2;
 }
 
-/*
- * Returns true if the burst is found along the single steps, too. A segment over several of them
- * crosses a switch at another time than the step that ended there. Everything found in one step is
- * one burst.
- */
+/* Returns true, and sets *there, if the burst, which was found along a segment of several steps, is
+ * also found along one of these steps and this step missed it. (The segment may cross a switch at
+ * another time than the step that ended there.) Everything found in one step is one burst. */
 static bool is_on_steps(const struct run *run, size_t first, const struct burst *found,
                         int64_t *allowed, struct burst *there)
 {
@@ -171,17 +175,19 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
     return false;
 }
 
+/* State of a search over the segments of a run. */
 struct burst_search {
     const struct run *run;
-    size_t first; /* row */
-    /* looks that are left, along ways and at the steps where something was found on these */
-    int64_t allowed, allowed_steps;
+    size_t first;          /* row at which it begins */
+    int64_t allowed;       /* looks that are left along segments, */
+    int64_t allowed_steps; /* and along single steps where something was found */
     struct burst burst[SEGMENT_BURSTS_MAX];
-    int count;
+    int count; /* bursts found along segments and not yet examined */
 };
 
-/* Returns true, with *missed, if one of the bursts was missed; removes the others, except one that
- * may continue after `open`. */
+/* Examines the bursts found so far, and removes them, except one that ends at time `open` [s],
+ * because the next segment may continue it. Returns true, with *missed, if one of them was
+ * missed. */
 static bool look_through(struct burst_search *search, double open, struct burst *missed)
 {
     const struct trace *trace = search->run->trace;
@@ -202,7 +208,8 @@ static bool look_through(struct burst_search *search, double open, struct burst 
     return false;
 }
 
-/* Searches a way, with its part of the looks that are left for `ways` of them. */
+/* Searches the segment from y_begin to y_end at the times t, with its share of the looks that are
+ * left for `ways` segments. */
 static void search_way(struct burst_search *search, const double t[2], const double *y_begin,
                        const double *y_end, size_t ways)
 {

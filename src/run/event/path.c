@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The step just taken as a polynomial, and bounds of it. */
+/* The step just taken as polynomials, and bounds of them: struct step_path of watch.h. */
 #include <hooke/scene/typed.h>
 #include "run/event/watch.h"
 
 #include <float.h>
 
-/* Rounding relative to the sizes of a polynomial's terms. */
+/* Rounding error relative to the sizes of a polynomial's terms. */
 #define POLYNOMIAL_ROUNDING (64 * DBL_EPSILON)
-/* Bounds the omitted terms of a polynomial through samples by this many times its last terms. */
+/* Terms that a polynomial through samples leaves out are taken to be below this many times its last
+ * terms. */
 #define TAIL_FACTOR 10
 
-/* Values at even shares of a stretch, degree + 1 of them: the polynomial c about its middle, in its
- * length (Newton). */
+/* Sets the coefficients c, `apart` numbers from each other, of the polynomial through degree + 1
+ * values at even distances, `stride` numbers from each other (Newton's divided differences). Its
+ * variable is the distance from the middle, in units of the whole interval. */
 static void polynomial_fit(const double *value, size_t stride, int degree, double *c, size_t apart)
 {
     double difference[DENSE_DEGREE + 1], coefficient[DENSE_DEGREE + 1] = {0};
@@ -30,7 +32,8 @@ static void polynomial_fit(const double *value, size_t stride, int degree, doubl
         c[(size_t)i * apart] = coefficient[i];
 }
 
-/* sum c_k s^k about s = 0, where |s| <= r: even powers are above 0. */
+/* Returns bounds of sum c_k s^k for |s| <= r: odd powers may have either sign, even ones only that
+ * of c_k. */
 static struct interval range(const double *c, int degree, double r)
 {
     struct interval bounds = {c[0], c[0]};
@@ -44,14 +47,16 @@ static struct interval range(const double *c, int degree, double r)
     return bounds;
 }
 
+/* Replaces the coefficients c by those of the derivative, one fewer. */
 static void differentiate(double *c, int degree)
 {
     for (int k = 1; k <= degree; k++)
         c[k - 1] = k * c[k];
 }
 
-/* Returns bounds of the polynomial c, which is lost, for |s| <= r. Its error is `error` over one of
- * `pieces` parts of the step. */
+/* Returns bounds of the polynomial c, which is overwritten, and of its derivatives for |s| <= r.
+ * They are widened by its error, which is `error` over one of `pieces` parts of the step and larger
+ * for derivatives (Markov's inequality). */
 static struct jet bounds(double *c, int degree, double r, double error, int pieces)
 {
     struct jet jet;
@@ -88,7 +93,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
     return jet;
 }
 
-/* ---- of the step ---- */
+/* ---- polynomials of the step ---- */
 
 void path_begin(struct step_path *path, const struct inside *inside)
 {
@@ -100,7 +105,7 @@ void path_begin(struct step_path *path, const struct inside *inside)
     copy_state(path->end, run->y, run->system.n);
 }
 
-/* Cubic through the ends and the slopes there. */
+/* Makes the cubic through the ends and the slopes there. */
 static void through_ends(struct step_path *path)
 {
     const struct inside *inside = &path->inside;
@@ -124,7 +129,7 @@ static void through_ends(struct step_path *path)
     }
 }
 
-/* Returns the sum of the sizes of the terms from the `first` on where |theta - middle| = r. */
+/* Returns the sum of the magnitudes of the terms from the `first` on at |theta - middle| = r. */
 static double terms_size(const struct path_piece *piece, int variable, int first, int degree,
                          double r)
 {
@@ -134,7 +139,7 @@ static double terms_size(const struct path_piece *piece, int variable, int first
     return sum;
 }
 
-/* Sets the errors of polynomials that describe the path but for rounding. */
+/* Sets the errors of polynomials that are exact but for rounding. */
 static void set_rounding(struct step_path *path)
 {
     for (int i = 0; i < path->inside.run->system.n; i++)
@@ -142,6 +147,8 @@ static void set_rounding(struct step_path *path)
             POLYNOMIAL_ROUNDING * terms_size(path->piece, i, 0, path->degree, 0.5);
 }
 
+/* Makes one polynomial of that degree through states of the method's dense output, which is such a
+ * polynomial itself. */
 static void through_samples(struct step_path *path, int degree)
 {
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
@@ -155,10 +162,9 @@ static void through_samples(struct step_path *path, int degree)
     set_rounding(path);
 }
 
-/* ---- of a step without a polynomial of its own: states inside of it are steps from its beginning
- */
+/* ---- steps without dense output, whose inner states are steps from its beginning ---- */
 
-/* Returns the value of a piece at s from its middle. */
+/* Returns the value of a variable in a piece at the distance s from its middle. */
 static double piece_value(const struct path_piece *piece, int variable, int degree, double s)
 {
     double y = piece->c[degree][variable];
@@ -246,6 +252,8 @@ static bool fit_piece(struct step_path *path, int k, int pieces)
     return fine && is_followed(path, k, pieces, resolved);
 }
 
+/* Doubles the number of parts until polynomials of DENSE_DEGREE resolve all of them, or up to
+ * PATH_PIECES_MAX parts; then path->resolved may be false. */
 static void through_pieces(struct step_path *path)
 {
     path->degree = DENSE_DEGREE;
@@ -290,8 +298,8 @@ void path_state(const struct step_path *path, double theta, double *y)
         inside_state(&path->inside, theta, y);
 }
 
-/* Returns the part of the step in which theta lies, and sets *s to how far it is from its middle.
- */
+/* Returns the part of the step in which theta is, and sets *s to its distance from the middle of
+ * the part. */
 static int piece_at(const struct step_path *path, double theta, double *s)
 {
     const int last = path->pieces - 1, k = (int)(theta * path->pieces), piece = k < last ? k : last;
@@ -307,7 +315,8 @@ void path_estimate(const struct step_path *path, double theta, double *y)
         y[i] = piece_value(piece, i, path->degree, s);
 }
 
-/* Returns the bounds from a to b in part k. */
+/* Returns the bounds of a variable for theta from a to b, both in part k, by its polynomial about
+ * the middle of a and b. */
 static struct jet piece_jet(const struct step_path *path, int k, int variable, double a, double b)
 {
     const int degree = path->degree;
@@ -322,6 +331,7 @@ static struct jet piece_jet(const struct step_path *path, int k, int variable, d
     return bounds(c, degree, (b - a) / 2, path->piece[k].error[variable], path->pieces);
 }
 
+/* Returns the smallest interval that contains both. */
 static struct interval path_interval_hull(struct interval a, struct interval b)
 {
     return (struct interval){fmin(a.lo, b.lo), fmax(a.hi, b.hi)};

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Events that have happened: which of them stop a run, and what is kept of them. */
+/* The events found in a step: which of them stops the run, and the records that are kept of
+ * them. */
 #include "run/event/watch.h"
 
+/* Appends the record of an event with its state [n]. Returns false if out of memory, or if
+ * LIMIT_EVENT_RECORDS are kept already. */
 static bool event_record_add(struct run *run, const struct event_crossing *crossing,
                              const double *state)
 {

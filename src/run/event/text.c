@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Events from text. */
+/* event_compile(): an event from its text, EXPR [rising|falling|touching] or a comparison. */
 #include <hooke/scene/formula.h>
 #include "run/private.h"
 
+/* Returns the position of the first character from `position` on that is not a blank. */
 static size_t blanks(struct text text, size_t position)
 {
     while (position < text.len && (text.data[position] == ' ' || text.data[position] == '\t'))
@@ -10,7 +11,8 @@ static size_t blanks(struct text text, size_t position)
     return position;
 }
 
-/* An expression at text[*position]. */
+/* Compiles the expression at text[*position], and moves *position behind it and the blanks that
+ * follow. Returns NULL, with an error, if there is none. */
 static const struct expr *event_side_compile(struct text text, size_t *position,
                                              const struct expr_scope *scope, struct arena *arena,
                                              struct error *error)
@@ -21,7 +23,7 @@ static const struct expr *event_side_compile(struct text text, size_t *position,
     return expr;
 }
 
-/* The word at text[*position], if it is there. */
+/* Returns true if `word` stands at text[*position], and moves *position behind it. */
 static bool take_word(struct text text, size_t *position, struct text word)
 {
     const struct text rest = text_after(text, *position);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formulas of events, compiled for a run: values at a state, and bounds inside of the step just
- * taken. */
+/* Formulas of events, compiled for a run: their values at a state, and bounds of them inside of the
+ * step just taken. */
 #include <hooke/scene/formula.h>
 #include "run/event/watch.h"
 
@@ -9,11 +9,14 @@
 
 /* Number of bounds of an event in a step before a warning that it may have been missed. */
 #define EVENT_BOUNDS_MAX 4000
-/* Parts of an interval at which a column that is no variable is evaluated. */
+/* Number of parts of an interval at whose ends a column that is not a variable is evaluated. */
 #define COLUMN_SAMPLES 12
 
 /* ---- columns ---- */
 
+/* Returns the column of the watch for a slot of the event's scope, which is added if it is new.
+ * Returns -1 if the slot's value does not change in a run, or 0, and sets watch->failed, if out of
+ * memory. A callback of expr_settle(). */
 static int column_of(void *context, int slot)
 {
     struct event_watch *watch = context;
@@ -44,7 +47,7 @@ static int column_of(void *context, int slot)
     return watch->columns++;
 }
 
-/* Watches the condition as an event that stops the run when it becomes true. */
+/* Makes watch->condition an event that stops the run when the target's condition becomes true. */
 static void take_condition(struct event_watch *watch, const struct run_target *target)
 {
     const struct condition *condition = target->condition;
@@ -93,12 +96,14 @@ void events_watch_destroy(struct event_watch *watch)
 
 /* ---- values ---- */
 
+/* Returns the value of a column; `context` is the array of values. */
 static double load_value(const void *context, int slot)
 {
     return ((const double *)context)[slot];
 }
 
-/* The event's scope knows the run's present state only: it is put there for a moment. */
+/* Returns the value of a slot that is not a variable at the state y. Its scope reads the run's
+ * present state, so that is y for a moment. */
 static double load_other(struct event_watch *watch, const struct watched *watched, int slot,
                          double t, const double *y)
 {
@@ -136,6 +141,8 @@ double events_watch_value(struct event_watch *watch, const struct watched *watch
 
 /* ---- bounds ---- */
 
+/* Returns bounds of a - b, widened by rounding; everything if a difference of infinities is
+ * undefined, and NAN if a or b is. */
 static struct interval less_interval(struct interval a, struct interval b)
 {
     const double lo = a.lo - b.hi, hi = a.hi - b.lo, slack = 4 * DBL_EPSILON;
@@ -145,6 +152,7 @@ static struct interval less_interval(struct interval a, struct interval b)
     return (struct interval){lo - slack * fabs(lo), hi + slack * fabs(hi)};
 }
 
+/* Returns the bounds of the event's function by those of its columns in watch->jet. */
 static struct jet event_value_jet(const struct event_watch *watch, const struct watched *watched)
 {
     const struct jet left = expr_jet(watched->left, watch->jet);
@@ -156,6 +164,7 @@ static struct jet event_value_jet(const struct event_watch *watch, const struct 
                         less_interval(left.bend, right.bend)};
 }
 
+/* Returns the bounds of time for the fractions a to b of the step. */
 static struct jet time_jet(const struct step_path *path, double a, double b)
 {
     const double t_begin = path_time(path, a), t_end = path_time(path, b), h = path->inside.h;
@@ -164,7 +173,8 @@ static struct jet time_jet(const struct step_path *path, double a, double b)
         {fmin(t_begin, t_end) - rounding, fmax(t_begin, t_end) + rounding}, {h, h}, {0, 0}};
 }
 
-/* Bounds a function of the state by a polynomial through its values, which proves nothing. */
+/* Returns bounds of a slot that is not a variable, by a polynomial through some of its values. They
+ * are an estimate and prove nothing. */
 static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot,
                             double a, double b)
 {
@@ -195,10 +205,9 @@ struct jet events_watch_bounds(struct event_watch *watch, const struct watched *
     return event_value_jet(watch, watched);
 }
 
-/*
- * Bounds of the value where each variable may be off by that share of its size, and the time by
- * the distance up to which events are at one moment, and as much again for its rounding.
- */
+/* Returns bounds of the event's function at a state whose variables may be off by `error` of
+ * their sizes, and whose time by twice TIME_EQUAL_ULPS of event.c, within which events are
+ * simultaneous. */
 static struct interval value_within(struct event_watch *watch, const struct watched *watched,
                                     double t, const double *y, double error)
 {

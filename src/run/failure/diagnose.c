@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds out whether a run failed because its solution ends. A run that reached its target is not
- * examined, unless one of its fixed steps looks strange (strange.c), or the solution does not get
- * across the shortest of its adaptive steps. For a run that failed, an accurate solution is
- * followed from the last start that the run had of its own: an unstable method, or a loose
- * tolerance, fails where the solution itself continues.
- */
+/* run_diagnose(): finds out whether a run failed because its solution ends. If a run failed, an
+ * accurate solution is followed from run_own_start(): an unstable method, or a loose tolerance,
+ * fails where the solution itself continues. A run that reached its target is examined only if one
+ * of its fixed steps looks strange (strange.c), or if the solution does not get across the shortest
+ * of its adaptive steps. */
 #include <hooke/base/cancel.h>
 
 #include "run/private.h"
 
 #include <math.h>
 
-/* Part of the time since the start by which a method may fail before the solution ends. */
+/* The solution is followed beyond the end of the run by this part of the time since the start,
+ * because a method may fail before the solution ends. */
 static const double ahead_share = 0.1;
 
 size_t run_own_start(const struct run *run)
@@ -36,8 +35,8 @@ int64_t run_follow_steps(double evals)
     return (int64_t)fmin(FOLLOW_STEPS_MAX, steps_min + evals / evals_a_step);
 }
 
-/* Follows from a row what a method has made of the solution, whose end is found if no other method
- * gets past it from the start. */
+/* Follows the solution from a row, whose state the method may have led away from it. An end that it
+ * finds counts only if another method, from the run's start, does not get past it either. */
 static void follow_row(const struct run *run, size_t row, double end, int64_t steps_max,
                        struct followed *followed)
 {
@@ -68,7 +67,8 @@ void run_follow_from(const struct run *run, size_t row, double end, int64_t step
         follow_row(run, row, end, steps_max, followed);
 }
 
-/* Returns the first row that is no more than a thousandth of the run's time before its end. */
+/* Returns the first row that is no more than a thousandth of `way`, the run's time since its start,
+ * before the present time. */
 static size_t row_shortly_before(const struct run *run, double way)
 {
     return trace_row_at(run->trace, run->t - 1e-3 * way);
@@ -83,8 +83,9 @@ bool run_end_singular(struct run *run, const struct followed *followed)
     return true;
 }
 
-/* Returns true if steps have become short beside the way, and the second half of them got nowhere,
- * or only a little way in shorter and shorter ones. */
+/* Returns true if the steps have become short beside `way`, the time since the start, and the
+ * second half of them covered next to nothing of it, or little in steps that became ever
+ * shorter. */
 static bool steps_shrink(const struct run *run, double way)
 {
     static const double nowhere = 1e-3, little = 0.3, shorter = 4;
@@ -104,7 +105,7 @@ bool run_creeps(struct run *run)
     if (run->steps < p->look)
         return false;
     p->look = 2 * run->steps;
-    if (p->original) /* the original has looked already */
+    if (p->original) /* a repeated run: the original has looked already */
         return false;
     trace_present(run->trace, run->steps, run->t, run->y);
     const double way = run->t - trace_time(run->trace, run_own_start(run));
@@ -113,11 +114,13 @@ bool run_creeps(struct run *run)
     struct followed followed;
     run_follow_from(run, row_shortly_before(run, way), run->t + ahead_share * way,
                     run->steps / share, &followed);
-    if (cancelled(run->cancel)) /* not known: the look is repeated */
+    if (cancelled(run->cancel)) /* no result: the look is repeated when the run continues */
         p->look = run->steps;
     return run_end_singular(run, &followed);
 }
 
+/* Follows the solution of a run that failed beyond its end: sets the fate, and run->stop if the
+ * solution ends. */
 static void diagnose_failure(struct run *run)
 {
     const double way = run->t - trace_time(run->trace, run_own_start(run)),
@@ -130,8 +133,9 @@ static void diagnose_failure(struct run *run)
     run_end_singular(run, &followed);
 }
 
-/* Returns true if the derivative `ahead` of where a solution got is undefined, or that of the
- * steepest variable leads back: y' = -1/y ends at 0, y' = -1/sqrt(|y|) goes on. */
+/* Returns true if the equations end where the solution got to, at `point`: a time `ahead` of it the
+ * derivative is undefined, or that of the steepest variable leads back. y' = -1/y ends at 0,
+ * whereas y' = -1/sqrt(|y|) goes on. */
 static bool turns_back(const struct system *system, const struct followed *point, double ahead)
 {
     double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES], slope_ahead[LIMIT_VARIABLES];
@@ -152,8 +156,9 @@ static bool turns_back(const struct system *system, const struct followed *point
     return !defined || slope[steepest] * slope_ahead[steepest] < 0;
 }
 
-/* Returns true if a solution followed for `way` still ends if it is followed from there, with times
- * as fine as may be. One that is only steep does not: y' = 1/(y^2 + 1e-8). */
+/* Returns true if a solution that was followed for `way` and ends at `point` still ends if it is
+ * followed from there, with the finest possible times. One that is only steep does not, as that of
+ * y' = 1/(y^2 + 1e-8). */
 static bool ends_for_sure(const struct run *run, const struct followed *point, double way)
 {
     static const double span = 1e-6,
@@ -173,9 +178,9 @@ static double step_before(const struct trace *trace, size_t row)
     return fabs(trace_row(trace, row)[time] - trace_row(trace, row - 1)[time]);
 }
 
-/* Finds adaptive steps across the end of a solution, which shrink on the way there: the shortest
- * one, and those that shrink before it. Where the tolerance is loose, a few may shrink by nothing.
- */
+/* Finds adaptive steps across the end of a solution. Steps shrink on the way there, so the solution
+ * is followed from where they begin to shrink before the shortest one; in short runs with a loose
+ * tolerance, whose steps may not shrink, from the start. Sets run->stop if it ends. */
 static void find_end_passed(struct run *run)
 {
     enum { FEW = 32, SHARE = 8 }; /* rows; of all rows, new ones for a look */

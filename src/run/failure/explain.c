@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Explanation of why a run stopped, with advice. */
+/* run_explain(): why a run stopped, in words for the user, with advice. Each explain_ function
+ * appends one explanation; those that return a bool append nothing and return false if theirs does
+ * not apply. */
 #include <hooke/base/number.h>
 #include <hooke/base/elementary.h>
 
@@ -8,31 +10,32 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rounded down to one digit: advice, not a bound. */
+/* Returns x > 0 rounded down to one digit, for advice. */
 static double one_digit(double x)
 {
     double unit = fixed_pow(10, floor(fixed_log10(x)));
     return floor(x / unit) * unit;
 }
 
+/* Appends a time with its unit. */
 static void put_time(struct buffer *text, double seconds, int digits)
 {
     buffer_short(text, seconds, digits);
     buffer_format(text, " s");
 }
 
-#define STEP_HOPELESS 1e-6 /* Part of the step in use; nobody wants a shorter one. */
+#define STEP_HOPELESS 1e-6 /* Part of the step in use; a shorter one is no useful advice. */
 /* Part of the largest state above which linear growth, not the method, explains it. */
 #define LINEAR_GROWTH_MIN 1e-30
-#define T0_LARGE 1e6    /* times the way: t0 takes its digits from t */
+#define T0_LARGE 1e6    /* a t0 above this many times the run's length costs t its digits */
 #define TOL_SMALL 1e-11 /* Step control may see only rounding below this tolerance. */
 
-/* A state is sound up to this many natural sizes, or sizes at the start; the method may have made a
- * larger one. */
+/* A state is trusted up to this many natural sizes, or sizes at the start; a larger one may be the
+ * work of an unstable method. */
 #define RELIABLE_SIZES 2
 
-/* The last recorded state before it blew up, or the start. What a blown-up state says of rates
- * means nothing. */
+/* Returns the last recorded state before the run blew up, or the first one, and sets *t [s]. A
+ * state that has blown up says nothing about the rates of the scene. */
 static const double *sound_state(const struct run *run, double *t)
 {
     const struct system *system = &run->system;
@@ -52,8 +55,8 @@ static const double *sound_state(const struct run *run, double *t)
     return run->y;
 }
 
-/* [1/s] of the fastest motion near the last sound state: the norm of the Jacobian in scaled
- * variables. */
+/* Returns the rate [1/s] of the fastest motion near sound_state(): the norm of the Jacobian in
+ * scaled variables. */
 static double fastest_rate(const struct run *run)
 {
     double t;
@@ -72,12 +75,14 @@ static double fastest_rate(const struct run *run)
     return max;
 }
 
+/* Returns what run_diagnose() has found out about the solution. */
 static enum solution_fate fate_of(const struct run *run)
 {
     return run->private_state ? run->private_state->fate : SOLUTION_UNKNOWN;
 }
 
-/* Returns the variable whose derivative is not a finite number, or -1 if all are finite. */
+/* Computes the derivatives slope [n]. Returns the variable whose derivative is not a finite number,
+ * or -1 if all are finite. */
 static int undefined_slope(const struct system *system, double t, const double *y, double *slope)
 {
     system_derivative(system, t, y, slope);
@@ -87,8 +92,8 @@ static int undefined_slope(const struct system *system, double t, const double *
     return -1;
 }
 
-/* Reports that a short way ahead, in the direction of motion, the equations have no value: beyond
- * the end of a square root or a logarithm. Returns false if they have one. */
+/* Explains that a short way ahead, in the direction of motion, the equations have no value: beyond
+ * the end of a square root or a logarithm. */
 static bool explain_domain(const struct run *run, struct buffer *text)
 {
     /* fractions of the step that was set */
@@ -119,8 +124,8 @@ static bool explain_domain(const struct run *run, struct buffer *text)
     return false;
 }
 
-/* Describes the fault of a state from which no step can be taken. Returns false if there is
- * none. */
+/* Explains what is wrong with a state from which no step can be made: a variable that is too large,
+ * or a derivative that is not finite. */
 static bool explain_state(const struct run *run, struct buffer *text)
 {
     /* fractions of a fixed step at which its stages are */
@@ -161,7 +166,8 @@ static bool explain_state(const struct run *run, struct buffer *text)
     return false;
 }
 
-/* An implicit method damps a fast oscillation that a longer step cannot follow. */
+/* Returns the advice against rates that are too fast for the step. An implicit method would damp a
+ * fast oscillation, so for an oscillator it is the exact method. */
 static const char *remedy_for_rate(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
@@ -169,6 +175,8 @@ static const char *remedy_for_rate(const struct run *run)
                                                                   : "an implicit method";
 }
 
+/* Appends the advice to try steps of dt [s] or less, unless they would be hopelessly short, and an
+ * implicit method if that helps. */
 static void put_shorter_step(const struct run *run, double dt, bool implicit_helps,
                              struct buffer *text)
 {
@@ -182,6 +190,7 @@ static void put_shorter_step(const struct run *run, double dt, bool implicit_hel
         buffer_format(text, "%s%s", hopeless ? "" : " or ", remedy_for_rate(run));
 }
 
+/* Explains why an adaptive run diverged although its solution does not. */
 static void explain_adaptive_divergence(const struct run *run, struct buffer *text)
 {
     const double rate = fastest_rate(run);
@@ -211,12 +220,14 @@ static bool solution_grows(const struct run *run)
            (run->plan.adaptive && run->system.linear && largest > LINEAR_GROWTH_MIN);
 }
 
+/* Explains why a run of fixed steps diverged: the scene grows, or the step is above the stability
+ * limit of the method or too long for the scene's rates. */
 static void explain_fixed_divergence(const struct run *run, struct buffer *text)
 {
     const struct oscillator *o = &run->system.oscillator;
     const char *name = run->method->row.name;
     double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth;
-    /* Looked for where nothing else says why: it passes over rows. */
+    /* Computed only if it is needed, because it may pass over many rows. */
     const double rate = isnan(limit) ? fastest_rate(run) : NAN;
     bool implicit = run->method->flags & METHOD_IMPLICIT;
     if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
@@ -252,6 +263,7 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
     }
 }
 
+/* Explains why a run left the range of numbers. */
 static void explain_divergence(const struct run *run, struct buffer *text)
 {
     if (explain_domain(run, text) || explain_state(run, text))
@@ -264,8 +276,8 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         explain_fixed_divergence(run, text);
 }
 
-/* Returns true if some derivative has an infinite slope in the state that was reached, as that of
- * sqrt(abs(v)) at v = 0: then there is no Jacobian. */
+/* Returns true if some derivative has an infinite slope in the state that was reached, as
+ * sqrt(abs(v)) has at v = 0: then an implicit method has no Jacobian. */
 static bool has_no_jacobian(const struct run *run)
 {
     const struct system *system = &run->system;
@@ -277,6 +289,7 @@ static bool has_no_jacobian(const struct run *run)
     return !finite;
 }
 
+/* Explains why the equations of an implicit step were not solved. */
 static void explain_no_solution(const struct run *run, struct buffer *text)
 {
     if (explain_domain(run, text) || explain_state(run, text))
@@ -299,6 +312,7 @@ static void explain_no_solution(const struct run *run, struct buffer *text)
     }
 }
 
+/* Explains why the step of an adaptive run went below the rounding of the time. */
 static void explain_stall(const struct run *run, struct buffer *text)
 {
     const double way = fabs(run->t - run->system.t0);
@@ -317,6 +331,7 @@ static void explain_stall(const struct run *run, struct buffer *text)
         buffer_put(text, TEXT(": the equations may jump there, or have a singularity"));
 }
 
+/* Explains that the solution itself ends at a finite time. */
 static void explain_singularity(const struct run *run, struct buffer *text)
 {
     const bool is_past_singularity =
@@ -334,6 +349,7 @@ static void explain_singularity(const struct run *run, struct buffer *text)
 
 void run_explain(const struct run *run, struct buffer *text)
 {
+    /* Words before the time at which the run stopped. */
     static const char *const what[] = {
         [STOP_NONE] = "at",
         [STOP_END] = "reached",

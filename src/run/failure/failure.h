@@ -1,38 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Diagnosis of why a run failed, or why its result is no solution. */
+/* Diagnosis of why a run failed, or why its result is not a solution. run_diagnose() in diagnose.c
+ * finds out, with accurate solutions beside the run (follow.c) and checks of fixed steps
+ * (strange.c); run_explain() in explain.c puts it into words. */
 #pragma once
 
 #include <hooke/run.h>
 
 struct cancel;
 
-/* Behaviour of an accurate solution. */
+/* Behaviour of an accurate solution that is followed from a state of a run. */
 enum solution_fate {
-    SOLUTION_UNKNOWN, /* nobody looked, or it took too long */
-    SOLUTION_ENDS,    /* it goes to infinity, or its slope does */
-    SOLUTION_GROWS,   /* it grows beyond what counts as diverged, at no finite time of its own */
-    SOLUTION_GOES_ON
+    SOLUTION_UNKNOWN, /* it was not followed, or that took too long */
+    SOLUTION_ENDS,    /* it, or its slope, goes to infinity at a finite time */
+    SOLUTION_GROWS,   /* it grows beyond run_bound(), without such a time */
+    SOLUTION_GOES_ON  /* it reached the end */
 };
 
 /* ---- follow.c ---- */
 
-/* Goes from y [n] at t to `end` by an accurate method, into `y_end` [n]. Returns false if it does
- * not get there, would take too long, or is cancelled. */
+/* Solves the equations from y [n] at t to `end` by an accurate method with tolerance tol, into
+ * y_end [n]. Returns false if it does not get there, would take too long, or is cancelled. */
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
                        double tol, double *y_end, const struct cancel *cancel);
 /* State and time that an accurate solution reached. */
 struct followed {
     enum solution_fate fate;
     double t, y[LIMIT_VARIABLES];
-    /* valid with SOLUTION_ENDS: the solution stays finite, and only its slope does not */
+    /* only the slope is infinite, the solution stays finite; valid with SOLUTION_ENDS */
     bool finite;
 };
 
 #define FOLLOW_STEPS_MAX 20000
-/* Follows the solution from y [n] at t to `end` in at most that many steps. */
+/* Follows the solution from y [n] at t to `end` in at most steps_max steps. */
 void run_follow(const struct system *system, double t, const double *y, double end,
                 int64_t steps_max, const struct cancel *cancel, struct followed *followed);
-/* The same at the accuracy, and within the work, of run_solve_cheaply(). */
+/* Does the same with the tolerance tol, and within the work of run_solve_cheaply(). */
 void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
                         double tol, const struct cancel *cancel, struct followed *followed);
 /* Returns true if the solution ends before `end`, as far as some 100 steps show. */
@@ -44,30 +46,32 @@ bool run_is_never_singular(const struct system *system);
 
 /* ---- diagnose.c ---- */
 
-/* Returns true if adaptive steps no longer get on, because the solution ends: stop is STOP_SINGULAR
- * then. Looks at twice the step of its last look, so that it costs a share of the run. */
+/* Returns true if adaptive steps make no more progress because the solution ends; then run->stop is
+ * STOP_SINGULAR. Looks when the number of steps has doubled since its last look, so that it takes a
+ * small share of the run's work. */
 bool run_creeps(struct run *run);
 /* Returns the first recorded row since the equations or the state were last changed from outside.
  */
 size_t run_own_start(const struct run *run);
-/* Follows the solution of a run to `end` in at most so many steps: from its own start, as errors
- * may have led away from it; if that takes too long, from a row. */
+/* Follows the solution of a run to `end` in at most steps_max steps: from run_own_start(), because
+ * errors may have led later states away from it, or from `row` if that takes too long. */
 void run_follow_from(const struct run *run, size_t row, double end, int64_t steps_max,
                      struct followed *followed);
-/* Returns how many steps that may take, a share of the run's work. */
+/* Returns steps_max for a run of `evals` evaluations: a share of its work. */
 int64_t run_follow_steps(double evals);
-/* Makes the end of a solution the reason why the run stopped. Returns false if it does not end. */
+/* If the followed solution ends, makes that the reason why the run stopped. Returns false if it
+ * does not end. */
 bool run_end_singular(struct run *run, const struct followed *followed);
 
 /* ---- strange.c ---- */
 
-/* Looks for fixed steps since the last call that have little to do with the solution: the worst is
- * run->unsound, and stop is STOP_SINGULAR where the solution ends in one of them. */
+/* Examines fixed steps since the last call for some that have little to do with the solution. Sets
+ * run->unsound to the worst, and run->stop to STOP_SINGULAR if the solution ends in one of them. */
 void run_find_strange_steps(struct run *run);
-/* Compares the first steps of an implicit method with the solution: what is stable at any step
- * damps a solution that grows, too. */
+/* Compares the first steps of an implicit method with the solution, as run_find_strange_steps()
+ * does: a method that is stable at any step also damps a solution that grows. */
 void run_check_first_steps(struct run *run);
-/* Returns how many rows run_find_strange_steps() looks at, at most, and whether it picks those that
- * stand out. */
+/* Returns the largest number of rows that run_find_strange_steps() examines; sets *picks if it
+ * chooses those that stand out, instead of rows at even distances. */
 size_t run_rows_looked_max(const struct system *system, const struct method *method, double evals,
                            double rows, bool *picks);

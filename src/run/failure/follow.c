@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Accurate solutions beside a run, and where they end: like x = 1/(t* - t) of x' = x^2 at t*.
- *
- * On the way to such a time steps shrink in proportion to t* - t until they do not get on, and the
- * speed |y'| grows like a power of 1/(t* - t) (Goriely, Hyde 2000, J. Differ. Equ. 161:422).
- */
+/* Accurate solutions beside a run, and where they end, as x = 1/(t* - t) of x' = x^2 does at t*. On
+ * the way to such a time steps shrink in proportion to t* - t until they make no progress, and the
+ * speed |y'| grows like a power of 1/(t* - t) (Goriely, Hyde 2000, J. Differ. Equ. 161:422). */
 #include <hooke/base/cancel.h>
 #include <hooke/base/elementary.h>
 
@@ -15,14 +12,17 @@
 
 /* ---- steps that shrink ---- */
 
+/* Powers of ten of the step that are kept, and more than DECADES_SEEN are needed for a power. */
 enum { DECADES_MAX = 32, DECADES_SEEN = 3 };
 
-/* The first step of each power of ten, since steps were last longer, and the speed there. */
+/* The steps h [s], each shorter than the one before by a factor of ten or more, and the speeds at
+ * them, since steps were last longer. */
 struct shrinking {
     double h[DECADES_MAX], speed[DECADES_MAX];
     int count;
 };
 
+/* Returns |y'| [1/s] in natural sizes of the variables. */
 static double speed_of(const struct system *system, double t, const double *y)
 {
     double f[LIMIT_VARIABLES], sum = 0;
@@ -32,6 +32,8 @@ static double speed_of(const struct system *system, double t, const double *y)
     return sqrt(sum);
 }
 
+/* Enters the step h from the state y at t: drops shorter ones that came before it, because steps
+ * did not shrink there, and adds it if it is at most a tenth of the last one kept. */
 static void shrinking_add(struct shrinking *s, double h, const struct system *system, double t,
                           const double *y)
 {
@@ -43,8 +45,9 @@ static void shrinking_add(struct shrinking *s, double h, const struct system *sy
     s->speed[s->count++] = speed_of(system, t, y);
 }
 
-/* Returns the q of |y'| ~ (t* - t)^-q over the steps of some decades, NAN if there are too few. The
- * first of them are on the way there, rounding spoils the last. */
+/* Returns the q of |y'| ~ (t* - t)^-q over the steps that shrink, NAN if these cover too few
+ * decades. The first third of them, far from t*, and the last quarter, which rounding spoils, are
+ * left out. */
 static double shrinking_power(const struct shrinking *s)
 {
     const int first = s->count / 3, last = s->count - 1 - s->count / 4;
@@ -55,16 +58,17 @@ static double shrinking_power(const struct shrinking *s)
 
 /* ---- following ---- */
 
+/* Method, accuracy and limits with which a solution is followed. */
 struct pursuit {
     const char *method_name;
     double tol;
     int64_t steps_max;
-    /* Part of the way: shorter steps make no progress, though steps to a switch may be shorter. */
+    /* Steps shorter than this part of the way so far count as no progress. */
     double creep;
 };
 
-/* Natural sizes may have been taken from a solution on its way to infinity: at most those of where
- * it starts. */
+/* Returns the system with natural sizes at most those of the state y [n], from which it is
+ * followed: the sizes may have been taken from a solution on its way to infinity. */
 static struct system with_start_scale(const struct system *system, const double *y)
 {
     struct system scaled = *system;
@@ -86,6 +90,8 @@ static bool is_large(const struct system *system, const double *y)
     return large;
 }
 
+/* Follows a solution from y [n] at t to `end`, as `pursuit` says, and fills *followed: the solution
+ * ends if steps make no more progress and the speed has grown as it does before a singularity. */
 static void pursue(const struct system *system, double t, const double *y, double end,
                    const struct pursuit *pursuit, const struct cancel *cancel,
                    struct followed *followed)
@@ -133,7 +139,7 @@ void run_follow(const struct system *system, double t, const double *y, double e
 void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
                         double tol, const struct cancel *cancel, struct followed *followed)
 {
-    /* The linear equations of radau5 are far dearer in many variables. */
+    /* radau5 is for stiff equations; its linear systems take far longer in many variables. */
     const struct pursuit smooth = {"dop853", tol, 32, 0}, stiff = {"radau5", tol, 2000, 0};
     pursue(system, t, y, end, &smooth, cancel, followed);
     if (followed->t != end)

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Fixed steps that are far too long. A method goes on even where a step is nonsense: one that jumps
- * across the end of the solution, one of a Rosenbrock method next to a stiff transient, one that
- * rings between both sides of 0. So a step that looks strange is compared with the solution from
- * where it began.
- */
+/* Fixed steps that are far too long. A method continues even where a step is nonsense: one that
+ * jumps across the end of the solution, one of a Rosenbrock method next to a stiff transient, one
+ * that oscillates between both sides of 0. A step that looks strange by its slopes is compared with
+ * the solution from where it began. */
 #include <hooke/base/cancel.h>
 #include "run/private.h"
 
@@ -25,7 +23,8 @@ static bool looks_strange(double h, double y, double slope, double middle_slope,
            !(fabs(h * (middle_slope - mean)) <= deviation_max * size);
 }
 
-/* The step from row i to the next. */
+/* Returns true if the step from row i to the next looks strange; false also if it is not one whole
+ * step. */
 static bool step_looks_strange(const struct run *run, size_t i)
 {
     const struct trace *trace = run->trace;
@@ -49,7 +48,7 @@ static bool step_looks_strange(const struct run *run, size_t i)
 
 /* ---- comparing ---- */
 
-/* Returns the largest value of a state in natural sizes. */
+/* Returns the largest magnitude of a state in natural sizes. */
 static double scaled_size(const struct system *system, const double *y)
 {
     double max = 0;
@@ -58,8 +57,8 @@ static double scaled_size(const struct system *system, const double *y)
     return max;
 }
 
-/* Sets the sizes that errors of a step over h from row i are seen in: values before and after it,
- * by the solution, and some steps later where a drive has just begun to move what was at rest. */
+/* Sets size [n], the units of errors of a step over h from row i: the values before and after it,
+ * those of the solution, and later ones where a drive has only begun to move what was at rest. */
 static void find_sizes(const struct run *run, size_t i, double h, const double *solution,
                        double *size)
 {
@@ -77,8 +76,8 @@ static void find_sizes(const struct run *run, size_t i, double h, const double *
             size[k] = fmax(size[k], fabs(later[k]));
 }
 
-/* Compares the step from row i to the next with the solution from there, as far as that was
- * followed: run->unsound is the worst step of which nothing is left. */
+/* Compares the step from row i to the next with the solution from there, as far as that can be
+ * followed. Sets run->unsound if the error is the worst so far and no digit is left. */
 static void check_step(struct run *run, size_t i)
 {
     /* Values that are not followed to the end must have grown by this factor, so that oscillations
@@ -107,8 +106,8 @@ static void check_step(struct run *run, size_t i)
     }
 }
 
-/* Returns true if the solution ends in the step from row i to the next, or soon: a method may pass
- * too early, or the step before it stand out. */
+/* Returns true, and stops the run, if the solution ends in the step from row i to the next, or soon
+ * after it: a method may pass the end too early, or an earlier step stand out. */
 static bool ends_near(struct run *run, size_t i)
 {
     static const double steps_beyond = 64;
@@ -121,11 +120,12 @@ static bool ends_near(struct run *run, size_t i)
     return !goes_on && run_end_singular(run, &followed);
 }
 
-/* ---- rows to look at ---- */
+/* ---- choosing rows to examine ---- */
 
-/* Returns the row before the change of a variable that stands out most among its changes in a block
- * of rows, or the first row if none does. Sets *count to the rows of the block: at most that many,
- * which follow each other in memory and fill whole vectors, or 1. */
+/* Returns the row before the largest change of a variable, relative to the mean of its changes, in
+ * a block of rows, or the first row if no change stands out. The block begins at row `block`;
+ * *count is its largest number of rows on entry, and on return the number used: rows that follow
+ * each other in memory and fill whole vectors, or 1. */
 CLONES static size_t row_that_stands_out(const struct trace *trace, size_t block, size_t *count)
 {
     static const double times_mean = 2; /* the largest change of a sine is 1.6 times their mean */
@@ -178,7 +178,7 @@ void run_find_strange_steps(struct run *run)
     enum { LOOK_EACH = 512, CHECKS_EACH = 64 }; /* all steps are checked up to that many */
     struct run_private *p = run->private_state;
     const size_t rows = trace_count(run->trace), start = run_own_start(run);
-    if (p->looked >= rows) /* it went back */
+    if (p->looked >= rows) /* the run went back */
         p->looked = p->checks = 0;
     const size_t first = p->looked > start ? p->looked : start;
     bool picks;
@@ -186,11 +186,11 @@ void run_find_strange_steps(struct run *run)
                                            (double)(rows - first), &picks),
                  stride = 1 + (rows - first) / max;
     picks &= stride >= VECTOR_LANES;
-    size_t strange = rows; /* the last one, if it was not looked into */
+    size_t strange = rows; /* last strange step for which ends_near() was not called; else rows */
     p->looked = rows - 1;
     for (size_t block = first, count = stride; block + 1 < rows; block += count, count = stride) {
         if (block % (stride * LOOK_EACH) < stride && cancelled(run->cancel)) {
-            p->looked = block; /* the rest next time */
+            p->looked = block; /* the next call continues there */
             return;
         }
         const size_t i = picks ? row_that_stands_out(run->trace, block, &count) : block;

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The price of an evaluation, by the operations in the text of its forces. Built-in terms have that
- * text in their rows, typed ones in their lines.
- */
+/* Prices of evaluations: the operators and functions in the text of the forces are counted.
+ * Built-in terms have that text in their rows, typed ones in their lines. The constants were
+ * measured, see price.c. */
 #include "run/price/evaluation.h"
 
 #include <hooke/scene/typed.h>
 
 #include <ctype.h>
 
-/* Instructions of an operator in a built-in term, whose constants are computed beforehand, and in a
- * program that is interpreted; of a function as sin or exp. */
+/* Instructions for an operator in a built-in term, whose constants are computed beforehand; for one
+ * in an interpreted program; and for a function such as sin or exp. */
 static const double per_operator = 1.2, per_operator_typed = 6, per_function = 95;
 
-/* Functions that are single instructions, or a few. */
+/* Returns true for functions that are one instruction or a few. */
 static bool is_cheap(struct text name)
 {
     static const char *const cheap[] = {"abs", "sign", "sqrt", "hypot", "min", "max", "if"};
@@ -23,6 +22,8 @@ static bool is_cheap(struct text name)
     return false;
 }
 
+/* Returns the price of evaluating an expression, by its text, if an operator has the price
+ * an_operator. */
 static double text_price(struct text text, double an_operator)
 {
     double price = 0;
@@ -40,6 +41,8 @@ static double text_price(struct text text, double an_operator)
     return price;
 }
 
+/* Returns the price of all typed equations and forces; 0 for other scenes. A potential is
+ * differentiated, which doubles its price. */
 static double typed_price(const struct model *model)
 {
     double price = 0;

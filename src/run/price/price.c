@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Prices of operations in instructions, and the two lists that `plan` makes of them. Constants were
- * counted by callgrind (x86-64, gcc -O2); tests/growth/prices.py counts them again. They are true
- * to a factor of about 1.5, which is what a decision needs.
- */
+/* Prices in instructions of what a run does, and the two lists that `plan` makes of them: computed
+ * and left out. The constants were counted by callgrind (x86-64, gcc -O2); tests/growth/prices.py
+ * counts them again. They hold within a factor of about 1.5, which suffices for a decision. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/number.h>
 #include <hooke/run/price.h>
@@ -19,9 +17,11 @@
 
 /* ---- parts of a run ---- */
 
+/* Instructions to set up a run, to compile typed equations for it, and for its summary. */
 static const double setting_up = 10e3, setting_up_typed = 160e3, summary = 20e3;
 
-/* Instructions of all steps. */
+/* Returns the instructions of all steps, in the way that they will be made: propagator, adaptive or
+ * implicit, multistep, general, or by a kernel. */
 static double steps_price(const struct run_scenario *s, const struct run_work *work)
 {
     const struct method *method = s->method;
@@ -43,9 +43,9 @@ static double steps_price(const struct run_scenario *s, const struct run_work *w
            work->evals * (4 * n + evaluation_price(s->system));
 }
 
-/* Instructions for recording: blocks of steps are computed in place and their range is checked,
- * rows of long runs are chosen among them; adaptive steps without a kernel are recorded one by one.
- */
+/* Returns the instructions for recording. Blocks of steps are computed in the trace and their range
+ * is checked; of long runs rows are chosen; adaptive steps without a kernel are recorded one by
+ * one. */
 static double rows_price(const struct run_scenario *s, const struct run_work *work)
 {
     static const double in_place = 3.3, in_place_adaptive = 30, one_by_one = 135, thinned = 30;
@@ -62,8 +62,8 @@ static double rows_price(const struct run_scenario *s, const struct run_work *wo
     return (each + (thins ? thinned : 0)) * work->steps;
 }
 
-/* Instructions for the rows that run_find_strange_steps() compares with their slopes, or whose
- * adaptive steps are compared in length. */
+/* Returns the instructions of run_diagnose(): rows that run_find_strange_steps() compares with
+ * their slopes, or lengths of adaptive steps that are compared. */
 static double strange_price(const struct run_scenario *s, const struct run_work *work)
 {
     const struct recording_rule *record = &s->settings->record;
@@ -83,10 +83,10 @@ static double strange_price(const struct run_scenario *s, const struct run_work 
            (picks && looked < work->steps ? a_block * looked + a_change * work->steps : 0);
 }
 
-/* Instructions for one row of the energy balance. */
+/* Returns the instructions for one step of the energy balance. */
 static double balance_row_price(const struct run_scenario *s)
 {
-    /* Work in a long step of an adaptive run is found by solving it again. */
+    /* The work in a long step of an adaptive run is found by solving the equations again. */
     static const double integrated = 3600, work_typed = 4000, solved = 20e3, solved_typed = 50e3,
                         plain = 21, several = 65, work_linear = 55, work = 105, across_kink = 90;
     const struct system *system = s->system;
@@ -104,6 +104,7 @@ static double balance_row_price(const struct run_scenario *s)
     return system->n == 2 ? plain + forces / 4 : several * system->n;
 }
 
+/* Returns true if rows are more than a step apart. */
 static bool has_apart_rows(const struct run_scenario *s, const struct run_work *work)
 {
     const struct recording_rule *record = &s->settings->record;
@@ -111,27 +112,30 @@ static bool has_apart_rows(const struct run_scenario *s, const struct run_work *
            (record->rule == RECORD_AUTO && !(work->steps < LIMIT_SAMPLES));
 }
 
-/* Returns true if the balance is kept while the run steps, because its rows are apart and its steps
- * cannot be taken again. */
+/* Returns true if the balance is kept while the run steps, because its rows are more than a step
+ * apart and its steps cannot be repeated. */
 static bool keeps_balance(const struct run_scenario *s, const struct run_work *work)
 {
     return has_apart_rows(s, work) &&
            (s->settings->record.rule == RECORD_TIMES || s->settings->compensated || s->events);
 }
 
+/* Returns true if the summary of the run shows the energy balance of all steps. */
 static bool balances(const struct run_scenario *s, const struct run_work *work)
 {
     return s->system->energy &&
            (keeps_balance(s, work) || ledger_is_brief(s->plan, (int64_t)work->steps));
 }
 
-/* Instructions for the balance of all steps, which takes them again where rows are apart. */
+/* Returns the instructions for the balance of all steps, which are repeated where rows are more
+ * than a step apart. */
 static double balance_price(const struct run_scenario *s, const struct run_work *work)
 {
     const bool again = has_apart_rows(s, work) && !keeps_balance(s, work);
     return balance_row_price(s) * work->steps + (again ? steps_price(s, work) : 0);
 }
 
+/* Returns the instructions of run_missed_burst(); 0 if it does not search this run. */
 static double bursts_price(const struct run_scenario *s, const struct run_work *work)
 {
     static const double built_in = 270, a_look = 1750, ways_max = 256;
@@ -144,8 +148,8 @@ static double bursts_price(const struct run_scenario *s, const struct run_work *
                : built_in * ways;
 }
 
-/* Instructions for reply_unresolved(): 512 evaluations at other times than those of steps, and some
- * in each step that is looked at for pulses. */
+/* Returns the instructions of run_force_unresolved(): 512 evaluations at other times than those of
+ * steps, and some in each step that is examined for pulses. */
 static double unresolved_price(const struct run_scenario *s, const struct run_work *work)
 {
     const bool looks = !s->plan->adaptive && !run_force_is_slow(s->system, s->settings->dt) &&
@@ -158,6 +162,7 @@ static double unresolved_price(const struct run_scenario *s, const struct run_wo
                : 0;
 }
 
+/* Returns the instructions of the second opinion. */
 static double opinion_price(const struct run_scenario *s, const struct run_work *work)
 {
     static const double begun = 50e3; /* stiffness, a look for variables at rest */
@@ -170,20 +175,23 @@ static double opinion_price(const struct run_scenario *s, const struct run_work 
 
 /* ---- lists ---- */
 
+/* One item of a list. */
 struct entry {
     char what[160];
-    double price; /* instructions; NAN if it is not listed with a price */
+    double price; /* instructions; NAN if it is listed without a price */
 };
 
 enum { ENTRIES_MAX = 16 };
 
+/* A list of what a run computes or leaves out, with prices. */
 struct list {
     struct entry entry[ENTRIES_MAX];
     int count;
-    bool of_the_run;  /* the first entry says what the percentages are of */
-    const char *note; /* note after the last entry */
+    bool of_the_run;  /* "of the run" follows the first percentage */
+    const char *note; /* text after the last entry */
 };
 
+/* Adds an item, unless its price is 0 or the list is full. */
 static void list_add(struct list *list, double price, const char *what)
 {
     if (price == 0 || list->count == ENTRIES_MAX)
@@ -193,8 +201,8 @@ static void list_add(struct list *list, double price, const char *what)
     entry->price = price;
 }
 
-/* Appends words in lines of at most 79 columns, behind a heading of ten; a percent sign stays with
- * its number. */
+/* Appends words in lines of at most 79 columns, the first of which begins with a heading of ten
+ * columns. A percent sign stays on the line of its number. */
 static void put_wrapped(const char *heading, struct text words, struct buffer *text)
 {
     enum { INDENT = 10, COLUMNS = 79 };
@@ -241,6 +249,7 @@ static void list_put(const struct list *list, const char *heading, double whole,
     buffer_free(&words);
 }
 
+/* Adds what the run will compute. */
 static void add_computed(const struct run_scenario *s, const struct run_work *work,
                          struct list *list)
 {
@@ -274,7 +283,7 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
         list_add(list, NAN, "events, in each step");
 }
 
-/* Names of the forces whose coefficient is 0. */
+/* Adds the names of the forces whose coefficient is 0, as one item. */
 static void add_absent_forces(const struct system *system, struct list *list)
 {
     struct buffer names = {0};
@@ -293,6 +302,7 @@ static void add_absent_forces(const struct system *system, struct list *list)
     buffer_free(&names);
 }
 
+/* Returns true if `name` is a column of each row: time or a state variable. */
 static bool is_state(const struct system *system, const char *name)
 {
     bool found = text_is(TEXT("t"), name);
@@ -301,7 +311,7 @@ static bool is_state(const struct system *system, const char *name)
     return found;
 }
 
-/* The columns that need the same: the closed form, the energy balance, or neither. */
+/* Groups of observables by what they need: nothing, the energy balance, or the closed form. */
 enum column_kind { COLUMNS_PLAIN, COLUMNS_BALANCE, COLUMNS_EXACT };
 
 static enum column_kind column_kind(const struct observable *o)
@@ -311,6 +321,8 @@ static enum column_kind column_kind(const struct observable *o)
     return o->needs & NEED_WORK ? COLUMNS_BALANCE : COLUMNS_PLAIN;
 }
 
+/* Adds the names of all observables of one kind that are defined for the run, as one item with a
+ * note after it. */
 static void add_columns(const struct run_scenario *s, enum column_kind kind, double price,
                         const char *note, struct list *list)
 {
@@ -329,7 +341,7 @@ static void add_columns(const struct run_scenario *s, enum column_kind kind, dou
     buffer_free(&names);
 }
 
-/* The dearest that following the solution of a run that fails may be (diagnose.c). */
+/* Returns the largest price of following the solution of a run that fails (diagnose.c). */
 static double follow_price(const struct run_scenario *s, const struct run_work *work)
 {
     static const double evals = 12;
@@ -337,6 +349,7 @@ static double follow_price(const struct run_scenario *s, const struct run_work *
            solver_evaluation_price(s->system, method_find("dop853"), true);
 }
 
+/* Returns how many rows the recording rule asks for. */
 static double recorded_rows(const struct run_scenario *s, const struct run_work *work)
 {
     const struct recording_rule *record = &s->settings->record;
@@ -345,6 +358,7 @@ static double recorded_rows(const struct run_scenario *s, const struct run_work 
     return record->rule == RECORD_EVERY ? work->steps / (double)record->every : work->steps;
 }
 
+/* Adds what the run leaves out, with the price if it were requested. */
 static void add_left_out(const struct run_scenario *s, const struct run_work *work,
                          struct list *list)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Counts what a run will do, where necessary by trying its first steps. */
+/* run_work_count(): counts the steps and evaluations of a run for `plan`, and tries its first steps
+ * where they cannot be known beforehand. */
 #include <hooke/run/price.h>
 
 #include "run/private.h"
@@ -8,19 +9,22 @@
 
 enum { TRIAL_STEPS = 2000 }; /* Steps tried, over the number of variables: some milliseconds. */
 
+/* Returns evaluations and Jacobians together. */
 static double evaluations(const struct cost *cost)
 {
     return (double)(cost->evals + cost->jacobians);
 }
 
-/* Evaluations of iterations, of starters, and of steps that end at turning points are not known
- * before, nor is the number of adaptive steps. */
+/* Returns true if the work is not known beforehand: evaluations of iterations, of starting steps of
+ * multistep methods, and of steps that end at turning points, and the number of adaptive steps. */
 static bool has_unknown_work(const struct run_scenario *s)
 {
     return s->plan->adaptive || method_turns(s->method, s->system) ||
            s->method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
 }
 
+/* Counts the work of the second opinion by having one of the trial run; `scale` is the ratio of the
+ * whole run to the trial. Does nothing if none is wanted. */
 static void count_second(const struct run_scenario *s, struct run *trial, double scale,
                          struct run_work *work)
 {
@@ -37,6 +41,8 @@ static void count_second(const struct run_scenario *s, struct run *trial, double
     work->second = trial->opinion.method;
 }
 
+/* Runs up to TRIAL_STEPS first steps, and extrapolates steps and evaluations to the whole span.
+ * Leaves *work as it is if no run can be created. */
 static void try_steps(const struct run_scenario *s, struct run_work *work)
 {
     const int64_t max = TRIAL_STEPS / s->system->n;
@@ -60,6 +66,7 @@ static void try_steps(const struct run_scenario *s, struct run_work *work)
     work->failed = trial->steps == 0;
     double scale = 1;
     if (trial->steps > 0) {
+        /* The trial was the whole run if it stopped by itself or reached the end. */
         work->whole =
             trial->stop != STOP_END || trial->t == t_end || (double)trial->steps >= s->plan->steps;
         if (!work->whole)
