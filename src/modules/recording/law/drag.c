@@ -1,28 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the law by which the oscillation decays: the equation of motion under each law is
- * integrated (equation.c) and fitted to all samples (law_fit.c); the averaged envelope is only the
- * start of the search. Which samples take part, and whether the baseline wanders, is judged by the
- * residuals of the most general law, not by those of the damped sine.
- */
+/* Finds the law by which an oscillation decays (drag_laws()): the equation of motion under each law
+ * is integrated (equation.c) and fitted to all samples (law_fit.c), starting from the averaged
+ * envelope. Which samples take part, and whether the baseline wanders, is judged by the residuals
+ * of the most general law, not by those of the damped sine. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include "modules/recording/law/drag.h"
 
 #include <string.h>
 
+/* Rounds between samples in use and fits. */
 enum { ROUNDS = 4 };
 
-/* samples, from which on a step of ten standard deviations is trusted in the end */
+/* Samples above which the final fits are as rough as the search (see the next constants). */
 #define LONG_RECORDING_SAMPLES 100000
-/* A step that promises to gain fewer variances is taken without evaluation. */
+/* A step that promises to gain fewer variances is taken without evaluation: in the search, and in
+ * the end. */
 #define SEARCH_PROMISE_VARIANCES 100.0
-#define FINAL_PROMISE_VARIANCES 1e-3 /* the same at the end of the search */
-#define REJECT_AT 5.0                /* robust standard deviations */
-/* Values count as clipped only if at least this part of them is off. */
+#define FINAL_PROMISE_VARIANCES 1e-3
+#define REJECT_AT 5.0 /* robust standard deviations from which on a sample is left out */
+/* Samples stay clipped only if at least this part of them is off the law. */
 #define CLIPPED_OFF_MIN_FRACTION 0.2
+/* Periods in a block of a wandering baseline. */
 #define BASELINE_PERIODS 3
-/* variance that a baseline of its own takes in each block, over that of the residuals */
+/* The baseline wanders if a block's own baseline removes more than this multiple of the variance of
+ * the residuals. */
 #define WANDERING_VARIANCE_RATIO 2.0
 
 int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
@@ -41,8 +43,8 @@ int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PA
 
 /* ---- the fits ---- */
 
-/* The law alone from the rates of the envelope; a sum from the best of what it contains, its
- * further term at 0. */
+/* Sets the start of law i: a single law from the rates of the envelope; a sum from the best fit of
+ * a law that it contains, with its further term at 0. */
 static void begin_law(struct drag_fitting *f, int i)
 {
     const enum drag_law law = (enum drag_law)(i + 1);
@@ -59,7 +61,7 @@ static void begin_law(struct drag_fitting *f, int i)
         fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
 }
 
-/* A few sizes of a single rate: the best is where it begins. */
+/* Tries a few sizes of a single rate and starts from the best. */
 static void drag_fit_scan(const struct drag_fitting *f, struct law_fit *fit)
 {
     static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
@@ -76,6 +78,8 @@ static void drag_fit_scan(const struct drag_fitting *f, struct law_fit *fit)
     *rate = best;
 }
 
+/* Fits law i, from its last answer if `again`, else from a new start; a single law that fails is
+ * tried from other sizes. trust is that of law_descend(). */
 static void fit_law(struct drag_fitting *f, int i, bool again, double trust)
 {
     struct law_fit *fit = &f->fit[i];
@@ -90,13 +94,14 @@ static void fit_law(struct drag_fitting *f, int i, bool again, double trust)
     law_descend(&f->samples, trust, f->rounding, fit);
 }
 
+/* Fits all laws. */
 static void fit_laws(struct drag_fitting *f, bool again, double trust)
 {
     for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++)
         fit_law(f, i, again, trust);
 }
 
-/* Returns the law that comes nearest to the samples, or -1 if none converged. */
+/* Returns the law with the smallest sum of squares, or -1 if none converged. */
 static int nearest(const struct drag_fitting *f)
 {
     int best = -1;
@@ -108,6 +113,7 @@ static int nearest(const struct drag_fitting *f)
 
 /* ---- which samples, which baseline ---- */
 
+/* Sets a baseline of one block, a constant or a straight line. */
 static void one_block(struct drag_fitting *f, int terms)
 {
     struct baseline *baseline = &f->samples.baseline;
@@ -116,7 +122,7 @@ static void one_block(struct drag_fitting *f, int terms)
     f->edge[1] = f->motion->samples.n;
 }
 
-/* A parabola in every three periods. */
+/* Returns a baseline with a parabola in every three periods; edge receives the blocks' limits. */
 static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
 {
     const struct samples *x = &f->motion->samples;
@@ -134,7 +140,7 @@ static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
     return baseline;
 }
 
-/* Returns true if the residuals of the nearest law require a baseline in every block. */
+/* Returns true if the residuals of law `index` require a baseline in every block. */
 static bool wanders(struct drag_fitting *f, int index, size_t *edge)
 {
     struct law_samples local = f->samples;
@@ -152,8 +158,8 @@ static bool wanders(struct drag_fitting *f, int index, size_t *edge)
            (WANDERING_VARIANCE_RATIO + 3 * sqrt(2 / more)) * local_squares / left;
 }
 
-/* Samples far off the nearest law do not take part; residual of all of them. Returns how many
- * changed sides. */
+/* Decides which samples take part, by the residuals of the nearest law. Returns how many changed
+ * sides. */
 static size_t judge_samples(struct drag_fitting *f, const double *residual)
 {
     struct motion *m = f->motion;
@@ -186,11 +192,10 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
     return changed;
 }
 
-/*
- * The point at which friction stops a body is a triangle function of the friction, a tooth for each
- * half swing: a long rest at the end has an answer in every tooth. So what moves comes first, and
- * finds the right one. Returns false if it does not come to rest.
- */
+/* Fits the laws to the moving part only. The point at which friction stops a body is a periodic
+ * function of the friction, with a tooth for each half swing, so that a long rest at the end has a
+ * solution in every tooth; the moving part finds the right one. Returns false if the body does not
+ * come to rest. */
 static bool fit_motion_first(struct drag_fitting *f)
 {
     const struct samples *x = &f->motion->samples;
@@ -203,8 +208,8 @@ static bool fit_motion_first(struct drag_fitting *f)
     return true;
 }
 
-/* Chooses samples and fits in turn until both agree. Returns false if no law converged or if
- * cancelled. */
+/* Chooses samples and fits alternately until both agree. edge [blocks + 1] is memory for a
+ * wandering baseline. Returns false if no law converged or if cancelled. */
 static bool settle_samples(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
@@ -233,7 +238,7 @@ static bool settle_samples(struct drag_fitting *f, size_t *edge)
 
 /* ---- the whole ---- */
 
-/* Sets the start of the search: the damped sine at t0, as a position. */
+/* Sets the start of the search: the damped sine at t0, converted to a position. */
 static void begin_drag_fitting(const struct motion *m, struct drag_fitting *f)
 {
     const struct harmonic *h = &m->harmonic;
@@ -251,7 +256,8 @@ static void begin_drag_fitting(const struct motion *m, struct drag_fitting *f)
     f->start.value[EQUATION_OMEGA] = sqrt(square);
 }
 
-/* A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 - 2 f/(pi omega): Nayfeh & Mook 1979, 3.3 */
+/* Estimates the rates of all terms from the envelope: A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 -
+ * 2 f/(pi omega) (Nayfeh & Mook 1979, 3.3). span [s] is the length of the series. */
 static void guess_rates(const struct envelope_rates rates[3], double span, struct drag_fitting *f)
 {
     const double *value = f->start.value, omega = value[EQUATION_OMEGA];
@@ -265,6 +271,7 @@ static void guess_rates(const struct envelope_rates rates[3], double span, struc
     f->rounding = INTEGRATION_ROUNDING_SQUARED * f->size * f->size;
 }
 
+/* Sets up the fits of all laws. Returns false if out of memory. */
 static bool prepare_drag_fitting(struct motion *m, enum quantity quantity, struct arena *arena,
                                  struct drag_fitting *f)
 {
@@ -286,7 +293,8 @@ static bool prepare_drag_fitting(struct motion *m, enum quantity quantity, struc
     return true;
 }
 
-/* Chooses the restoring force; the laws of damping are then those under it. */
+/* Chooses the restoring force; the laws of damping are then fitted under it. Returns false if no
+ * force can be fitted. */
 static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
     const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
@@ -329,6 +337,8 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
         return error_set(error, ERROR_NUMERICAL,
                          "no law of damping could be fitted because the search did not converge");
     struct law_evidence evidence = {.fit = f.fit};
+    /* Slow changes (sway) reduce the number of independent residuals; beyond DRAG_WIDENED the
+     * windows are the independent data. */
     evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
     const bool by_windows = factors.amplitude > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_MIN;
@@ -343,7 +353,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     if (!drag_report_offset(&f, &f.fit[best], &factors, arena, result))
         return error_memory(error);
     drag_report(&f, best, &factors, result);
-    /* the counts of left-out samples become those of this fit */
+    /* The samples left out are then those of this fit. */
     m->clipped = m->clipped < result->rejected ? m->clipped : 0;
     m->rejected = result->rejected;
     memcpy(m->samples.use, f.use, m->samples.n);

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Judges the fits of the laws, and names their values as those of the damped sine. */
+/* Turns the fits of laws into results: factors of uncertainties, energy losses, and the values
+ * under the names of the damped sine. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/law/drag.h"
 
+/* Largest number of windows for slow changes. */
 enum { WINDOWS_MAX = 256 };
 
-/* The frequency of the damped oscillation. */
+/* Returns the frequency of the damped oscillation. */
 static double damped(double omega, double gamma)
 {
     return sqrt(fmax(omega * omega - 0.25 * gamma * gamma, 0));
@@ -13,11 +15,13 @@ static double damped(double omega, double gamma)
 
 /* ---- uncertainties ---- */
 
-/* Sums of slow changes in one direction of the oscillation, window by window. */
+/* Sums over windows of the residuals' component in one direction (in phase or in quadrature). */
 struct windows {
     double square, product, expected, previous, count;
 };
 
+/* Adds a window: its sum of residual times direction, the squared norm of the direction, and the
+ * variance expected of independent residuals. */
 static void add_window(struct windows *w, double sum, double norm, double variance)
 {
     const double z = sum / sqrt(norm);
@@ -28,6 +32,8 @@ static void add_window(struct windows *w, double sum, double norm, double varian
     w->count++;
 }
 
+/* Returns the factor of the variance, including the correlation of neighbouring windows; from the
+ * lag-1 autocorrelation if there are too few windows. */
 static double factor_of(const struct windows *w, double lag)
 {
     if (w->count < DRAG_WINDOWS_MIN || !(w->expected > 0))
@@ -37,12 +43,9 @@ static double factor_of(const struct windows *w, double lag)
     return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
 }
 
-/*
- * Computes by how much slow changes of the amplitude (sway) and of the phase make the variance of
- * rates and of the frequency larger than independent residuals would: from the residuals' part in
- * phase with the motion and with its velocity, in windows of two periods, relative to their own
- * size, and with its correlation from window to window.
- */
+/* The residuals' components in phase with the motion and with its velocity are summed in windows of
+ * two periods. Slow changes of the amplitude (sway) and of the phase make these sums larger than
+ * independent residuals would, and correlate neighbouring windows. */
 bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
                   struct drag_factors *factors)
 {
@@ -97,7 +100,7 @@ bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
     return true;
 }
 
-/* Energy per mass that a rate of 1 takes along the motion: the sums of v^2, |v|^3 and |v|. */
+/* Sums v^2, |v|^3 and |v| over points of the motion. */
 void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
 {
     enum { POINTS = 4096 };
@@ -164,8 +167,8 @@ bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
     return true;
 }
 
-/* Sets the covariance of all fitted parameters, with the reported standard deviations
- * [parameters]. */
+/* Sets the covariances of all fitted parameters, with the standard deviations [parameters] that are
+ * reported. */
 static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *result)
 {
     *result = (struct fit_covariance){.n = EQUATION_OFFSET};
@@ -175,7 +178,7 @@ static void cover(const struct law_fit *fit, const double *deviation, struct fit
                 deviation[i] * deviation[j] * fit->inverse[i][j];
 }
 
-/* The values of a fit that has one law, with the names of the damped sine. */
+/* Converts the motion's state and rates to amplitude, phase and frequency of a damped sine. */
 void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
                  struct fit *result)
 {
@@ -201,7 +204,7 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     result->amplitude = (struct measured){a * grow, radial * grow};
     result->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
     result->omega = (struct measured){omega, law_formal(fit, OMEGA) * phase_widening};
-    /* a period that drifts is only as good as half the difference */
+    /* If the period drifts, its uncertainty is at least half the difference of the halves. */
     const struct measured *half = result->half_periods;
     const double drifts = fabs(half[0].value - half[1].value);
     if (fit->motion.force == RESTORING_LINEAR &&

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The motion of a mass under a restoring force and a law of damping,
- *     y'' + gamma y' + b |y'| y' + f sign(y') + R(y) = 0,  R = omega^2 y, omega^2 y + beta y^3 or
- * omega^2 sin(y), and its derivatives by everything in it. Between two turning points the sign of
- * y' is constant and the solution is analytic: Taylor series of it and of its variational equations
- * (Moore 1966, Interval Analysis, ch. 11), in the time unit 1/omega. At a turning point the
- * friction jumps; the variations of y' jump with the acceleration (saltation: Aizerman & Gantmakher
- * 1958). Where the spring is weaker than the friction there, the motion ends.
- */
+/* The motion of a mass under a restoring force and a law of damping, y'' + gamma y' + b |y'| y' + f
+ * sign(y') + R(y) = 0 with R = omega^2 y, omega^2 y + beta y^3 or omega^2 sin(y), and its
+ * derivatives by all parameters. Between two turning points the sign of y' is constant and the
+ * solution is analytic: Taylor series of it and of its variational equations (Moore 1966, Interval
+ * Analysis, ch. 11), in the time unit 1/omega. At a turning point the friction jumps, and the
+ * variations of y' jump with the acceleration (saltation: Aizerman & Gantmakher 1958). If the
+ * spring is weaker than the friction there, the motion ends. */
 #include "modules/recording/series/internal.h"
 
 #include <hooke/scene.h>
@@ -15,6 +13,8 @@
 #include <string.h>
 
 enum {
+    /* Order of the Taylor series, number of columns, and the column of the derivative by each
+     * parameter. */
     ORDER = 18,
     COLUMNS = EQUATION_COLUMNS,
     OF_START = 1,
@@ -26,23 +26,24 @@ enum {
     OF_CUBIC
 };
 
-#define STEP_MAX 1.2 /* [rad] */
-/* share of the series that its last term may have: what follows is ten times smaller */
+/* [rad] Longest step. */
+#define STEP_MAX 1.2
+/* Relative size of the series' last term; the neglected terms are ten times smaller. */
 #define STEP_ROUNDING_RELATIVE 1e-15
 
 _Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
                "a column for each parameter of the motion");
 
-/* A coefficient of all columns. */
+/* The Taylor coefficients of one order, in all columns. */
 typedef double row __attribute__((vector_size(COLUMNS * sizeof(double)), aligned(8), may_alias));
 
-/* Coefficients of R/omega^2: of sin(y) or y^2, of R', of y^3. */
+/* Taylor coefficients: of sin(y) or y^2, of the derivative R'(y)/omega^2, and of y^3. */
 struct restoring {
     double first[ORDER], slope[ORDER], cube[ORDER];
 };
 
-/* That of order k, from the coefficients y of the motion up to it: c [k + 1][..] from column 0 on.
- */
+/* Returns the Taylor coefficient of order k of R/omega^2, from those of the motion up to order k,
+ * and stores the coefficients of its parts in *r. */
 static double restore(const struct equation_walk *s, int k, struct restoring *r)
 {
     const double(*c)[COLUMNS] = s->c;
@@ -65,6 +66,7 @@ static double restore(const struct equation_walk *s, int k, struct restoring *r)
     return c[k][0] + s->cubic * r->cube[k];
 }
 
+/* Returns the restoring force R/omega^2 at y. */
 static double restoring_at(const struct equation_walk *s, double y)
 {
     if (s->force == RESTORING_LINEAR)
@@ -72,7 +74,7 @@ static double restoring_at(const struct equation_walk *s, double y)
     return s->force == RESTORING_SINE ? sin(y) : y + s->cubic * y * y * y;
 }
 
-/* Taylor coefficients from those of orders 0 and 1. */
+/* Computes the Taylor coefficients of the motion from those of orders 0 and 1. */
 static void expand_values(struct equation_walk *s)
 {
     double rate[ORDER];
@@ -89,8 +91,8 @@ static void expand_values(struct equation_walk *s)
     }
 }
 
-/* The same with the derivatives: each is a motion in the linear equation along the motion, driven
- * by its parameter. */
+/* Does the same with all derivatives: each solves the linear equation along the motion, driven by
+ * its parameter. */
 static void expand_slopes(struct equation_walk *s)
 {
     row rate[ORDER];
@@ -122,6 +124,7 @@ static void expand_slopes(struct equation_walk *s)
     }
 }
 
+/* Computes the Taylor series of the next step; at rest all higher coefficients are 0. */
 static void expand(struct equation_walk *s)
 {
     if (s->side == 0)
@@ -132,7 +135,7 @@ static void expand(struct equation_walk *s)
         expand_values(s);
 }
 
-/* Returns the factor of the derivative of x^k of order 0, 1 or 2. */
+/* Returns the factor of x^(k - order) in the derivative of x^k, for order 0, 1 or 2. */
 static inline double power_factor(int k, int order)
 {
     if (order == 0)
@@ -140,8 +143,8 @@ static inline double power_factor(int k, int order)
     return order == 1 ? k : k * (k - 1);
 }
 
-/* Computes the derivative by time of the given order, of the first column or of all, at x after the
- * start of the step. */
+/* Computes the derivative by time of the given order, of the motion or of all columns, at x after
+ * the start of the step. */
 static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
                             double *result)
 {
@@ -158,6 +161,7 @@ static void evaluate_series(const struct equation_walk *s, double x, int order, 
     *(row *)result = sum;
 }
 
+/* Returns the velocity at x after the start of the step; for root_between(). */
 static double speed(void *walk, double x)
 {
     double v;
@@ -165,7 +169,7 @@ static double speed(void *walk, double x)
     return v;
 }
 
-/* Returns the time in (0, h] at which the velocity changes its sign. */
+/* Returns the time in (0, h] at which the velocity changes its sign; v is the velocity at h. */
 static double turning_time(struct equation_walk *s, double h, double v)
 {
     double low = 0, at_low = speed(s, 0);
@@ -178,13 +182,14 @@ static double turning_time(struct equation_walk *s, double h, double v)
     return root_between(speed, s, low, at_low, h, v, 1e-15 * h);
 }
 
-/* Returns the direction in which it continues from v = 0, or 0 if it sticks. */
+/* Returns the direction in which the motion continues from v = 0, or 0 if it sticks. */
 static double direction(const struct equation_walk *s)
 {
     const double pull = restoring_at(s, s->c[0][0]);
     return fabs(pull) <= s->f ? 0 : -copysign(1, pull);
 }
 
+/* Passes a turning point: applies the saltation to the derivatives and sets the next direction. */
 static void equation_walk_turn(struct equation_walk *s)
 {
     const double pull = restoring_at(s, s->c[0][0]), old_acceleration = -pull - s->side * s->f,
@@ -197,7 +202,7 @@ static void equation_walk_turn(struct equation_walk *s)
     s->side = side;
 }
 
-/* The length of the step that the series allows. */
+/* Returns the length of the step that the series permits. */
 static double step_length(const struct equation_walk *s)
 {
     double size = 0, last = 0;
@@ -236,8 +241,8 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
     return true;
 }
 
-/* Values at the samples [from, ..) that lie within the step; returns the first beyond it, n + 1: no
- * number. */
+/* Computes the samples from `first` on that lie within the step of length h. Returns the index of
+ * the first sample beyond it, or n + 1 if a value is not finite. */
 static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t first,
                           size_t n, double *value, double *derivative)
 {
@@ -273,6 +278,7 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
 bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
                      double *derivative)
 {
+    /* The number of steps is limited, as dry friction may turn a small motion very often. */
     double left = 1000 + 20 * (n > 0 ? (t[n - 1] - s->t0) * s->omega - s->phase : 0);
     if (n > 0 && !((t[0] - s->t0) * s->omega >= s->phase))
         return false;

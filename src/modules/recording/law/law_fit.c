@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal equations of an equation of motion, sample after sample, less what a baseline block by
- * block explains. */
+/* Normal equations of an equation of motion (law_fit.h), summed sample by sample; what a baseline
+ * explains is projected out block by block. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/fit/least_squares.h"
 #include "modules/recording/law/law_fit.h"
 
 enum {
-    /* derivatives, then the residual */
+    /* Samples integrated at once, largest number of iterations, and columns: the derivatives, then
+     * the residual. */
     CHUNK = 128,
     ITERATIONS = 60,
     COLUMNS = LAW_PARAMETERS + 1
 };
 
+/* Products of the columns. */
 struct normal {
-    double product[COLUMNS][COLUMNS]; /* upper part; the last column is that of the residual */
+    double product[COLUMNS][COLUMNS]; /* upper part; the last column is the residual */
 };
 
-/* Sums over the samples of a block: of the basis 1, s, s^2 (s in -1 .. 1) and of it with the
- * columns. */
+/* Sums over the samples of a block: products of the basis 1, s, s^2 (s in -1 .. 1) with itself and
+ * with the columns. */
 struct gram_block {
     double middle, half; /* [s] */
     double gram[BASELINE_TERMS][BASELINE_TERMS];
@@ -26,6 +28,7 @@ struct gram_block {
 
 /* ---- one pass ---- */
 
+/* Returns the empty sums of block k. */
 static struct gram_block block_of(const struct law_samples *x, size_t k)
 {
     const double *t = x->samples->t;
@@ -34,12 +37,13 @@ static struct gram_block block_of(const struct law_samples *x, size_t k)
                                .half = fmax(0.5 * (t_end - t_begin), 1e-300)};
 }
 
+/* Returns the time of sample i, exact for an even grid. */
 static double time_of(const struct samples *x, size_t i)
 {
     return x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
 }
 
-/* The basis at a time. */
+/* Computes the basis polynomials at time t. */
 static void basis(const struct gram_block *block, int terms, double t, double value[BASELINE_TERMS])
 {
     const double s = (t - block->middle) / block->half;
@@ -48,7 +52,7 @@ static void basis(const struct gram_block *block, int terms, double t, double va
         value[m] = value[m - 1] * s;
 }
 
-/* A row of columns into the sums. */
+/* Adds one sample's columns and basis values to the sums. */
 static void add_row(int count, int terms, const double *column, const double *base,
                     struct gram_block *block, struct normal *normal)
 {
@@ -63,7 +67,8 @@ static void add_row(int count, int terms, const double *column, const double *ba
     }
 }
 
-/* As many terms of the baseline as the block's samples hold; their number. */
+/* Factorises the Gram matrix of the basis into l, with as many terms as the block's samples
+ * determine. Returns their number. */
 static int factor_block(const struct gram_block *block, int terms, double *l)
 {
     while (terms > 0 && !matrix_cholesky(terms, BASELINE_TERMS, &block->gram[0][0], 1e-14, l))
@@ -71,7 +76,7 @@ static int factor_block(const struct gram_block *block, int terms, double *l)
     return terms;
 }
 
-/* Less what the block's baseline explains of every column. */
+/* Subtracts from the products what the block's baseline explains of every column. */
 static void project(int count, int terms, const struct gram_block *block, struct normal *normal)
 {
     double l[BASELINE_TERMS * BASELINE_TERMS], part[COLUMNS][BASELINE_TERMS];
@@ -86,7 +91,8 @@ static void project(int count, int terms, const struct gram_block *block, struct
     }
 }
 
-/* The next samples that take part, from *point up to `end`. */
+/* Collects the next samples that take part, from *point up to `end`, at most CHUNK. Returns their
+ * number. */
 static int gather(const struct law_samples *x, size_t *point, size_t end, double *t, double *y)
 {
     int count = 0;
@@ -99,18 +105,21 @@ static int gather(const struct law_samples *x, size_t *point, size_t end, double
     return count;
 }
 
+/* Context of the least-squares problem. */
 struct law_problem {
     const struct law_samples *samples;
     struct law_fit *fit;
 };
 
+/* Sets the fitted parameters of the motion to x. */
 static void law_fit_move(struct law_fit *fit, const double *x)
 {
     for (int j = 0; j < fit->parameters; j++)
         fit->motion.value[fit->index[j]] = x[j];
 }
 
-/* Adds all samples, with as many derivatives. Returns false if there is no value. */
+/* Sums the products of the residual and of the first `rows` derivatives over all samples. Returns
+ * false if the motion has no value, if its frequency is far from the start, or if cancelled. */
 static bool normal_equations_sum(const struct law_samples *x, const struct law_fit *fit, int rows,
                                  struct normal *sums, size_t *used)
 {
@@ -149,6 +158,8 @@ static bool normal_equations_sum(const struct law_samples *x, const struct law_f
     return true;
 }
 
+/* Fills the triangle of the first `columns` parameters at x (see struct least_squares), or at the
+ * present motion if x is NULL. */
 static bool linearise(void *context, const double *x, int columns, struct triangle *t)
 {
     static const double independent = 1e-14;
@@ -178,8 +189,8 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
     static const double first_damping = 1e-3;
     struct law_problem problem = {x, fit};
     struct descent d = {.iterations = 0};
-    /* A minimum with friction may be a kink, where one more half swing begins: no step promises
-     * little there. */
+    /* A minimum with friction may be a kink, where one more half swing begins and steps do not
+     * become small. */
     bool dry = false;
     for (int j = 0; j < fit->parameters; j++) {
         d.x[j] = fit->motion.value[fit->index[j]];

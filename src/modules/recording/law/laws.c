@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The laws of damping, and the choice among their fits. A law remains unless another that it does
- * not contain refutes it by BIC (and an F-test, where that only has further terms); one that
- * contains the simplest that remains, as long as its further terms may take a share of the energy
- * lost that counts. Only where a single law remains is it claimed.
- */
+/* The laws of damping, and the choice among their fits (law_choose()). A law remains possible
+ * unless another one, which it does not contain, refutes it by BIC (and by an F-test, if that only
+ * has further terms). A law that contains the simplest one remains as long as its further terms may
+ * take a considerable share of the energy loss. A law is only claimed if it is the only one that
+ * remains. */
 #include <hooke/base/catalog.h>
 #include "modules/recording/law/drag.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdio.h>
 
-/* least difference of BIC against a law that has more terms and does not contain it */
+/* Difference of BIC that refutes a law with fewer terms than its rival, which does not contain
+ * it. */
 #define DELTA_MORE 10.0
 
 static const struct drag_law_row rows[] = {
@@ -48,21 +48,25 @@ const char *drag_law_name(enum drag_law law)
     return law >= LAW_UNDECIDED ? "not distinguishable" : rows[law - 1].row.name;
 }
 
+/* Returns the law of row i. */
 static enum drag_law law_at(int i)
 {
     return rows[i].law;
 }
 
+/* Returns the number of terms of a law. */
 static int terms(enum drag_law law)
 {
     return !!(law & LAW_LINEAR) + !!(law & LAW_QUADRATIC) + !!(law & LAW_DRY);
 }
 
+/* Returns true if the law has all terms of `part`. */
 static bool contains(enum drag_law law, enum drag_law part)
 {
     return (law & part) == part;
 }
 
+/* Returns true if the fit converged with positive rates. */
 static bool physical(const struct drag_candidate *c)
 {
     for (int k = 0; k < DRAG_RATES; k++)
@@ -71,6 +75,7 @@ static bool physical(const struct drag_candidate *c)
     return c->converged;
 }
 
+/* Returns the F-test p value of the terms that law `large` has beyond law `small`. */
 static double chance(const struct law_evidence *e, int small, int large)
 {
     const double extra = terms(law_at(large)) - terms(law_at(small));
@@ -78,12 +83,10 @@ static double chance(const struct law_evidence *e, int small, int large)
     return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
 }
 
-/*
- * The largest share of the loss that the terms which a law has beyond `part` may take: two standard
- * deviations along the direction in which they grow most. *there, unless NULL: whether no
- * coefficient is negative at its end; else the edge is a law with fewer terms, which is judged
- * itself.
- */
+/* Returns the largest share of the loss that the terms which a law has beyond `part` may take: at
+ * two standard deviations in the direction in which they grow most. Unless NULL, *there tells
+ * whether no coefficient is negative at that point; if one is, the limit is a law with fewer terms,
+ * which is judged separately. */
 static double fraction_beyond(const struct law_evidence *e, const struct drag_candidate *c,
                               enum drag_law part, bool *there)
 {
@@ -110,14 +113,14 @@ static double fraction_beyond(const struct law_evidence *e, const struct drag_ca
     return all > 0 ? fmax(excess + 2 * deviation, 0) / all : 1;
 }
 
-/* Returns the excess of BIC by which a law is refuted by another that it does not contain. */
+/* Returns the excess of BIC by which a law is refuted by a rival that it does not contain. */
 static double needed(enum drag_law law, enum drag_law rival)
 {
     return contains(rival, law) || terms(law) <= terms(rival) ? DELTA_MIN : DELTA_MORE;
 }
 
-/* A law is refuted by one that it does not contain: by BIC, and by the F-test where that has but
- * further terms. */
+/* Returns true if law i is refuted by another that it does not contain: by BIC, and by the F-test
+ * if that only has further terms. */
 static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, int i)
 {
     const struct drag_candidate *c = &drag->candidate[i];
@@ -131,8 +134,8 @@ static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, i
     return false;
 }
 
-/* Returns the law with the fewest terms, then the least BIC, of those that nothing refutes, or -1
- * if all have a wrong sign. */
+/* Returns the law with the fewest terms, then the smallest BIC, of those that nothing refutes, or
+ * -1 if all have a wrong sign. */
 static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
 {
     int simple = -1;
@@ -147,11 +150,9 @@ static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
     return simple;
 }
 
-/*
- * Returns true if another law remains beside the simplest. One that contains it is never refuted:
- * it remains where its further terms may take a share of the loss that counts, or are shown to be
- * there, if weakly.
- */
+/* Returns true if law i remains possible beside the simplest one. A law that contains the simplest
+ * is never refuted: it remains if its further terms may take a considerable share of the loss, or
+ * are weakly significant. beside_others is true if other laws remain anyway. */
 static bool remains(const struct law_evidence *e, const struct drag_fit *drag, int simple, int i,
                     bool beside_others)
 {
@@ -167,8 +168,8 @@ static bool remains(const struct law_evidence *e, const struct drag_fit *drag, i
            ((there || beside_others) && fraction > SHARE_MAX * (terms(c->law) - terms(law)));
 }
 
-/* Bit i: candidate i remains. Where several do, so do all that contain the simplest, and what they
- * are together. */
+/* Returns a mask with bit i set if candidate i remains. If several do, all that contain the
+ * simplest and may be present remain, and also the sum of all their terms. */
 static unsigned remaining(const struct law_evidence *e, const struct drag_fit *drag, int simple)
 {
     unsigned mask = 0, wide = 0, terms_of_all = 0;
@@ -182,7 +183,8 @@ static unsigned remaining(const struct law_evidence *e, const struct drag_fit *d
 
 /* ---- in words ---- */
 
-/* The law with the least BIC among `others`, or -1 if there is none. */
+/* Returns the law with the smallest BIC besides `best`, or -1 if there is none; if `parts`, only of
+ * laws that `best` contains. */
 static int next_best(const struct drag_fit *drag, int best, bool parts)
 {
     int next = -1;
@@ -196,7 +198,8 @@ static int next_best(const struct drag_fit *drag, int best, bool parts)
     return next;
 }
 
-/* The laws that remain, and what keeps them: BIC of one of them, or a further term. */
+/* Appends the laws that remain and the reason: the BIC of one of them, or a possible further
+ * term. */
 static void say_undecided(const struct law_evidence *e, int simple, const struct drag_fit *drag,
                           struct buffer *text)
 {

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the restoring force: a spring, a hardening or softening one (Duffing 1918), or gravity on a
- * pendulum. Where the period changes with the amplitude no sine is near the whole recording, so
- * each force is fitted to its first periods, then to twice as many, and so on.
- */
+/* Finds the restoring force: a spring, a hardening or softening spring (Duffing 1918), or gravity
+ * on a pendulum. If the period changes with the amplitude, no sine is near the whole recording, so
+ * each force is fitted to the first periods, then to twice as many, and so on. */
 #include "modules/recording/law/drag.h"
 
 #include <gsl/gsl_cdf.h>
 
+/* Periods and samples of the first window. */
 enum { FIRST_PERIODS = 4, LEAST = 16 };
 
-#define SEARCH_PROMISE_VARIANCES 100.0 /* variances that a step may promise to be taken unseen */
+/* Variances that a step may promise to gain and yet be taken without evaluation: in the search, and
+ * in the end. */
+#define SEARCH_PROMISE_VARIANCES 100.0
 #define FINAL_PROMISE_VARIANCES 1e-2
-/* Excess over another force, in variances, with which a search that did not converge is
- * discarded. */
+/* A search that did not converge is discarded if its sum of squares exceeds that of another force
+ * by this number of variances. */
 #define REFUTED_RSS_VARIANCES 100.0
 
 const char *restoring_name(enum restoring_force force)
@@ -24,13 +25,14 @@ const char *restoring_name(enum restoring_force force)
     return name[force];
 }
 
-/* The first samples of the whole, with a line for a baseline. */
+/* The first samples of all, with a straight line as baseline. */
 struct first_samples {
     struct samples samples;
     struct law_samples law;
     size_t edge[2];
 };
 
+/* Sets *part to the first `target` samples. */
 static void first_samples_take(const struct law_samples *whole, size_t target,
                                struct first_samples *part)
 {
@@ -42,8 +44,8 @@ static void first_samples_take(const struct law_samples *whole, size_t target,
     part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
 }
 
-/* Starts a fit with the damped sine of these samples, the first periods, or with `start` if it is
- * none or not that of a position. */
+/* Starts a fit with the damped sine of these samples, or with `start` if there is none or if they
+ * are not positions. */
 static void begin_law_fit(const struct law_samples *x, const struct equation *start,
                           struct law_fit *fit)
 {
@@ -63,13 +65,14 @@ static void begin_law_fit(const struct law_samples *x, const struct equation *st
     fit->motion.value[EQUATION_RATE] = h.gamma;
 }
 
-/* The smaller of the whole and twice as much, that many samples. */
+/* Doubles the number of samples, up to n. */
 static size_t next_length(size_t length, size_t n)
 {
     return length > n / 2 ? n : 2 * length;
 }
 
-/* Fits the force from a first window on. Returns false if it is not found. */
+/* Fits the force in windows that grow from first_length samples to all, starting from *first.
+ * Returns false if it does not converge. */
 static bool restoring_fit_grow(const struct law_samples *x, size_t first_length,
                                const struct law_fit *first, enum restoring_force force,
                                double rounding, struct law_fit *fit)
@@ -96,7 +99,8 @@ static bool restoring_fit_grow(const struct law_samples *x, size_t first_length,
     }
 }
 
-/* Fits a force that was not found on its own, from another force's answer for the whole. */
+/* Fits a force that was not found from its own start, from the answer of another force. Returns
+ * false if it does not converge. */
 static bool follow_force(const struct law_samples *x, const struct law_fit *other,
                          enum restoring_force force, double rounding, struct law_fit *fit)
 {
@@ -110,12 +114,13 @@ static bool follow_force(const struct law_samples *x, const struct law_fit *othe
 
 /* ---- the choice, by the rule of the laws of damping ---- */
 
-/* Fits of each force, and what a BIC between them is worth. */
+/* Fits of each force, and the variance and degrees of freedom with which they are compared. */
 struct force_fits {
     struct law_fit fit[RESTORING_FORCES];
     double variance, freedom;
 };
 
+/* Returns the F-test p value of beta y^3 beside force `small`. */
 static double chance(const struct force_fits *all, int small)
 {
     const double gain =
@@ -123,9 +128,8 @@ static double chance(const struct force_fits *all, int small)
     return gsl_cdf_fdist_Q(gain, 1, fmax(all->freedom - all->fit[RESTORING_CUBIC].parameters, 1));
 }
 
-/* The Duffing spring contains the spring, and near enough the pendulum: only a force that it does
- * not contain refutes.
- */
+/* Returns true if force i did not converge or is refuted. The Duffing spring contains the linear
+ * one, and nearly the pendulum, so that it is not refuted by them. */
 static bool refuted(const struct force_fits *all, const struct drag_fit *drag, int i)
 {
     const struct restoring_candidate *c = drag->restoring;
@@ -138,8 +142,8 @@ static bool refuted(const struct force_fits *all, const struct drag_fit *drag, i
     return false;
 }
 
-/* Returns true if beta y^3 may exist beside the simplest force: shown weakly, or a share of a
- * spring's force that counts. */
+/* Returns true if beta y^3 may exist beside the simplest force: it is weakly significant, or may be
+ * a considerable share of a spring's force. */
 static bool cubic_remains(const struct force_fits *all, const struct drag_fit *drag, int simple)
 {
     const struct law_fit *fit = &all->fit[RESTORING_CUBIC];
@@ -154,15 +158,14 @@ static bool cubic_remains(const struct force_fits *all, const struct drag_fit *d
            (simple == RESTORING_LINEAR && max * a * a > SHARE_MAX * omega * omega);
 }
 
-/* Returns true if the search, though it did not end, came nowhere near the residuals of another
- * force. */
+/* Returns true if the search for force i did not come near the residuals of another force. */
 static bool far_off(const struct force_fits *all, int i, int other)
 {
     return all->fit[i].rss - all->fit[other].rss > REFUTED_RSS_VARIANCES * all->variance;
 }
 
-/* Prefers, of the forces that nothing refutes, the spring, then the pendulum: each has a parameter
- * less than Duffing's. */
+/* Returns the simplest force that is not refuted: the spring, then the pendulum, which both have a
+ * parameter less than Duffing's. */
 static int simplest(const struct force_fits *all, const struct drag_fit *drag)
 {
     static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};
@@ -172,8 +175,8 @@ static int simplest(const struct force_fits *all, const struct drag_fit *drag)
     return RESTORING_LINEAR;
 }
 
-/* Computes the BIC of each with the slow changes of the phase in the residuals of the nearest.
- * Returns false if these residuals cannot be computed, or if cancelled. */
+/* Computes the BIC of each force, with the effects of slow phase changes in the residuals of the
+ * nearest. Returns false if these residuals cannot be computed, or if cancelled. */
 static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;

@@ -1,41 +1,48 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two or more damped sines at once: normal modes, beats. */
+/* Fits of two or more damped sines at once (series_modes()): normal modes, beats, coupling; and
+ * whether a series has two lines. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/fit/least_squares.h"
 #include "modules/recording/modes/modes.h"
 
 #include <math.h>
 
-#define REJECTED_ROBUST_SIGMAS 5.0 /* robust standard deviations */
-/* Smaller deviations, relative to the amplitude, are no outliers of a simulation. */
+/* Robust standard deviations from which on a sample is rejected. */
+#define REJECTED_ROBUST_SIGMAS 5.0
+/* Smaller deviations, relative to the amplitude, are rounding of a simulation. */
 #define AMPLITUDE_ROUNDING_RELATIVE 1e-9
-#define MODE_SURE_SIGMAS 3.0 /* standard deviations of an amplitude */
-/* The same if the slowest has fewer than SLOW_MODE_PERIODS: a random walk looks like that. */
+/* Standard deviations that an amplitude must have; more if the slowest mode has fewer than
+ * SLOW_MODE_PERIODS, as a random walk looks like that. */
+#define MODE_SURE_SIGMAS 3.0
 #define SURE_SLOW 5.0
-#define MODE_CLEAR_NOISE_RATIO 6.0 /* amplitude of a mode over the noise beside its line */
-#define BIC_DECIDES 6.0            /* difference of BIC */
-#define RESOLVED_LINE_WIDTHS 1.5   /* [1/span] distance of two frequencies */
-#define LEFT_LINE_SIGMAS 8.0       /* [standard deviations] amplitude of a line that remains */
-#define LEFT_MIN 0.02 /* amplitude of a line that remains, over the smallest of the modes */
+#define MODE_CLEAR_NOISE_RATIO 6.0 /* smallest amplitude over the noise beside the line */
+#define BIC_DECIDES 6.0            /* difference of BIC that decides */
+/* [1/span] distance of frequencies from which on they are resolved */
+#define RESOLVED_LINE_WIDTHS 1.5
+/* A line in the residuals is reported above this number of standard deviations, and above this
+ * share of the smallest mode. */
+#define LEFT_LINE_SIGMAS 8.0
+#define LEFT_MIN 0.02
 #define POOR_RESIDUAL_RATIO 0.10 /* rms of the residuals over that of the signal */
-#define SLOW_MODE_PERIODS 3.0
+#define SLOW_MODE_PERIODS 3.0    /* fewer periods are hard to separate from the offset */
 #define OVERTONE_LINE_WIDTHS 0.1 /* [1/span] distance from a multiple of a slower frequency */
-/* share of the sum of squares that a second line leaves; a sway leaves more */
+/* Largest share of the sum of squares that a second line may leave; a sway leaves more. */
 #define TWO_RATHER 0.3
 
+/* State of a fit of modes. */
 struct modes_fitting {
     const struct series *series;
     struct samples samples;
     struct mode_curve curve;
     struct curve_fit fit;
-    double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
-    double *residual;                                      /* [n] residuals of all samples */
-    double *scratch;
+    double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened for correlated residuals */
+    double *residual; /* [n] data minus curve, of all samples */
+    double *scratch;  /* [n] work space */
     struct arena *arena;
     const struct cancel *cancel;
 };
 
-/* The samples in use, as a series of their own. */
+/* Sets *used to the samples in use. Returns false if out of memory. */
 static bool used_series(struct modes_fitting *f, struct series *used)
 {
     double *t = arena_array(f->arena, f->series->n, sizeof *t),
@@ -51,6 +58,8 @@ static bool used_series(struct modes_fitting *f, struct series *used)
     return true;
 }
 
+/* Fits the samples in use from the start x, which becomes the answer, and computes all residuals.
+ * Returns false with the error. */
 static bool fit_from(struct modes_fitting *f, double *x, struct error *error)
 {
     const struct curve_options options = {.cancel = f->cancel};
@@ -68,7 +77,8 @@ static bool fit_from(struct modes_fitting *f, double *x, struct error *error)
     return true;
 }
 
-/* Clears `use` of samples far off. Returns false if there are none. */
+/* Updates `use`: rejects samples far off the curve, unless they are too many, and counts them.
+ * Returns true if a sample changed sides. */
 static bool reject(struct modes_fitting *f, size_t *rejected)
 {
     size_t count = 0, n = f->series->n, far = 0;
@@ -97,12 +107,14 @@ static bool reject(struct modes_fitting *f, size_t *rejected)
 
 /* ---- results ---- */
 
+/* Compares the frequencies of modes i and j: negative, zero or positive. */
 static int compare_frequency(const double *x, int i, int j)
 {
     const double a = x[MODES_FIRST + i * MODE_PARAMETERS], b = x[MODES_FIRST + j * MODE_PARAMETERS];
     return a < b ? -1 : a > b;
 }
 
+/* Sets order [modes] to the modes by ascending frequency. */
 static void ascending(const double *x, int modes, int *order)
 {
     for (int i = 0; i < modes; i++) {
@@ -113,7 +125,8 @@ static void ascending(const double *x, int modes, int *order)
     }
 }
 
-/* Returns the uncertainty of the linear combination by[] of a mode's parameters. */
+/* Returns the standard deviation of a linear combination of a mode's parameters, which begin at
+ * `first`. */
 static double deviation(const struct modes_fitting *f, int first,
                         const double gradient[MODE_PARAMETERS])
 {
@@ -122,7 +135,7 @@ static double deviation(const struct modes_fitting *f, int first,
         fmax(quadratic_form(MODE_PARAMETERS, CURVE_PARAMETERS, gradient, covariance, gradient), 0));
 }
 
-/* Covariances, each parameter widened by its own factor. */
+/* Computes the covariances, each parameter widened by its factor for correlated residuals. */
 static void widen_all(struct modes_fitting *f)
 {
     const struct curve_fit *fit = &f->fit;
@@ -145,6 +158,7 @@ static void widen_all(struct modes_fitting *f)
                                   sqrt(widen[i] * widen[j]);
 }
 
+/* Returns mode k in terms of frequency, damping, amplitude and phase, with uncertainties. */
 static struct normal_mode mode_of(const struct modes_fitting *f, int k)
 {
     const int first = MODES_FIRST + k * MODE_PARAMETERS;
@@ -163,8 +177,8 @@ static struct normal_mode mode_of(const struct modes_fitting *f, int k)
         .phase = {phase <= -PI ? PI : phase, deviation(f, first, of_phase)}};
 }
 
-/* Returns the standard deviation of a quantity that depends on the frequency and the damping of two
- * modes, from its derivatives by them. */
+/* Returns the standard deviation of a quantity from its derivatives by the frequency and the
+ * damping of two modes. */
 static double of_both(const struct modes_fitting *f, const int mode[2], double derivative[2][2])
 {
     double all[CURVE_PARAMETERS] = {0};
@@ -175,11 +189,9 @@ static double of_both(const struct modes_fitting *f, const int mode[2], double d
     return sqrt(fmax(square, 0));
 }
 
-/*
- * Two equal oscillators, each k/m alone, coupled by kc: omega0^2 = k/m where they move alike, (k +
- * 2 kc)/m against each other (French, Vibrations and Waves (1971), chapter 5). omega0^2 = omega^2 +
- * gamma^2/4.
- */
+/* Computes splitting and coupling for two equal oscillators, each with k/m, coupled by kc: omega0^2
+ * is k/m if they move alike and (k + 2 kc)/m if they move against each other (French, Vibrations
+ * and Waves (1971), chapter 5), where omega0^2 = omega^2 + gamma^2/4. */
 static void couple(const struct modes_fitting *f, const int order[2], struct modes_fit *modes)
 {
     const struct measured *x[2];
@@ -208,13 +220,15 @@ static void couple(const struct modes_fitting *f, const int order[2], struct mod
 
 /* ---- what should be known about it ---- */
 
-/* Returns true if the faster one is only an overtone of the slower. */
+/* Returns true if the faster frequency is a multiple of the slower within `width`, so that it may
+ * be an overtone. */
 static bool overtone(double slow, double fast, double width)
 {
     const double n = nearbyint(fast / slow);
     return n >= 2 && fabs(fast - n * slow) < width;
 }
 
+/* Warns of modes that are hardly resolved, that are overtones, too slow, or growing. */
 static void warn_lines(const struct modes_fit *modes, double span, struct fit *fit)
 {
     for (int k = 0; k + 1 < modes->modes; k++) {
@@ -251,6 +265,7 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
                 modes->mode[k].frequency.value);
 }
 
+/* Warns of lines in the residuals, of a poor fit, and of rejected samples. */
 static void warn_rest(const struct modes_fitting *f, const struct modes_fit *modes, struct fit *fit)
 {
     const struct series left = {.t = f->series->t, .y = f->residual, .n = f->series->n};
@@ -278,6 +293,7 @@ static void warn_rest(const struct modes_fitting *f, const struct modes_fit *mod
                  fit->rejected, f->series->n);
 }
 
+/* Fills the result from the fit, with uncertainties, coupling and warnings. */
 static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *modes)
 {
     static const struct measured none = {NAN, NAN};
@@ -321,6 +337,7 @@ static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *m
 
 /* ---- the fit ---- */
 
+/* Sets the error for more modes than are above the noise. Returns false. */
 static bool too_many(int wanted, int found, struct error *error)
 {
     if (found == 0)
@@ -331,8 +348,8 @@ static bool too_many(int wanted, int found, struct error *error)
                       : error_hint(error, "type: fit modes %d", found);
 }
 
-/* Standard deviation of an amplitude at its rms over the window, in noise as strong as that beside
- * its line. */
+/* Returns the standard deviation of a mode's amplitude in noise as strong as that beside its line.
+ * It refers to the start of the window, where a decaying mode is larger than its rms. */
 static double noise_beside(const struct modes_fitting *f, const struct normal_mode *mode)
 {
     const double variance =
@@ -342,6 +359,8 @@ static double noise_beside(const struct modes_fitting *f, const struct normal_mo
     return sqrt(2 * variance / (double)f->fit.used) / rms;
 }
 
+/* Returns true if all amplitudes are certain and stand out of the noise; else false with the
+ * error. */
 static bool certain(const struct modes_fitting *f, const struct modes_fit *modes,
                     struct error *error)
 {
@@ -366,11 +385,11 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
     return true;
 }
 
-/* Returns how many of them stand out of the noise, or -1 if out of memory or cancelled. */
+/* Returns how many of `count` modes stand out of the noise, or -1 if out of memory or cancelled. */
 static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
                        struct mode_start *start)
 {
-    /* one that is left would look like correlated noise */
+    /* One mode more is searched for: a missing one would look like correlated noise. */
     const int max = count < MODES_MAX ? count + 1 : count;
     int sure = 0;
     for (int wanted = count; wanted <= max && sure < count; wanted++) {
@@ -415,7 +434,7 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
     return !modes->fit.converged || certain(&f, modes, error);
 }
 
-/* Returns true if two lines may hold most of the power, however damped. */
+/* Returns true if two lines, however damped, may hold most of the power. */
 static bool may_be_two_lines(const struct samples *x)
 {
     /* least share of the power, and half width of a line, relative to its frequency */
@@ -426,8 +445,8 @@ static bool may_be_two_lines(const struct samples *x)
     return may;
 }
 
-/* Looks for two lines, quickly, in as few means of neighbours as show them. Returns how many are
- * found, or -1. */
+/* Searches two lines quickly, in as few means of neighbours as show them. Returns the number found,
+ * or -1. */
 static int search_two_lines(const struct samples *x, struct mode_start start[3], double *samples)
 {
     const struct series all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
@@ -446,7 +465,7 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
 {
     struct mode_start start[3];
     double samples;
-    /* as many parameters, or more */
+    /* There are not more samples than parameters. */
     if (x->n <= MODES_FIRST + 2 * MODE_PARAMETERS)
         return false;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the start of a fit of several modes. One mode after the other: the next is looked for at
- * the lines of what is left, and by splitting each that was found, since lines nearer than the
- * width of the window have one peak together. Linear parameters are always solved for (variable
- * projection).
- */
+/* Finds the start of a fit of several modes, one mode after the other. The next is searched at the
+ * lines of the residuals, and by splitting each mode that was found, since lines closer than the
+ * width of the window have a common peak. Linear parameters are always solved for (variable
+ * projection). */
 #include <hooke/base/cancel.h>
 #include "modules/recording/modes/modes.h"
 #include "modules/recording/fit/curve_problem.h"
@@ -13,19 +11,24 @@
 #include <string.h>
 
 enum {
+    /* Samples that are used, in a normal and in a quick search. */
     THIN = 2048,
     THIN_QUICK = 400,
+    /* Lines of the residuals that are tried; trials that are refined; iterations of a
+     * refinement. */
     LINES = 4,
     TRIED = 3,
     ITERATIONS = 25,
     ITERATIONS_QUICK = 10
 };
 
-/* Largest share of the sum of squares that one mode may leave for a quick search to continue. */
+/* A quick search continues if the first mode leaves at most this share of the sum of squares. */
 #define QUICK_LEFT 0.8
 
-#define A_PERIOD 8 /* least number of samples per period of the fastest line after averaging */
+/* Smallest number of samples per period of the fastest line after averaging. */
+#define A_PERIOD 8
 
+/* Computes the sum of modes and its derivatives in the form that struct fit_curve expects. */
 static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value,
                      double *derivative)
 {
@@ -72,7 +75,7 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
 }
 
-/* relative rounding of a sum of squares; smaller ones mean nothing */
+/* Relative rounding of a sum of squares; smaller ones are meaningless. */
 #define SQUARES_ROUNDING_RELATIVE 1e-20
 
 /* ---- fewer samples ---- */
@@ -93,7 +96,8 @@ static double fastest(const struct samples *x, struct arena *arena)
     return max;
 }
 
-/* Averages neighbours down to about `wanted` samples. Returns false if out of memory. */
+/* Averages neighbours down to about `wanted` samples, as far as the fastest line permits. Returns
+ * false if out of memory. */
 static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena,
                      struct series *thin)
 {
@@ -107,18 +111,21 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
 
 /* ---- trials ---- */
 
+/* Frequency and damping of a mode, the parameters in which a sum is not linear. */
 struct rates {
     double omega, gamma; /* [rad/s] [1/s] */
 };
 
+/* A trial start and its sum of squares. */
 struct modes_trial {
     struct rates rates[MODES_MAX];
     double rss;
 };
 
+/* State of the search; `best` has the best `count` trials with the present number of modes. */
 struct modes_search {
     struct series series;
-    double span;
+    double span; /* [s] length of the series */
     struct arena *arena;
     const struct cancel *cancel;
     bool quick;
@@ -129,6 +136,7 @@ struct modes_search {
     int count;
 };
 
+/* Sets the nonlinear parameters of x. */
 static void put_rates(const struct modes_search *s, const struct rates *rates, double *x)
 {
     for (int k = 0; k < s->modes; k++) {
@@ -137,7 +145,8 @@ static void put_rates(const struct modes_search *s, const struct rates *rates, d
     }
 }
 
-/* Keeps it among the best, with each of a few damping rates for those from `fresh` on. */
+/* Tries a start with each of a few damping rates for the modes from `fresh` on, and keeps it if it
+ * is among the best. */
 static void try_rates(struct modes_search *s, const struct rates *rates, int fresh)
 {
     const double damping[] = {0, 4, 16};
@@ -160,6 +169,7 @@ static void try_rates(struct modes_search *s, const struct rates *rates, int fre
     }
 }
 
+/* Tries each line of the residuals as the next mode. */
 static void try_lines(struct modes_search *s, const struct rates *known, const double *residual)
 {
     const struct series left = {.t = s->series.t, .y = residual, .n = s->series.n};
@@ -177,7 +187,7 @@ static void try_lines(struct modes_search *s, const struct rates *known, const d
     }
 }
 
-/* Tries each known mode as two, which are `apart` line widths 1/span from each other. */
+/* Tries each known mode as two modes that are a certain number of line widths (1/span) apart. */
 static void try_splits(struct modes_search *s, const struct rates *known)
 {
     static const double apart[] = {0.8, 1.6};
@@ -194,6 +204,7 @@ static void try_splits(struct modes_search *s, const struct rates *known)
     }
 }
 
+/* Stores the answer of a fit as the best start, and its residuals. */
 static void keep_start(const struct modes_search *s, const struct curve_fit *fit,
                        struct mode_start *start, double *residual)
 {
@@ -204,8 +215,8 @@ static void keep_start(const struct modes_search *s, const struct curve_fit *fit
     memcpy(residual, fit->residual, s->series.n * sizeof *residual);
 }
 
-/* Finds the best of the trials, each followed to its minimum. Returns false if none has one, or if
- * cancelled. */
+/* Descends from each of the best trials and keeps the best minimum. Returns false if there is none,
+ * or if cancelled. */
 static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
 {
     const struct curve_options options = {.rough = true,
@@ -231,7 +242,8 @@ static bool refine(struct modes_search *s, struct mode_start *start, double *res
     return found;
 }
 
-/* One mode more than in `start`, whose residuals are replaced. */
+/* Searches one mode more than in `start`, and replaces the residuals. Returns false if none is
+ * found. */
 static bool add_mode(struct modes_search *s, const struct mode_start *start,
                      struct mode_start *next, double *residual)
 {
@@ -250,6 +262,7 @@ static bool add_mode(struct modes_search *s, const struct mode_start *start,
     return refine(s, next, residual);
 }
 
+/* Fits the straight line with which the search begins. Returns false if it fails. */
 static bool straight_line(struct modes_search *s, struct mode_start *start, double *residual)
 {
     struct curve_fit fit;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derives a scene's values from the fit of an oscillation, and their covariances from those of the
- * fit to first order. */
+/* Derives a scene's parameters from the fit of an oscillation, and their covariances from those of
+ * the fit, to first order. */
 #include "modules/recording/scene/scene_fit.h"
 
 #include <math.h>
 
+/* Names of the scene's parameters, in the order of enum adopted_value. */
 static const char *const names[ADOPTED_VALUES] = {"k",  "k3", "gamma",  "C",      "friction",
                                                   "y0", "v0", "length", "theta0", "rate0"};
 
+/* Sets start to position and velocity at the fit's t0. n is how often a position was differentiated
+ * to give the fitted quantity. */
 static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
 {
     if (fit->drag.candidates > 0) {
@@ -15,8 +18,8 @@ static void start_in_motion(const struct fit *fit, int n, struct measured start[
         start[1] = fit->drag.speed;
         return;
     }
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and
-     * earlier by `turn`. */
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) has the same form, larger by the
+     * factor `growth` and earlier by the phase `turn`. */
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
                  omega = fit->omega.value;
     const double growth = hypot(half, omega), turn = atan2(omega, -half);
@@ -28,6 +31,7 @@ static void start_in_motion(const struct fit *fit, int n, struct measured start[
                                  omega * hypot(spread * sin(phi), angle * cos(phi))};
 }
 
+/* Sets start to position and velocity at the fit's t0 or, if at_rest, to its amplitude and zero. */
 static void start_of(const struct fit *fit, int n, bool at_rest, struct measured start[2])
 {
     start_in_motion(fit, n, start);
@@ -40,7 +44,8 @@ static void start_of(const struct fit *fit, int n, bool at_rest, struct measured
     start[1] = (struct measured){0, 0};
 }
 
-/* Changes the equation's parameter i of a law, or parameter i of the damped sine. */
+/* Adds offset to parameter i of the fit: of the equation for a law, of the damped sine
+ * otherwise. */
 static void shift(struct fit *fit, int i, double offset)
 {
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
@@ -66,11 +71,13 @@ static void shift(struct fit *fit, int i, double offset)
     }
 }
 
+/* Returns a measured value multiplied by an exact, positive factor. */
 static struct measured times(struct measured value, double factor)
 {
     return (struct measured){value.value * factor, value.uncertainty * factor};
 }
 
+/* Returns a parameter of the scene with its uncertainty, NAN if the scene does not have it. */
 static struct measured param_measured(const struct scene *scene, const char *name)
 {
     const int index = scene_param(scene, name);
@@ -109,13 +116,15 @@ double adopted_scale_of(const struct scene *scene, const struct fit *fit)
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
     double y = param_value(scene, pendulum ? "theta0" : "y0");
     const double v = param_value(scene, pendulum ? "rate0" : "v0");
-    if (!pendulum) { /* gravity moves the middle of the motion to -m g/k */
+    /* Gravity moves the middle of the motion to -m g/k. */
+    if (!pendulum) {
         const double m = param_value(scene, "m"), g = param_value(scene, "g");
         y += m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
     }
     return hypot(y, (v + half * y) / fit->omega.value) / fit->amplitude.value;
 }
 
+/* Multiplies a measured value by a factor of either sign. */
 static void scale_measured(struct measured *m, double factor)
 {
     m->value *= factor;
@@ -151,7 +160,8 @@ void adopted_scale(struct fit *fit, double scale)
             fit->covariance.entry[i][j] *= factor[i] * factor[j];
 }
 
-/* Derivative of all targets by one parameter of the fit. */
+/* Computes the derivatives of all adopted values by parameter i of the fit, by central
+ * differences. */
 static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
                      double slope[ADOPTED_VALUES])
 {

@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The steps are chosen once and then stay where they are: the curve is then a smooth function of
- * the parameters, and the same steps of the variational equations give its derivatives exactly
- * (internal numerical differentiation: Bock 1981). The samples are read off the dense output, one
- * polynomial a step. A linear scene needs no steps.
- */
+/* The motion of a scene as a curve with parameters (curve.h). The steps are chosen once and then
+ * stay fixed: the curve is then a smooth function of the parameters, and the same steps of the
+ * variational equations give its derivatives exactly (internal numerical differentiation: Bock
+ * 1981). Samples are read off the dense output, one polynomial a step. A linear scene needs no
+ * steps. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/scene/curve.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define TOLERANCE_STIFF 1e-8 /* least tolerance of rodas5p */
+/* Smallest tolerance of rodas5p, for stiff scenes. */
+#define TOLERANCE_STIFF 1e-8
+/* Largest number of steps of a mesh. */
 #define STEPS_MOST 2000000
 
 /* ---- the curve ---- */
 
-/* One sample from the state there; `system` has the curve's variables first. */
+/* Computes one sample and, unless NULL, its derivatives from the state y at t; `system` has the
+ * curve's variables first. */
 static void take_sample(const struct scene_curve *c, const struct system *system, double t,
                         const double *y, double offset, double *value, double *derivative)
 {
@@ -33,12 +35,13 @@ static void take_sample(const struct scene_curve *c, const struct system *system
         derivative[c->frees] = 1;
 }
 
-/* Solutions from which samples are computed: the series' variable and its derivatives, or all where
- * the rate is asked for. */
+/* Components of the state from which samples are computed: the series' variable and its derivatives
+ * by parameters or, if its rate is observed, all. */
 struct wanted_solutions {
     int count, index[LIMIT_VARIABLES];
 };
 
+/* Returns the components that the curve needs. */
 static struct wanted_solutions wanted_of(const struct scene_curve *c, const struct system *system)
 {
     struct wanted_solutions w = {.count = 0};
@@ -49,6 +52,7 @@ static struct wanted_solutions wanted_of(const struct scene_curve *c, const stru
     return w;
 }
 
+/* Stores sample i, computed from the state y. */
 static void put_sample(const struct scene_curve *c, const struct system *system,
                        const struct sampling *s, size_t i, const double *y)
 {
@@ -87,7 +91,7 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step,
         put_sample(c, step->system, s, *i, step->y);
 }
 
-/* Integrates along the mesh. Returns false if a step failed, if the start lies behind a sample, or
+/* Integrates along the mesh. Returns false if a step failed, if a sample lies before the start, or
  * if cancelled. */
 static bool march_curve(const struct scene_curve *c, const struct system *system,
                         const struct sampling *s)
@@ -111,7 +115,8 @@ static bool march_curve(const struct scene_curve *c, const struct system *system
     return true;
 }
 
-/* Exactly, sample by sample. */
+/* Computes the motion of a linear scene exactly, sample by sample. Returns false if a sample lies
+ * before the start, or if cancelled. */
 static bool follow_linear(const struct scene_curve *c, const struct system *system,
                           const struct sampling *s)
 {
@@ -130,6 +135,8 @@ static bool follow_linear(const struct scene_curve *c, const struct system *syst
     return true;
 }
 
+/* Sets *scene to the curve's scene with these values of the free parameters. Returns false if one
+ * is outside its range. */
 static bool scene_at(const struct scene_curve *c, const double *parameter, struct scene *scene)
 {
     struct error ignored;
@@ -176,9 +183,10 @@ void scene_curve_free(struct scene_curve *c)
 
 /* ---- the steps ---- */
 
+/* Appends the end of a step to the mesh. Returns false if out of memory. */
 static bool mesh_add(struct scene_curve *c, double t)
 {
-    if ((c->points & (c->points - 1)) == 0) { /* full at every power of two */
+    if ((c->points & (c->points - 1)) == 0) { /* the memory doubles at powers of two */
         double *larger = realloc(c->mesh, (c->points ? 2 * c->points : 1) * sizeof *larger);
         if (!larger)
             return false;
@@ -188,8 +196,10 @@ static bool mesh_add(struct scene_curve *c, double t)
     return true;
 }
 
+/* Result of choosing steps: done, the method failed, or out of memory. */
 enum meshing { MESH_DONE, MESH_FAILED, MESH_MEMORY };
 
+/* Chooses the steps up to `end` with an adaptive run of the named method, at most `max` of them. */
 static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name,
                              double tol, size_t max, double end)
 {

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * A curve with dry friction, turning point by turning point. Between two of them friction is a
- * constant force and the motion is smooth; at one, where v = 0, the force and with it the
- * derivatives by the parameters jump: a parameter moves the time of the turn by dt = -S_v/a, on
+/* A curve with dry friction, turning point by turning point. Between two of them friction is a
+ * constant force and the motion is smooth. At one, where v = 0, the force jumps, and with it the
+ * derivatives by the parameters: a parameter moves the time of the turn by dt = -S_v/a, during
  * which the acceleration is that of the other side, so that S_v becomes S_v a_after/a_before, and
- * S_y stays (saltation matrix I + (f_after - f_before) n^T/(n^T f_before) with n = (0, 1): Filippov
- * 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, ch. 7).
- * Where the body sticks a_after is 0.
- */
+ * S_y is unchanged (saltation matrix I + (f_after - f_before) n^T/(n^T f_before) with n = (0, 1):
+ * Filippov 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical
+ * Systems, ch. 7). If the body sticks, a_after is 0. */
 #include <hooke/base/cancel.h>
 #include <hooke/scene/typed.h>
 #include "modules/recording/scene/curve.h"
@@ -15,27 +13,34 @@
 #include <math.h>
 #include <string.h>
 
-#define TURNS_MAX 64  /* turns within a step of the mesh, which was chosen to have at most one */
-#define STEP_LOOKS 32 /* parts of a step in which the last moment before a turn is looked for */
+/* Turning points within a step of the mesh, which was chosen to have at most one. */
+#define TURNS_MAX 64
+/* Parts of a step in which the last moment before a turn, or the release, is searched for. */
+#define STEP_LOOKS 32
+/* Bisections of a time, and corrections of the step to a turning point. */
 #define HALVINGS_MAX 60
 #define CORRECTIONS_MAX 3
-#define TURN_KNOWN_RELATIVE 1e-13 /* relative rounding of the time to which a turn is located */
+/* Relative rounding of the time of a turning point. */
+#define TURN_KNOWN_RELATIVE 1e-13
 
+/* State of an integration with dry friction. */
 struct dry_walk {
     const struct scene_curve *c;
     const struct sampling *sampling;
-    struct system own; /* not frozen */
+    struct system own; /* the scene's system, with the friction not frozen */
     struct step *step;
     int branch; /* sign of the velocity, or 0 at rest */
     size_t i;   /* the next sample */
 };
 
+/* Sets *frozen to the system with the friction of one branch, the sign of the velocity. */
 static void freeze(const struct dry_walk *w, int branch, struct system *frozen)
 {
     const double side = branch > 0;
     system_freeze(&w->own, &side, frozen);
 }
 
+/* Continues on a branch (0 at rest): freezes the friction of the curve's systems. */
 static void go_on_branch(struct dry_walk *w, int branch)
 {
     w->branch = branch;
@@ -46,7 +51,8 @@ static void go_on_branch(struct dry_walk *w, int branch)
     w->c->variation->dry = branch;
 }
 
-/* Computes the accelerations at v = 0 on the lower and on the upper branch. */
+/* Computes the accelerations at y[0] and v = 0 on the lower (a[0]) and on the upper branch
+ * (a[1]). */
 static void accelerations(const struct dry_walk *w, double t, const double *y, double a[2])
 {
     const double rest_state[2] = {y[0], 0};
@@ -59,7 +65,7 @@ static void accelerations(const struct dry_walk *w, double t, const double *y, d
     }
 }
 
-/* The branch on which it goes on from v = 0. */
+/* Returns the branch on which the motion continues from v = 0, or 0 if it sticks. */
 static int onward(const double a[2])
 {
     if (a[1] > 0)
@@ -67,6 +73,7 @@ static int onward(const double a[2])
     return a[0] < 0 ? -1 : 0;
 }
 
+/* Passes a turning point: applies the saltation to the derivatives and chooses the next branch. */
 static void dry_walk_turn(struct dry_walk *w)
 {
     struct step *step = w->step;
@@ -84,7 +91,7 @@ static void dry_walk_turn(struct dry_walk *w)
 
 /* ---- at rest ---- */
 
-/* Returns the time at which it is pulled off, or `end` if it is not. */
+/* Returns the time at which the resting body is pulled off, or `end` if it is not before. */
 static double release(const struct dry_walk *w, double end)
 {
     const double t_begin = w->step->t;
@@ -105,6 +112,7 @@ static double release(const struct dry_walk *w, double end)
     return end;
 }
 
+/* Stores the samples of the resting body up to t_end. */
 static void put_resting(struct dry_walk *w, double t_end)
 {
     const struct sampling *s = w->sampling;
@@ -119,6 +127,7 @@ static void put_resting(struct dry_walk *w, double t_end)
     }
 }
 
+/* Stays at rest until the body is pulled off or the step ends. */
 static void dry_walk_rest(struct dry_walk *w, double end)
 {
     double a[2];
@@ -131,10 +140,12 @@ static void dry_walk_rest(struct dry_walk *w, double end)
 
 /* ---- in motion ---- */
 
+/* State at the start of a step, from which it can be repeated. */
 struct dry_state {
     double t, y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
 
+/* Repeats a step from a saved state with another length. Returns false if it fails. */
 static bool step_again(struct dry_walk *w, const struct dry_state *saved, double h)
 {
     struct step *step = w->step;
@@ -147,7 +158,7 @@ static bool step_again(struct dry_walk *w, const struct dry_state *saved, double
     return method_step(w->c->method, step) == STEP_OK;
 }
 
-/* Returns the part of the latest step at which the velocity leaves its branch for good. */
+/* Returns the fraction of the latest step at which the velocity finally leaves its branch. */
 static double turning(const struct dry_walk *w)
 {
     struct dense_polynomial v;
@@ -165,7 +176,8 @@ static double turning(const struct dry_walk *w)
     return theta_high;
 }
 
-/* As far as `end`, or to where it turns. */
+/* Moves up to `end` or to the next turning point, whichever is first. Returns false if a step
+ * fails. */
 static bool dry_walk_move(struct dry_walk *w, double end)
 {
     struct step *step = w->step;

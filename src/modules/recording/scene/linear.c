@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exact propagators and their derivatives: exponentials of block matrices (Van Loan 1978, IEEE
- * Trans. AC-23:395). */
+/* Exact propagators of linear scenes and their derivatives: exponentials of block matrices (Van
+ * Loan 1978, IEEE Trans. AC-23:395). */
 #include <hooke/base/numeric.h>
 
 #include "modules/recording/scene/linear.h"
@@ -9,38 +9,42 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Different step lengths that are prepared; variables; size of the block matrix. */
 enum { STEPS_MOST = 24, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
 
-#define SAME_STEP_RELATIVE 1e-9        /* relative difference of equal steps */
+#define SAME_STEP_RELATIVE 1e-9        /* relative difference up to which steps are equal */
 #define TIME_ROUNDING_RELATIVE 4.4e-16 /* relative rounding of a time */
 
+/* The propagator of one step length, in the notation of linear.h. */
 struct linear_propagator {
     double dt;
-    bool ready;
+    bool ready;        /* base and direction are computed */
     double *base;      /* [n][n + 1]: E | e */
     double *direction; /* [directions][n][n + 1]: F_j | f_j */
 };
 
 struct linear_motion {
     struct linear_propagator step[STEPS_MOST];
-    int steps, last; /* `last` is the one that was used last */
+    int steps, last; /* number of steps; the one that was used last */
     int n, directions;
     const struct variation *variation;
+    /* A and b of the motion; B_j and c_j of all directions, one below the other. */
     double a[BLOCK * BLOCK], b[BLOCK];
-    double coupling[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
-    double scratch[3][AUGMENTED * AUGMENTED];                     /* 100 kB: too much for a stack */
-    double storage[];                                             /* memory of the propagators */
+    double coupling[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES];
+    double scratch[3][AUGMENTED * AUGMENTED]; /* 100 kB: too much for a stack */
+    double storage[];                         /* values of the propagators */
 };
 
-/* Number of values of the largest propagator. */
+/* Number of values of a propagator at most. */
 static const size_t storage_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
 
+/* Returns true if a step length is the wanted one within rounding, at the time t. */
 static bool same_step(double dt, double wanted, double t)
 {
     return fabs(dt - wanted) <= SAME_STEP_RELATIVE * dt + TIME_ROUNDING_RELATIVE * fabs(t);
 }
 
-/* The prepared step nearest to what is wanted, or -1 if there is none. */
+/* Returns the index of a step of the wanted length, or -1 if there is none. */
 static int find_step(const struct linear_motion *m, double wanted, double t)
 {
     if (m->last < m->steps && same_step(m->step[m->last].dt, wanted, t))
@@ -51,6 +55,7 @@ static int find_step(const struct linear_motion *m, double wanted, double t)
     return -1;
 }
 
+/* Sets up step k with length dt in its place in the storage; it has to be prepared before use. */
 static void step_position(struct linear_motion *m, int k, double dt)
 {
     struct linear_propagator *p = &m->step[k];
@@ -60,6 +65,7 @@ static void step_position(struct linear_motion *m, int k, double dt)
     p->ready = false;
 }
 
+/* Collects the step lengths between the times. Returns false if they are too many. */
 static bool collect_steps(struct linear_motion *m, double t0, const double *t, size_t n)
 {
     double t_reached = t0;
@@ -115,7 +121,7 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
         step_position(m, k, m->step[k].dt);
 }
 
-/* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
+/* Computes the propagator: the exponential of [A 0 b; B A c; 0 0 0] dt contains E, F, e and f. */
 static void prepare_linear_step(struct linear_motion *m, struct linear_propagator *p)
 {
     double *x = m->scratch[0];
@@ -153,6 +159,7 @@ static void prepare_linear_step(struct linear_motion *m, struct linear_propagato
 
 /* ---- the motion ---- */
 
+/* Advances the state by one step. It is inlined for constant n, which lets loops unroll. */
 static inline __attribute__((always_inline)) void
 propagator_advance(int n, int directions, const struct linear_propagator *p, double *state)
 {
@@ -181,7 +188,7 @@ double linear_motion_advance(struct linear_motion *m, double t_begin, double t, 
     if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t)))
         return t_begin;
     int k = find_step(m, wanted, t);
-    if (k < 0) { /* a step that was not announced replaces one of the others */
+    if (k < 0) { /* a step that was not collected replaces another */
         k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
         step_position(m, k, wanted);
     }

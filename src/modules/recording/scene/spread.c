@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The uncertainty of a motion from that of its parameters. */
+/* The uncertainty of a motion that follows from that of its parameters (study_spread()). */
 #include "modules/recording/fit/least_squares.h"
 #include "modules/recording/scene/curve.h"
 
@@ -9,17 +9,17 @@
 #include <math.h>
 #include <string.h>
 
+/* Tolerance of the integration. */
 #define RUN_TOLERANCE 1e-10
 
 /* ---- where the field jumps: differences of runs ---- */
 
-/*
- * The derivatives also jump at a turning point with dry friction (saltation; Leine and Nijmeijer
- * 2004), which the variational equations of the steps do not see.
- */
+/* The derivatives with dry friction jump at turning points (saltation; Leine and Nijmeijer 2004),
+ * which the variational equations between steps do not include. */
 
-#define PARAM_SHIFT_SIGMAS 0.1 /* standard deviations that a parameter is moved */
-#define ROWS_PER_RADIAN 200    /* recorded in a radian: their cubic is good to 1e-12 */
+#define PARAM_SHIFT_SIGMAS 0.1 /* standard deviations by which a parameter is moved */
+#define ROWS_PER_RADIAN 200    /* rows recorded in a radian: their cubic is accurate to 1e-12 */
+/* Rows recorded at most. */
 #define ROWS_MAX 1e6
 
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
@@ -45,6 +45,7 @@ struct run *study_run(const struct scene *scene, double end, const struct cancel
     return NULL;
 }
 
+/* Runs the scene with one parameter moved by increment. Returns NULL if it cannot. */
 static struct run *run_with(const struct spread_request *request, int index, double increment)
 {
     struct scene scene = *request->scene;
@@ -55,7 +56,7 @@ static struct run *run_with(const struct spread_request *request, int index, dou
                : NULL;
 }
 
-/* Adds factor times the variable at all times to every count-th of `slope`. */
+/* Adds factor times the variable at all times to every count-th element of slope. */
 static void add_run(const struct spread_request *request, struct run *run, double factor,
                     double *slope)
 {
@@ -79,8 +80,8 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
     }
 }
 
-/* Computes the derivatives from differences of runs. They are one-sided where the other side is no
- * scene, as with negative friction. */
+/* Computes the derivatives [n][count] from differences of runs, one-sided if the other side is not
+ * allowed, as for negative friction. Returns false with the error. */
 static bool differences(const struct spread_request *request, double *slope, struct error *error)
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
@@ -111,7 +112,8 @@ static bool differences(const struct spread_request *request, double *slope, str
 
 /* ---- elsewhere: the variational equations ---- */
 
-/* Derivatives [n][count] along one motion. */
+/* Computes the derivatives [n][count] from the variational equations. Returns false with the
+ * error. */
 static bool slopes(struct scene_curve *c, const struct spread_request *request, double *value,
                    double *slope, struct error *error)
 {

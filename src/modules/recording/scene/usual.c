@@ -16,12 +16,15 @@ static const struct {
              {"C", "C", NULL},      {"k3", "k3", NULL},    {"mu", "mu", NULL},
              {"width", "mu", NULL}, {"F0", "F0", NULL},    {"phase", "F0", NULL}};
 
+/* Returns a parameter's value, or 0 if the scene does not have it. */
 static double value_of(const struct scene *scene, const char *name)
 {
     const int index = scene_param(scene, name);
     return index >= 0 ? scene->value[index] : 0;
 }
 
+/* Returns true if a fit leaves the parameter free by default; in models without a mass, all but
+ * t0. */
 static bool is_usual(const struct scene *scene, const char *name)
 {
     if (scene_param(scene, "m") < 0)
