@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep */
+/* The command `sweep`: reads the statement, computes the sweep by study_sweep() and replies with
+ * it. */
 #ifndef COMMAND_ROWS
 #include <hooke/run/parallel.h>
 #include <hooke/run/timing.h>
@@ -15,7 +16,7 @@
 
 /* ---- reading NAME=FROM:TO[:STEP|:xFACTOR], measure=…, options ---- */
 
-/* Returns false with `error` filled if dt or tol is not positive along the whole axis. */
+/* Returns false with an error if dt or tol is not positive along the whole axis. */
 static bool check_above_0(const struct sweep_axis *axis, struct text name, struct error *error)
 {
     const bool setting = axis->target == SWEEP_DT || axis->target == SWEEP_TOL;
@@ -26,6 +27,8 @@ static bool check_above_0(const struct sweep_axis *axis, struct text name, struc
                                                       : "for example tol=1e-9:1e-3:x10");
 }
 
+/* Reads FROM:TO[:STEP|:xFACTOR] of the quantity `name` into an axis. Returns false with an error if
+ * it cannot be swept or the range is invalid. */
 static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
                       struct error *error)
 {
@@ -47,6 +50,7 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
     return check_above_0(axis, name, error);
 }
 
+/* Reads an integer, named `what` in errors. Returns false with an error. */
 static bool count_read(struct parser *parser, const char *what, int64_t *number,
                        struct error *error)
 {
@@ -57,6 +61,7 @@ static bool count_read(struct parser *parser, const char *what, int64_t *number,
     return true;
 }
 
+/* Reads the I/N of --shard. Returns false with an error. */
 static bool read_shard(struct parser *parser, struct sweep_request *request, struct error *error)
 {
     const struct text all = text_trim(parser->rest);
@@ -73,7 +78,7 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
     return true;
 }
 
-/* The name of a file, and nothing behind it. */
+/* Reads the file of --resume, which must end the option. Returns false with an error. */
 static bool read_file_name(struct parser *parser, struct text *file, struct error *error)
 {
     struct item item = {0};
@@ -83,6 +88,7 @@ static bool read_file_name(struct parser *parser, struct text *file, struct erro
     return file->len > 0 || error_at(error, parser->rest, "--resume needs a file");
 }
 
+/* Reads one option that begins with --. Returns false with an error if it is unknown or invalid. */
 static bool read_option(struct parser *parser, struct sweep_request *request,
                         struct sweep_options *options, struct error *error)
 {
@@ -120,6 +126,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
     return true;
 }
 
+/* Reads the number of skip= or keep=. Returns false with an error if it is below 0 or 1,
+ * respectively. */
 static bool read_count(struct parser *parser, struct text name, struct sweep_section *section,
                        struct error *error)
 {
@@ -187,7 +195,8 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
 
 /* ---- what it says ---- */
 
-/* Only the first shard has the header, so that shards put together are the whole. */
+/* Adds the finished points to the reply as rows of a table. Only the first shard has the header, so
+ * that shards one after another are the whole table. */
 static void reply_points(const struct swept *swept, const struct table *table, struct reply *reply)
 {
     const struct sweep *sweep = swept->sweep;
@@ -199,6 +208,7 @@ static void reply_points(const struct swept *swept, const struct table *table, s
     }
 }
 
+/* Returns the sweep together with the measures that are shown. */
 static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
 {
     struct swept swept = {.sweep = sweep,
@@ -213,6 +223,8 @@ static struct swept swept_of(const struct sweep_request *request, const struct s
     return swept;
 }
 
+/* Stores the table of results for plots and replies, with text or with records. Without memory the
+ * table is left out. */
 static void reply_sweep(struct session *session, const struct swept *swept,
                         const struct arguments *args, struct reply *reply)
 {
@@ -259,6 +271,8 @@ struct sweep_request sweep_request_begin(struct session *session)
                                   .measures = 1};
 }
 
+/* Computes a sweep, replies with it and, if it was stopped, keeps what is finished for `continue`.
+ * Returns false with an error. */
 static bool sweep_in_memory(struct session *session, const struct arguments *args,
                             const struct sweep_request *request, struct text statement,
                             struct reply *reply, struct error *error)
@@ -318,6 +332,7 @@ bool sweep_statement(struct session *session, const struct arguments *args, stru
     return ok;
 }
 
+/* Executes `sweep`. */
 HANDLER(sweep)
 {
     const bool ok = sweep_statement(session, args, argument_value(args, "NAME=RANGE")->item->text,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion of a sweep, where it is not of NAME=FROM:TO: sections, and what is measured. */
+/* Completion of `sweep` where it is not NAME=FROM:TO: events of a section, and measures. */
 #include <hooke/command/complete.h>
 #include "modules/sweep/handlers.h"
 

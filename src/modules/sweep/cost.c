@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep … --dry-run: what a shard costs, by computing points from all over it. */
+/* `sweep … --dry-run`: estimates time and size of a shard by computing points spread over it. */
 #include "modules/sweep/file.h"
 #include "modules/sweep/handlers.h"
 
 #include <math.h>
 
-/* Number of points, evenly over the shard, whose run time is measured. */
+/* Number of places, evenly over the shard, at which points are timed. */
 #define COST_SAMPLES 8
-#define COST_SECONDS 1.0 /* Measured time unless one point takes longer [s]. */
+#define COST_SECONDS 1.0 /* time of all measurements, unless points take longer [s] */
 #define HOUR_SECONDS 3600.0
 
+/* Points that were computed, with their time [s] and size as CSV [byte]. */
 struct cost_sample {
     int64_t points;
     double seconds, bytes;
 };
 
-/* Computes so many points at each place: in the middle of each of as many parts as there are
- * places, so that ends which take longer have no more than their share; where blocks of lanes
- * begin. */
+/* Computes `each` points at each place. Places lie in the middle of equal parts of the shard, so
+ * that slow ends have no more than their share, and begin where batches of lanes do. Returns false
+ * with an error if a point fails or if cancelled. */
 static bool take_sample(struct session *session, const struct sweep_request *request,
                         const struct sweep *shard, int64_t each, struct cost_sample *sample,
                         struct error *error)

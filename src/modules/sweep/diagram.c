@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sweeps at a section: orbit diagrams as densities in text. */
+/* Text of sweeps at a section: orbit diagrams as densities, maps of repeats, and ranges of
+ * repeats. */
 #include <hooke/base/numeric.h>
 #include "modules/sweep/swept.h"
 
 #include <math.h>
 
 enum {
-    DIAGRAM_ROWS = 20,    /* rows of the whole answer, at least */
-    DIAGRAM_ROWS_MIN = 6, /* rows of a short answer */
-    DIAGRAM_COLUMNS = 200
+    DIAGRAM_ROWS = 20,    /* least height of the diagram in a full answer [row] */
+    DIAGRAM_ROWS_MIN = 6, /* least height in a short answer [row] */
+    DIAGRAM_COLUMNS = 200 /* largest width [cell] */
 };
 
 /* ---- densities ---- */
 
+/* A grid of cells in which points are counted. */
 struct density {
     int columns, rows;
-    double y_begin, step; /* height of a row */
+    double y_begin, step; /* lower end of the first row, and height of a row */
     double *value;        /* [columns][rows] log2(1 + points) */
 };
 
+/* Counts the points of all events in each cell and takes logarithms. */
 static void count_points(const struct swept *swept, const struct density *d)
 {
     for (int64_t i = 0; i < swept->sweep->count; i++)
@@ -33,6 +36,8 @@ static void count_points(const struct swept *swept, const struct density *d)
         d->value[c] = log2(1 + d->value[c]);
 }
 
+/* Appends an orbit diagram of the first measure over the parameter, `height` rows high. Appends
+ * nothing if out of memory or without points. */
 static void put_density(const struct session *session, const struct swept *swept, int height,
                         struct arena *arena, struct buffer *text)
 {
@@ -69,8 +74,8 @@ static void put_density(const struct session *session, const struct swept *swept
     heat_print(&heat, width, d.rows + 5, session_charset(session), text);
 }
 
-/* Returns the number of events after which the states repeat, or -1 if they do not, or NAN without
- * events, for the map over two parameters. */
+/* Returns the value of a map of repeats: the number of events after which the states repeat, -1 if
+ * they do not, NAN without events. */
 static double repeats_of(const struct swept *swept, int64_t i, int m)
 {
     (void)m;
@@ -80,6 +85,7 @@ static double repeats_of(const struct swept *swept, int64_t i, int m)
     return isnan(repeats) ? -1 : repeats;
 }
 
+/* Appends the map of repeats over two parameters. */
 static void put_repeats(const struct session *session, const struct swept *swept, int height,
                         struct arena *arena, struct buffer *text)
 {
@@ -92,7 +98,8 @@ static void put_repeats(const struct session *session, const struct swept *swept
 
 /* ---- in words ---- */
 
-/* Writes the ranges of the parameter in which states repeat after the same number of events. */
+/* Appends at most `max` ranges of the parameter in which states repeat after the same number of
+ * events. */
 static void put_stretches(const struct swept *swept, int max, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -125,7 +132,7 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
 void diagram_text(const struct session *session, const struct swept *swept, int rows,
                   struct arena *arena, struct buffer *text)
 {
-    /* [row] Of the answer, besides those of the diagram and of the stretches. */
+    /* rows of the answer besides those of the diagram and of the ranges */
     enum { AXES = 5, SUMMARY = 4, SHORT_STRETCHES = 4 };
     const struct sweep *sweep = swept->sweep;
     const struct sweep_section *section = swept->section;

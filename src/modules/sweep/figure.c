@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plot of the last sweep, from its table: point, the parameter, of a section event and t, then
- * what was measured. */
+/* `plot sweep`: the last sweep from its stored table, whose columns are point, the parameters, at a
+ * section event and t, then the measures. */
 #include "modules/sweep/plots.h"
 #include <hooke/plot/drawing.h>
 

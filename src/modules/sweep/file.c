@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sweeps in files that grow: reading, adding, making whole, and checking shards. */
+/* Files of sweeps that grow: reading, adding points, completing, and checking shards. */
 #define _GNU_SOURCE /* O_CLOEXEC, getline */
 #include "modules/sweep/file.h"
 #include <hooke/base/file.h>
@@ -19,14 +19,16 @@
 
 /* ---- line by line, in memory that does not grow with the file ---- */
 
+/* Reads a file line by line from its own position. */
 struct line_reader {
     FILE *stream;
     char *data;
     size_t capacity;
-    int64_t offset, number; /* [byte] behind the line, and which one it is, from 1 */
+    int64_t offset, number; /* end of the line [byte], and its number from 1 */
 };
 
-/* The file is left open for others. */
+/* Begins to read at an offset [byte]; fd remains open. Returns false if that fails; lines_end()
+ * must be called in any case. */
 static bool lines_begin(struct line_reader *reader, int fd, int64_t offset)
 {
     const int copy = dup(fd);
@@ -56,17 +58,20 @@ static void lines_end(struct line_reader *reader)
 
 /* ---- reading ---- */
 
+/* State of reading a file. */
 struct sweep_scan {
     struct sweep_file *file;
     struct line_reader lines;
-    struct buffer head; /* lines of the head so far */
-    size_t begun;       /* number of blocks of other files */
-    /* `point_at` is the last point, which has `rows`; no point has more than `rows_seen`. */
+    struct buffer head; /* lines of the present head */
+    size_t begun;       /* number of blocks that belong to files read before */
+    /* Offset of the last point [byte], the number of its rows, and the largest number of rows of a
+     * point. */
     int64_t point_at, rows, rows_seen;
     bool sealed; /* the last line was a seal */
     struct error *error;
 };
 
+/* Sets the error for the present line and returns false. */
 static bool is_wrong(const struct sweep_scan *scan, const char *what)
 {
     char name[SAFE_NAME_SIZE];
@@ -75,6 +80,7 @@ static bool is_wrong(const struct sweep_scan *scan, const char *what)
     return error_hint(scan->error, "the file is unchanged");
 }
 
+/* Returns a checksum of the lines of a head, which identifies the sweep. */
 static uint64_t head_sum(struct text head)
 {
     uint64_t sum = 0;
@@ -92,7 +98,8 @@ void sweep_seal(struct text head, int64_t total, int64_t rows_max, struct buffer
                   rows_max == 1 ? "" : "s");
 }
 
-/* A seal belongs to the head of its file, and to the seals of all files. */
+/* Checks that a seal line agrees with the head and with other seals, and stores the first one.
+ * Returns false with an error if it belongs to another sweep. */
 static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
 {
     struct sweep_file *file = scan->file;
@@ -109,7 +116,8 @@ static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
     return !file->seal.failed || error_memory(scan->error);
 }
 
-/* The names of the columns are the end of a head. */
+/* Adds a line to the present head, which ends with the names of the columns. Returns false with an
+ * error if it differs from the head read before. */
 static bool take_head(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
@@ -128,6 +136,7 @@ static bool take_head(struct sweep_scan *scan, struct text line)
     return true;
 }
 
+/* Appends a block. Returns false with an error if out of memory. */
 static bool add_block(struct sweep_file *file, struct sweep_block block, struct error *error)
 {
     if (file->blocks == file->capacity) {
@@ -142,6 +151,8 @@ static bool add_block(struct sweep_file *file, struct sweep_block block, struct 
     return true;
 }
 
+/* Adds a row to the last block, or to a new one if it does not follow. Returns false with an error
+ * if it is no row. */
 static bool take_row(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
@@ -167,6 +178,7 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     return true;
 }
 
+/* Takes a line of any kind. Returns false with an error if it does not belong to the sweep. */
 static bool take_line(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
@@ -192,7 +204,7 @@ static bool take_line(struct sweep_scan *scan, struct text line)
     return take_row(scan, line);
 }
 
-/* Leaves out the last point where rows of it may be missing. */
+/* Leaves out the last point if rows of it may be missing. */
 static void cut_point(struct sweep_scan *scan)
 {
     struct sweep_file *file = scan->file;
@@ -211,7 +223,7 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
     file->shard = file->shards = 1;
     file->unfinished = false;
     while (ok && !torn && next_line(&scan.lines, &line)) {
-        /* This is the beginning of what a killed program was writing. */
+        /* a line without its end was being written when a program was killed */
         torn = line.data[line.len - 1] != '\n' && strchr("#p0123456789", line.data[0]);
         if (!torn) {
             ok = take_line(&scan, line);
@@ -240,6 +252,7 @@ void sweep_file_free(struct sweep_file *file)
     file->block = NULL;
 }
 
+/* Orders blocks for qsort() by their first point. */
 static int by_first(const void *a, const void *b)
 {
     const struct sweep_block *x = a, *y = b;
@@ -275,6 +288,7 @@ bool sweep_file_add(struct sweep_file *file, int fd, int64_t first, int64_t coun
            add_block(file, (struct sweep_block){first, count, offset, file->end}, error);
 }
 
+/* Returns true if the point is the last one of a cell. */
 static bool ends_cell(const struct sweep_file *file, int64_t point)
 {
     return (point + 1) % sweep_cell(file->total) == 0 || point + 1 == file->total;
@@ -322,6 +336,7 @@ bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text he
 
 /* ---- checking files together ---- */
 
+/* Adds a file to `all`. Returns false with an error if it cannot be read or has no points. */
 static bool read_one(const char *path, struct sweep_file *all, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -341,13 +356,16 @@ static bool read_one(const char *path, struct sweep_file *all, struct error *err
     return ok;
 }
 
-enum { DIFFERENCES_SHOWN = 20 };
+enum { DIFFERENCES_SHOWN = 20 }; /* number of differences that are listed */
 
+/* Output of a check, and how many differences were found. */
 struct differences {
     struct reply *reply;
     int64_t count;
 };
 
+/* Reports that points [first, end) are missing or otherwise wrong, unless there are none or enough
+ * was reported. */
 static void put_difference(struct differences *differences, int64_t first, int64_t end,
                            const char *what)
 {
@@ -363,6 +381,8 @@ static void put_difference(struct differences *differences, int64_t first, int64
     reply_string(differences->reply, NULL, line);
 }
 
+/* Replies with the missing and repeated points of all files together. Returns true if there are
+ * none. */
 static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
 {
     struct differences differences = {.reply = reply};

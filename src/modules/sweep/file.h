@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The points of a sweep in a file that grows until it is whole. */
+/* The points of a sweep in a file that grows until it is complete (`sweep --resume FILE`). To add
+ * points call sweep_file_read(), sweep_file_add() for each piece, sweep_file_sort(),
+ * sweep_file_make_whole(), sweep_file_free(). */
 #pragma once
 
 #include <hooke/report.h>
@@ -7,55 +9,53 @@
 struct cancel;
 struct writer;
 
-/*
- *   file  = { [ head ] { row } seal } [ begun { row } ]
- *   head  = { "# KEY = VALUE" } "point,..."     hooke, set-up (each of its lines), sweep; columns
- *   seal  = "# sweep S: N points in all, at most R rows each"      S: a sum of the head
- *   begun = "# unfinished, shard I/N"
- *
- * A row begins with the number of its point; at a section a point has up to R rows. What is whole
- * has its points in order, a seal at the end of each cell (sweep_cell) and a head only before
- * point 0: shards begin and end with cells, so that shards one after another have the bytes of the
- * whole, and each of them names its sweep. Behind `begun` are points of one shard in any order; of
- * the last one some rows may be missing, and of the last row its end.
- */
+/* A run of consecutive points whose rows follow each other in a file. */
 struct sweep_block {
-    int64_t first, count; /* points */
-    int64_t begin, end;   /* [byte] of its rows in the file */
+    int64_t first, count; /* number of the first point, and how many there are */
+    int64_t begin, end;   /* [byte] begin and end of their rows in the file */
 };
 
+/* The contents of a file of a sweep, or of several files of one sweep together. */
 struct sweep_file {
     const char *path;
     const struct cancel *cancel;
-    struct buffer head, seal; /* as in the file; empty if missing */
-    int64_t total, rows_max;  /* N and R of the seal */
-    int64_t shard, shards;    /* I and N of an unfinished one */
-    bool unfinished;
-    int64_t heads, seals; /* number of heads and of seals */
-    struct sweep_block *block;
+    struct buffer head, seal;  /* text of head and seal, empty if the file has none; owned */
+    int64_t total, rows_max;   /* N and R of the seal, 0 without a seal */
+    int64_t shard, shards;     /* I and N of an unfinished file, otherwise 1 */
+    bool unfinished;           /* the file has a line `begun` */
+    int64_t heads, seals;      /* number of heads and of seals */
+    struct sweep_block *block; /* [blocks] owned */
     size_t blocks, capacity;
     int64_t end, size; /* [byte] end of the valid part, and size of the file */
 };
 
-/* Reads the file; points that may lack rows, at its end, do not count. The blocks are added to
- * those of `file`, which may be of several files of a sweep, or all 0. Returns false if it is none,
- * or is of another sweep. The caller calls sweep_file_free() in every case. */
+/* Reads a file. A last point of which rows may be missing is left out. Blocks are added to those of
+ * `file`, which is zeroed but for path and cancel, or already holds other files of the same sweep.
+ * Returns false with an error if this is no file of a sweep, if it belongs to another sweep, cannot
+ * be read, or if cancelled. sweep_file_free() must be called in any case. */
 bool sweep_file_read(int fd, struct sweep_file *file, struct error *error);
+/* Frees what the structure owns, not the structure. */
 void sweep_file_free(struct sweep_file *file);
 /* Sorts the blocks by their points. */
 void sweep_file_sort(struct sweep_file *file);
-/* Appends the seal of the sweep with that head. */
+/* Appends to `seal` the seal of the sweep with that head. */
 void sweep_seal(struct text head, int64_t total, int64_t rows_max, struct buffer *seal);
-/* Appends lines to the file, and sets its end. */
+/* Appends lines to the file and moves its end. Returns false with an error if they cannot be
+ * written. */
 bool sweep_file_put(struct sweep_file *file, int fd, struct text lines, struct error *error);
+/* Appends the rows of some points and adds a block for them. Returns false with an error as
+ * sweep_file_put() does, or if out of memory. */
 bool sweep_file_add(struct sweep_file *file, int fd, int64_t first, int64_t count, struct text rows,
                     struct error *error);
-/* Returns true if it has these points, of one shard, in the bytes that it is to have. */
+/* Returns true if the file is complete: it has exactly these points in order, with heads and seals
+ * where they belong. */
 bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t count);
-/* Puts all into another file; the writer is left open. The blocks are sorted and without gaps. */
+/* Copies all points in order, with head and seals, to the writer, which the caller commits. The
+ * blocks must be sorted and without gaps. Returns false with an error if the file cannot be read or
+ * if cancelled. */
 bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
                            struct text seal, struct writer *writer, struct error *error);
 
-/* Checks whether the files together have each point once (`hooke --check-sweep FILE...`). Returns
- * the exit status. */
+/* Executes `hooke --check-sweep FILE...`: checks that the files together have each point of their
+ * sweep once, and replies. Returns the exit status, 0 if they do. */
 int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply);

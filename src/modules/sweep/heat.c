@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the
+/* Draws a heat map in text: shades that differ without colour, labelled axes, and a legend of the
  * shades. */
 #include <hooke/base/number.h>
 #include "modules/sweep/swept.h"
@@ -7,15 +7,17 @@
 #include <math.h>
 #include <string.h>
 
+/* Blanks between labels, lines of the legend, and size of a label. */
 enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40 };
 
-/* As many cells as there is room for, a whole number for each point where that is possible. */
+/* Returns the number of cells for so many points: all available ones, or the largest multiple of
+ * the points. */
 static int cells_for(int points, int available)
 {
     return points >= available ? available : available / points * points;
 }
 
-/* The points of cell i of `cells`: from *first, up to *end. */
+/* Finds the points of cell i of `cells`: [*first, *end), at least one. */
 static void points_of(int i, int cells, int points, int *first, int *end)
 {
     *first = (int)((int64_t)i * points / cells);
@@ -23,6 +25,7 @@ static void points_of(int i, int cells, int points, int *first, int *end)
     *end = *end > *first ? *end : *first + 1;
 }
 
+/* Returns the largest value among the points of a cell. */
 static double cell_value(const struct heat *heat, int column, int columns, int row, int rows)
 {
     int x0, x1, y0, y1;
@@ -31,6 +34,7 @@ static double cell_value(const struct heat *heat, int column, int columns, int r
     return heat_largest(heat, x0, x1, y0, y1);
 }
 
+/* Writes a value in units of `factor` as a short number. */
 static void label(double value, double factor, char output[LABEL_SIZE])
 {
     struct buffer text = {0};
@@ -42,6 +46,7 @@ static void label(double value, double factor, char output[LABEL_SIZE])
     buffer_free(&text);
 }
 
+/* Appends a name with its unit, if any. */
 static void heat_name_put(struct buffer *output, const char *name, const char *unit)
 {
     buffer_put(output, text_of(name));
@@ -49,13 +54,15 @@ static void heat_name_put(struct buffer *output, const char *name, const char *u
         buffer_format(output, " [%s]", unit);
 }
 
+/* Appends a character several times. */
 static void put_times(struct buffer *output, char c, int times)
 {
     for (int i = 0; i < times; i++)
         buffer_char(output, c);
 }
 
-/* Labels below the columns, as many as fit. */
+/* Appends the line of labels below the columns, as many as fit. `gutter` is the width left of the
+ * columns [cell]. */
 static void put_x_labels(const struct heat *heat, int gutter, int columns, struct buffer *output)
 {
     char text[LABEL_SIZE];
@@ -76,6 +83,7 @@ static void put_x_labels(const struct heat *heat, int gutter, int columns, struc
     buffer_char(output, '\n');
 }
 
+/* Appends the shades with the values between them, and x for gaps if there are some. */
 static void put_legend(const struct heat *heat, const struct heat_scale *scale,
                        const struct charset *charset, bool gaps, int width, struct buffer *output)
 {

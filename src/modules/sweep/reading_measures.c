@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure= of a sweep: names, and expressions of them and of the way: max(y) - min(y), rms(v),
- * mean(y^2)/k. */
+/* Reads `measure=` of a sweep: names of measures, and expressions of them and of columns of the
+ * run, such as max(y) - min(y), rms(v), mean(y^2)/k. */
 #include <hooke/scene/dimension.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
@@ -11,7 +11,8 @@
 
 /* ---- the measures that are computed ---- */
 
-/* As sweep_measure_find(); what motions end in is found by a module. */
+/* Does the same as sweep_measure_find(), and finds the module that provides attractors. Returns
+ * false with an error also if it is not built in. */
 static bool find_measure(const struct model *model, struct text name, struct sweep_measure *measure,
                          struct error *error)
 {
@@ -24,6 +25,7 @@ static bool find_measure(const struct model *model, struct text name, struct swe
            module_is_in("sweep measure=attractor", name, error);
 }
 
+/* Returns true if both measure the same. */
 static bool same_measure(const struct sweep_measure *a, const struct sweep_measure *b)
 {
     return a->kind == b->kind && a->column == b->column && a->variable == b->variable &&
@@ -48,13 +50,16 @@ static int add_measure(struct sweep_request *request, const struct sweep_measure
 
 /* ---- expressions of the columns of a run ---- */
 
+/* Context of column_slot(). */
 struct column_slots {
     struct expr_scope *scope;
     struct sweep_expression *expression;
     const struct model *model;
-    bool many;
+    bool many; /* true if there are more than SWEEP_COLUMNS */
 };
 
+/* Returns the slot in a sweep_expression for a slot of names_scope(): a column of the run, added if
+ * it is new, or a value of the scene; negative if the name is to become a number. */
 static int column_slot(void *context, int slot)
 {
     struct column_slots *slots = context;
@@ -115,33 +120,37 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
 
 /* ---- expressions of measures ---- */
 
-enum { REDUCTIONS_MAX = 32 };
+enum { REDUCTIONS_MAX = 32 }; /* largest number of reductions in an expression */
 
-/* Such a piece is a name in the copy of the text, as long as it. */
+/* A part of an expression that reduces a column to a number, such as max(y). In the copy of the
+ * text a name of the same length replaces it. */
 struct reduction {
-    const char *cursor;
+    const char *cursor; /* begin in the copy */
     size_t len;
-    int place;
-    bool root;              /* It is rms, the root of the mean square. */
+    int place;              /* index of its measure in the request */
+    bool root;              /* it is rms, the root of the mean square that is measured */
     enum quantity quantity; /* quantity of the root */
 };
 
+/* State of reading an expression of measures. */
 struct formula_reader {
     struct parser *parser;
     struct sweep_request *request;
     struct text text; /* as it was typed */
-    char *copy;
+    char *copy;       /* copy of the text in which reductions are replaced by names */
     struct reduction reduction[REDUCTIONS_MAX];
     int reductions;
     struct names names;
     struct error *error;
 };
 
+/* Returns true for characters of names, which may have primes. */
 static bool is_word_char(char c)
 {
     return isalnum((unsigned char)c) || c == '_' || c == '\'';
 }
 
+/* Returns true if the text is a name. */
 static bool is_plain(struct text text)
 {
     bool plain = text.len > 0 && !isdigit((unsigned char)text.data[0]);
@@ -170,7 +179,9 @@ static struct text slice(struct text text, size_t begin, size_t end)
     return (struct text){text.data + begin, end - begin};
 }
 
-/* word(inner) as a measure. */
+/* Adds the measure of word(inner), whose text is `whole`, to the request and fills in *made.
+ * word(end) is a measure at the end; inner may be an expression of columns. Returns false with an
+ * error. */
 static bool read_reduction(struct formula_reader *r, struct text whole, struct text word,
                            struct text inner, struct reduction *made)
 {
@@ -206,7 +217,8 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
     return made->place >= 0;
 }
 
-/* The pieces that reduce a run to a number become names in the copy. */
+/* Finds all reductions in the text, adds their measures and replaces them by names in the copy.
+ * Returns false with an error. */
 static bool find_reductions(struct formula_reader *r)
 {
     static const char *const words[] = {"amplitude", "period", "mean", "max", "min", "rms"};
@@ -248,14 +260,17 @@ static bool find_reductions(struct formula_reader *r)
     return true;
 }
 
-/* Parameters that a user has typed come before observables. */
+/* Returns true if the name is a parameter of a typed scene, which comes before an observable of
+ * that name. */
 static bool is_own_parameter(const struct scene *scene, struct text name)
 {
     return scene->model->typed && model_state(scene->model, name) < 0 &&
            catalog_find(scene_params(scene), name);
 }
 
-/* A piece, a measure without parentheses or a column at the end, what a session knows. */
+/* Finds a name of an expression: a reduction, a measure or a column at the end of the run, or what
+ * the session knows. Slots are those of struct sweep_formula, then from 2 * SWEEP_MEASURES on those
+ * of the session. Returns false if it is unknown. */
 static bool formula_find(const void *context, struct text name, int *slot)
 {
     struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -278,6 +293,7 @@ static bool formula_find(const void *context, struct text name, int *slot)
     return true;
 }
 
+/* Returns the value of a slot now, NAN for measures. */
 static double formula_load(const void *context, int slot)
 {
     const struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -285,6 +301,7 @@ static double formula_load(const void *context, int slot)
     return slot < 2 * SWEEP_MEASURES ? NAN : scope.load(scope.context, slot - 2 * SWEEP_MEASURES);
 }
 
+/* Returns the quantity of a slot. */
 static enum quantity formula_quantity(const void *context, int slot)
 {
     const struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -297,6 +314,7 @@ static enum quantity formula_quantity(const void *context, int slot)
     return sweep_measure_quantity(&r->request->measure[slot], r->request->scene->model);
 }
 
+/* Offers names for a suggestion: measures, and names that the session knows. */
 static void formula_offer(const void *context, struct suggestion *suggestion)
 {
     const struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -306,6 +324,8 @@ static void formula_offer(const void *context, struct suggestion *suggestion)
     scope.offer(scope.context, suggestion);
 }
 
+/* Returns the slot of a sweep for a slot of formula_find(), negative if the name is to become a
+ * number. */
 static int formula_slot(void *context, int slot)
 {
     struct formula_reader *r = context;
@@ -313,6 +333,8 @@ static int formula_slot(void *context, int slot)
     return slot < 2 * SWEEP_MEASURES ? slot : slot_of_point(&scope, slot - 2 * SWEEP_MEASURES);
 }
 
+/* Compiles an expression of measures. Returns NULL with an error, which points into the typed
+ * text. */
 static const struct sweep_formula *read_formula(struct formula_reader *r)
 {
     struct formula_reader *self = r;
@@ -336,7 +358,7 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
                  "this cannot be part of an expression");
         expr = NULL;
     }
-    /* errors point into what was typed */
+    /* errors are to point into what was typed, not into the copy */
     const char *where = r->error->where.data;
     if (!expr && where && where >= r->copy && where <= r->copy + copy.len)
         r->error->where.data = r->text.data + (where - r->copy);
@@ -353,7 +375,8 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
 
 /* ---- the list ---- */
 
-/* The next item, up to a comma that stands in no parentheses; quotes around it are left out. */
+/* Splits off the next item of a list, up to a comma outside parentheses, without quotes around it.
+ * Returns false if there is none. */
 static bool next_item(struct text *rest, struct text *item)
 {
     int depth = 0;
@@ -372,7 +395,7 @@ static bool next_item(struct text *rest, struct text *item)
     return true;
 }
 
-/* Else it is a name, or NAME(COLUMN), that nobody knows. */
+/* Returns true if the item looks like an expression, false if like a name or NAME(COLUMN). */
 static bool is_formula(struct text item)
 {
     bool one;
@@ -385,6 +408,8 @@ static bool is_formula(struct text item)
     return !catalog_find(&sweep_measure_catalog, word) || !is_plain(inner) || text_is(inner, "end");
 }
 
+/* Adds an item of the list to the request's columns: a measure or an expression. Returns false with
+ * an error. */
 static bool read_item(struct parser *parser, struct text item, struct sweep_request *request,
                       struct error *error)
 {

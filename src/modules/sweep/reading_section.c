@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* 'at EVENT' of a sweep: an event that is defined, each period of the drive, or an expression. */
+/* Reads `at EVENT` of a sweep: an event of the session, the period of the drive, or an
+ * expression. */
 #include <hooke/base/statement.h>
 #include <hooke/scene/formula.h>
 #include <hooke/session/events.h>
@@ -38,7 +39,7 @@ struct text next_section(struct text *rest)
     return text_trim(section);
 }
 
-/* ---- names: of the point, or numbers as they are now ---- */
+/* ---- names: values of the point, or numbers ---- */
 
 int slot_of_point(const struct expr_scope *scope, int slot)
 {
@@ -50,11 +51,14 @@ int slot_of_point(const struct expr_scope *scope, int slot)
     return place + (int)(derived ? SWEEP_SLOT_DERIVED : SWEEP_SLOT_PARAM);
 }
 
+/* Calls slot_of_point() for expr_settle(). */
 static int point_slot(void *context, int slot)
 {
     return slot_of_point(context, slot);
 }
 
+/* Compiles an expression for all points: names that do not depend on the point become numbers.
+ * Returns NULL with an error if out of memory. */
 static const struct expr *expr_of_point(const struct expr *expr, struct expr_scope *scope,
                                         struct arena *arena, struct error *error)
 {
@@ -66,7 +70,8 @@ static const struct expr *expr_of_point(const struct expr *expr, struct expr_sco
 
 /* ---- what is typed ---- */
 
-/* EXPR = EXPR or EXPR rising VALUE: the other side. */
+/* Reads the right side of EXPR = EXPR or EXPR rising VALUE into the event. Returns false with an
+ * error. */
 static bool read_side(struct parser *parser, const struct expr_scope *scope, struct event *event,
                       struct error *error)
 {
@@ -86,6 +91,7 @@ static bool read_side(struct parser *parser, const struct expr_scope *scope, str
     return true;
 }
 
+/* Reads an event from the parser's text, to its end. Returns false with an error. */
 static bool read_event_text(struct parser *parser, const struct expr_scope *scope,
                             struct event *event, struct error *error)
 {
@@ -103,6 +109,8 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
     return refuse_rest(parser, NULL, error);
 }
 
+/* Reads the event of a line of the session, or without one (NULL) of the parser's text, and
+ * compiles it for all points. Returns false with an error. */
 static bool read_event_in(struct parser *parser, struct expr_scope *scope,
                           const struct event_line *line, struct event *event, struct error *error)
 {
@@ -123,7 +131,8 @@ static bool read_event_in(struct parser *parser, struct expr_scope *scope,
     return event->left && event->right;
 }
 
-/* Reads an event in a scope of the scene's own names, which replaces the parser's for this time. */
+/* Reads an event in a scope that knows the names of a run, which replaces the parser's scope
+ * meanwhile. Returns false with an error. */
 static bool read_event_of(struct parser *parser, const struct event_line *line, struct event *event,
                           struct error *error)
 {
@@ -137,6 +146,7 @@ static bool read_event_of(struct parser *parser, const struct event_line *line, 
     return ok;
 }
 
+/* Returns true if the scene has a drive with one period; otherwise sets an error. */
 static bool is_driven(const struct session *session, struct text where, struct error *error)
 {
     struct system system;
@@ -171,6 +181,7 @@ bool read_section(struct session *session, const struct arguments *args, struct 
 
 /* ---- what is kept there ---- */
 
+/* Makes all state variables the measures. Returns false with an error. */
 static bool all_variables(const struct model *model, struct sweep_request *request,
                           struct error *error)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sweep … --resume FILE: piece by piece into a file that can be gone on with. */
+/* `sweep … --resume FILE`: computes a sweep in pieces, which are added to a file, so that it can be
+ * continued after any stop. */
 #define _GNU_SOURCE /* O_CLOEXEC */
 #include <hooke/base/numeric.h>
 #include <hooke/base/cancel.h>
@@ -17,14 +18,15 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
+#define PIECE_MOST 65536 /* largest number of points in a piece, unless a batch has more */
 /* Bytes of results between two writes; as text, which is copied once, they take ten times as
  * much. */
 #define PIECE_BYTES ((size_t)1 << 23)
-#define PIECE_SECONDS 0.5 /* [s] least time of a piece, which may take four times as much */
+#define PIECE_SECONDS 0.5 /* [s] least time of a piece; the largest is four times as long */
 
-/* ---- which sweep it is, as lines of the head ---- */
+/* ---- the head, which says which sweep it is ---- */
 
+/* Appends an axis as a statement has it, NAME=FROM:TO:STEP. */
 static void put_axis(const struct sweep_axis *axis, struct buffer *text)
 {
     const double steps = axis->count - 1;
@@ -41,7 +43,8 @@ static void put_axis(const struct sweep_axis *axis, struct buffer *text)
     }
 }
 
-/* The names of the columns are its last line. */
+/* Appends the head of the request: version, set-up, sweep, and names of columns. Returns false if
+ * out of memory. */
 static bool put_head(const struct session *session, const struct sweep_request *request,
                      struct buffer *text)
 {
@@ -72,7 +75,8 @@ static bool put_head(const struct session *session, const struct sweep_request *
     return sweep_rows(request, &none, text) && !text->failed;
 }
 
-/* The sweep that the head says, read as if it were typed. */
+/* Reads the sweep from the head of the file, as if it were typed, into the request. Returns false
+ * with an error. */
 static bool read_statement(struct session *session, const struct arguments *args,
                            const struct sweep_file *file, struct sweep_request *request,
                            struct error *error)
@@ -107,24 +111,28 @@ static bool read_statement(struct session *session, const struct arguments *args
 
 /* ---- the file, locked ---- */
 
+/* A file that is continued, and the sweep that belongs to it. */
 struct growing_file {
     struct session *session;
     struct sweep_request *request;
     struct sweep_file file;
-    int fd; /* -1 if not open */
-    struct writer writer;
-    struct buffer head, seal;
-    struct sweep all; /* no results: which points */
+    int fd;                   /* -1 if not open */
+    struct writer writer;     /* writes the complete file */
+    struct buffer head, seal; /* those that the file must have */
+    struct sweep all;         /* the points that the file must have; no results */
+    /* numbers of points: computed now, missing at first, and in the present piece */
     int64_t computed, missing, piece;
 };
 
+/* Returns true if the file exists. */
 static bool is_there(const char *path)
 {
     struct stat st;
     return lstat(path, &st) == 0;
 }
 
-/* Another program may have made it whole between opening and locking. */
+/* Opens and locks the file. Tries again if another program has replaced it by the complete one
+ * between opening and locking. Returns false with an error. */
 static bool open_locked(struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -146,7 +154,8 @@ static bool open_locked(struct growing_file *g, struct error *error)
                      safe_name(text_of(g->file.path), name));
 }
 
-/* Says which line is another one. */
+/* Sets an error that shows the first line in which the file's head differs from the wanted one.
+ * Returns false. */
 static bool refuse_head(const struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -169,7 +178,8 @@ static bool refuse_head(const struct growing_file *g, struct error *error)
                       "the file is unchanged; use another name, or the set-up in its # lines");
 }
 
-/* A file without points is the beginning of a head, as of a program that was killed. */
+/* Returns true if a file without points is the begin of the wanted head, as a killed program leaves
+ * it; otherwise sets an error. */
 static bool compare_begun(const struct growing_file *g, struct error *error)
 {
     const struct text head = buffer_text(&g->head);
@@ -183,6 +193,8 @@ static bool compare_begun(const struct growing_file *g, struct error *error)
     return same || refuse_head(g, error);
 }
 
+/* Returns true if the file belongs to the sweep and shard of the request; otherwise sets an
+ * error. */
 static bool compare_sweep(const struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -205,7 +217,8 @@ static bool compare_sweep(const struct growing_file *g, struct error *error)
                      (long long)request->shards);
 }
 
-/* Sorts the blocks. Returns false if a point is there twice, or is not of this shard. */
+/* Sorts the blocks. Returns false with an error if the file has a point twice, or one of another
+ * shard. */
 static bool arrange_points(struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -256,6 +269,7 @@ static bool begin_adding(struct growing_file *g, struct error *error)
 
 /* ---- computing what is missing ---- */
 
+/* Reports progress: points of finished pieces and the fraction of the present one. */
 static void report_growth(void *context, double fraction)
 {
     const struct growing_file *g = context;
@@ -263,7 +277,8 @@ static void report_growth(void *context, double fraction)
                     ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
 }
 
-/* Each run of points that are finished; of a stopped piece these may be some. */
+/* Adds the finished points of a piece to the file; if it was stopped these are some. Returns false
+ * with an error. */
 static bool add_finished(struct growing_file *g, const struct sweep *piece, struct error *error)
 {
     for (int64_t block_begin = 0, block_end; block_begin < piece->count; block_begin = block_end) {
@@ -295,6 +310,8 @@ static bool add_finished(struct growing_file *g, const struct sweep *piece, stru
     return true;
 }
 
+/* Computes `count` points from `first` on and adds them to the file. Returns false with an error if
+ * not all are finished. *seconds is the time it took. */
 static bool compute_piece(struct growing_file *g, int64_t first, int64_t count, double *seconds,
                           struct error *error)
 {
@@ -308,7 +325,7 @@ static bool compute_piece(struct growing_file *g, int64_t first, int64_t count, 
     study_sweep(&request, &sweep, &why);
     g->piece = 0;
     *seconds = sweep.seconds;
-    /* That every point of a piece is refused is no reason to stop. */
+    /* a piece of which all points are refused is finished, too */
     const bool finished = sweep.finished == count;
     const bool ok = (sweep.finished == 0 || add_finished(g, &sweep, error)) && finished;
     if (!finished && error->code == ERROR_NONE)
@@ -325,6 +342,8 @@ static int64_t most_points(const struct growing_file *g)
     return each < PIECE_BYTES ? (int64_t)(PIECE_BYTES / each) : 1;
 }
 
+/* Computes missing points in pieces, whose size follows the time that they take. Returns false with
+ * an error. */
 static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struct error *error)
 {
     const int64_t room = most_points(g), end = first + count,
@@ -345,6 +364,8 @@ static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struc
     return true;
 }
 
+/* Computes all points that the file lacks, unless that takes too long without `force`. Returns
+ * false with an error. */
 static bool growing_file_fill(struct growing_file *g, bool force, struct error *error)
 {
     double steps, seconds;
@@ -371,6 +392,8 @@ static bool growing_file_fill(struct growing_file *g, bool force, struct error *
 
 /* ---- all of it ---- */
 
+/* Opens and reads the file, and checks that it belongs to the sweep. Returns false with an
+ * error. */
 static bool prepare_resume(struct growing_file *g, const struct arguments *args,
                            struct error *error)
 {
@@ -403,6 +426,7 @@ static bool growing_file_complete(struct growing_file *g, bool force, struct err
            writer_commit(&g->writer, error);
 }
 
+/* Replies with what the complete file has and how many points were computed now. */
 static void reply_file(const struct growing_file *g, double seconds, struct reply *reply)
 {
     const struct sweep *all = &g->all;
@@ -425,6 +449,7 @@ static void reply_file(const struct growing_file *g, double seconds, struct repl
     reply_end(reply);
 }
 
+/* Sets the error of a stopped sweep, with how many points the file has. */
 static void say_kept(const struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sweep that Ctrl-C has stopped, and `continue`. */
+/* Keeps a sweep that Ctrl-C has stopped, and completes it by `continue`. */
 #include "modules/sweep/handlers.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+/* Frees a stopped sweep; NULL is allowed. */
 static void stopped_free(struct stopped_sweep *stopped)
 {
     if (!stopped)
@@ -50,7 +51,8 @@ void sweep_keep_stopped(struct session *session, struct text statement, struct s
     }
 }
 
-/* Writes the whole sweep into the log: a script made of it does not stop there. */
+/* Lets the log have the whole sweep instead of `continue`, so that a script made of it does not
+ * depend on the stop. */
 static void mean_sweep(struct session *session, const char *statement)
 {
     struct buffer text = {0};
@@ -76,7 +78,7 @@ bool sweep_continue(struct session *session, const struct arguments *args, struc
     const char *statement = arena_text(args->arena, text_of(stopped->statement));
     if (!statement)
         return error_memory(error);
-    part->stopped = NULL; /* If it is stopped again, that is another one. */
+    part->stopped = NULL; /* if it is stopped again, it is stored anew */
     const bool ok =
         sweep_statement(session, args, text_of(statement), &stopped->found, reply, error);
     session->studies.points = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module sweep: one or two quantities varied, a trajectory for each value. */
+/* The row of the module sweep. */
 #include "modules/sweep/file.h"
 #include "modules/sweep/handlers.h"
 

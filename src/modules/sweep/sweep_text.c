@@ -1,27 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Text of sweeps that are measured over the duration: a table, curves, maps, and remarks. */
 #include "modules/sweep/swept.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    TABLE_ROWS = 40,
+    TABLE_ROWS = 40,      /* largest number of rows of a table */
     FIGURE_ROWS_MIN = 10, /* smallest height [row] at which a figure shows more than a table */
-    THIN_BLOCKS = 2048    /* Longer curves are drawn by the extremes of this number of blocks. */
+    /* curves with more points are drawn by the extremes of this number of blocks */
+    THIN_BLOCKS = 2048
 };
 
+/* Returns measure m of point i, for swept_map() and others. */
 static double swept_cell_value(const struct swept *swept, int64_t i, int m)
 {
     return swept_value(swept, i, 0, m);
 }
 
-/* A column: its heading with the unit, then numbers. */
+/* A column of the table: its name, quantity, and the unit of its numbers. */
 struct sweep_column {
     const char *name;
     enum quantity quantity;
     const struct unit *unit;
 };
 
+/* Writes a value in the column's unit, or "-" if it is not finite. */
 static void sweep_number_put(struct text_table *table, const struct sweep_column *column,
                              double value, int digits)
 {
@@ -29,7 +33,8 @@ static void sweep_number_put(struct text_table *table, const struct sweep_column
     cell_text(table, isfinite(value) ? SHOWN_SHORT(shown, digits) : "-");
 }
 
-/* The unit is one in which most values say something: that of the largest. */
+/* Describes column `index` of the table: first the parameters, then the measures. Its unit suits
+ * the largest value. */
 static struct sweep_column sweep_column_of(const struct swept *swept, int index)
 {
     const struct sweep *sweep = swept->sweep;
@@ -51,7 +56,7 @@ static struct sweep_column sweep_column_of(const struct swept *swept, int index)
     return column;
 }
 
-/* Every so many points, so that the table can be read. */
+/* Appends the table with at most TABLE_ROWS points, evenly chosen. */
 static void sweep_table_put(const struct session *session, const struct swept *swept,
                             struct arena *arena, struct buffer *text)
 {
@@ -87,8 +92,8 @@ static void sweep_table_put(const struct session *session, const struct swept *s
                       (long long)every, ordinal[every < 4 ? every : 4]);
 }
 
-/* Takes the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
- * how many points these are. */
+/* Reduces a curve to the first, lowest, highest and last point of each block of `each` neighbours,
+ * which looks the same. Returns the number of points in x and y. */
 static size_t curve_thin(const struct swept *swept, int measure, int64_t each, double *x, double *y)
 {
     const struct sweep *sweep = swept->sweep;
@@ -116,6 +121,8 @@ static size_t curve_thin(const struct swept *swept, int measure, int64_t each, d
     return kept;
 }
 
+/* Appends a curve of a measure over the parameter, `height` rows high. Appends nothing for fewer
+ * than three points. */
 static void put_curve(const struct session *session, const struct swept *swept, int measure,
                       int height, struct arena *arena, struct buffer *text)
 {
@@ -150,6 +157,7 @@ static void put_curve(const struct session *session, const struct swept *swept, 
     figure_print(&figure, width, height > 8 ? height : 8, session_charset(session), false, text);
 }
 
+/* Appends a map of a measure over two parameters. */
 static void put_map(const struct session *session, const struct swept *swept, int measure,
                     int height, struct arena *arena, struct buffer *text)
 {
@@ -162,6 +170,7 @@ static void put_map(const struct session *session, const struct swept *swept, in
     swept_map(session, swept, heat, swept_cell_value, measure, height, arena, text);
 }
 
+/* Returns true if a point has a finite value of the measure. */
 static bool has_values(const struct swept *swept, int measure)
 {
     bool some = false;
@@ -170,7 +179,7 @@ static bool has_values(const struct swept *swept, int measure)
     return some;
 }
 
-/* Writes which variable is watched, in a scene of several coordinates. */
+/* Appends which variable was watched, if the scene has several and none was named. */
 static void put_watched(const struct swept *swept, struct buffer *text)
 {
     const struct model *model = swept->model;
@@ -188,7 +197,8 @@ static void put_watched(const struct swept *swept, struct buffer *text)
                       model->variable[0].name, first, model->variable[1].name);
 }
 
-/* Writes what the number denotes, how often it occurs and where first. */
+/* Appends what the number of an attractor denotes, how often it occurs, and at which point
+ * first. */
 static void put_attractor(const struct swept *swept, const struct sweep_attractor *a,
                           struct buffer *text)
 {
@@ -225,7 +235,8 @@ static void put_attractor(const struct swept *swept, const struct sweep_attracto
     buffer_char(text, '\n');
 }
 
-/* Writes a note if only starts are varied, when all points have the same attractors. */
+/* Appends a note if only initial values are varied, since all points then have the same
+ * attractors. */
 static void put_starts(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -264,7 +275,7 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text)
                       sweep->reason);
 }
 
-/* Writes the remarks below the figures. */
+/* Appends the remarks below the figures. */
 static void put_remarks(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -282,6 +293,7 @@ static void put_remarks(const struct swept *swept, struct buffer *text)
     sweep_failures(sweep, text);
 }
 
+/* Returns the number of lines of a text. */
 static int text_lines(const struct buffer *text)
 {
     int lines = 0;
@@ -290,6 +302,7 @@ static int text_lines(const struct buffer *text)
     return lines;
 }
 
+/* Returns the number of measures that have a figure. */
 static int figures_of(const struct swept *swept)
 {
     const struct sweep *sweep = swept->sweep;
@@ -299,6 +312,7 @@ static int figures_of(const struct swept *swept)
     return figures;
 }
 
+/* Appends figures of the first `count` measures that have values, each `height` rows high. */
 static void put_figures(const struct session *session, const struct swept *swept, int count,
                         int height, struct arena *arena, struct buffer *text)
 {
@@ -310,7 +324,8 @@ static void put_figures(const struct session *session, const struct swept *swept
         }
 }
 
-/* Figures first, a table beside them where it is short, and what is left out in a line. */
+/* Appends figures and remarks in at most `rows` lines, with the table if it fits, and says what was
+ * left out. */
 static void put_short(const struct session *session, const struct swept *swept, int rows,
                       struct arena *arena, struct buffer *text)
 {

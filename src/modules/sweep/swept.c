@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers of a sweep: by point, event and measure, as a table, as a map. */
+/* Access to the numbers of a sweep by point, event and measure, as a table and as a map. */
 #include "modules/sweep/swept.h"
 
 #include <math.h>
 
-/* Returns the value of measure m. At a section a point has its repeats, then the time and the
- * measures of each event. */
+/* The values of a point at a section are its repeats, then for each event the time and the
+ * measures. */
 double swept_value(const struct swept *swept, int64_t i, int64_t k, int m)
 {
     const double *value = swept->sweep->value + i * swept->sweep->measures;
@@ -117,6 +117,7 @@ static bool add_column(struct table *table, struct table_column *column, const c
     return value && added->name;
 }
 
+/* Adds the columns of numbers to the table. Returns false if out of memory. */
 static bool add_columns(const struct swept *swept, struct table *table, struct table_column *column,
                         struct arena *arena)
 {
@@ -145,7 +146,7 @@ static bool add_columns(const struct swept *swept, struct table *table, struct t
     return ok;
 }
 
-/* Fills the numbers of a row: event k of `events` of point i. */
+/* Fills in the numbers of a row: event k of the `events` of point i. */
 static void fill_row(const struct swept *swept, int64_t i, int64_t k, int64_t events,
                      const struct table_column *column, size_t row)
 {
@@ -169,7 +170,8 @@ static void fill_row(const struct swept *swept, int64_t i, int64_t k, int64_t ev
         ((double *)(uintptr_t)column[c].value)[row] = number[c];
 }
 
-/* A point that is missing has no row at a section. */
+/* Returns the number of rows of a point: one per event, one without events, none at a section if
+ * the point is missing. */
 static int64_t row_count(const struct swept *swept, int64_t i)
 {
     const int64_t events = swept_events(swept, i);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The attractors that the numbers of measure=attractor denote. */
+/* Lists and describes the attractors that the numbers of measure=attractor denote. */
 #include "modules/sweep/compute/worker.h"
 
-/* Returns the attractor with that number, which is added if it is new and there is room. */
+/* Returns the entry of the attractor with that number, which is inserted if it is new, or NULL
+ * without room. */
 static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *found, int *count,
                                                     double number)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Expressions of a sweep: of the columns of a run at each row, of what was measured of a point. */
+/* Evaluates expressions of a sweep: those of columns of a run, at each recorded row, and those of
+ * the measures of a point. */
 #include <hooke/base/catalog.h>
 #include <hooke/scene/formula.h>
 #include <hooke/scene/typed.h>
@@ -15,18 +16,21 @@ double sweep_scene_value(const struct scene *scene, int slot)
     return ((const struct derived_row *)(const void *)row)->value(scene).value;
 }
 
-/* Numbers from slot 0 on, then the scene's. */
+/* Values of an expression's slots: numbers from slot 0 on, then those of the scene. */
 struct numbers {
     const double *value;
     const struct scene *scene;
 };
 
+/* Returns the value of a slot. */
 static double load_number(const void *context, int slot)
 {
     const struct numbers *numbers = context;
     return slot < SWEEP_SLOT_PARAM ? numbers->value[slot] : sweep_scene_value(numbers->scene, slot);
 }
 
+/* Fills in the values of a slot of run_scope() at all recorded rows. Returns false if an observable
+ * cannot be computed. */
 static bool slot_column(const struct run *run, int slot, double *result)
 {
     const size_t n = trace_count(run->trace);
@@ -64,6 +68,8 @@ bool expression_column(const struct run *run, const struct sweep_expression *exp
     return ok;
 }
 
+/* Returns the value of a slot of a formula: a measure, the root of a measure, or a value of the
+ * scene. */
 static double load_measure(const void *context, int slot)
 {
     return slot >= SWEEP_MEASURES && slot < SWEEP_SLOT_PARAM

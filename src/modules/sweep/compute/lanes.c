@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points of a sweep in lanes: gathered until they are as many as there are lanes, stepped and
- * watched side by side. */
+/* Points of a sweep in lanes: they are gathered until all lanes are used, then stepped and watched
+ * side by side. Results have the same bits as those of point.c. */
 #include "modules/sweep/compute/worker.h"
 
 #include <hooke/base/cancel.h>
@@ -8,10 +8,10 @@
 
 #include <string.h>
 
-/* A larger state is stepped alone, which stops it at the right step. */
+/* A point with a larger state runs alone, as a run stops at the right step. */
 #define DIVERGENCE_MIN 1e100
 
-/* The last, shorter step, as a run takes it. */
+/* Makes the last, shorter step of a lane from y as a run does. Returns false if it fails. */
 static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
 {
     const struct system *system = &worker->system[lane];
@@ -28,6 +28,7 @@ static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, 
     return ok;
 }
 
+/* Returns the value of a measure for a lane that has come to its end in state y. */
 static double lane_measure(const struct sweep_worker *worker, int lane,
                            const struct sweep_measure *measure, const double *y, int64_t steps,
                            int64_t evals)
@@ -60,6 +61,7 @@ bool lane_suspicious(const double *y, int n)
     return false;
 }
 
+/* Returns true if all lanes will have to run alone, so that stepping on is of no use. */
 static bool all_suspicious(const struct sweep_worker *worker)
 {
     double y[LIMIT_VARIABLES];
@@ -71,6 +73,8 @@ static bool all_suspicious(const struct sweep_worker *worker)
     return true;
 }
 
+/* Computes lanes_turning_groups(); compiled for several vector instruction sets. Signs are compared
+ * as bits. */
 CLONES static unsigned turning_groups(const double *previous, const double *row)
 {
     unsigned groups = 0;
@@ -93,15 +97,18 @@ unsigned lanes_turning_groups(const double *previous, const double *row)
     return turning_groups(previous, row);
 }
 
-/* ---- stretches of steps in which no lane comes to its end and no window begins ---- */
+/* ---- batches of steps in which no lane comes to its end and no window begins ---- */
 
+/* Such a batch of steps. */
 struct stretch_watch {
-    int64_t first, count;
-    bool alike;                                              /* All lanes step by one clock. */
-    double open[LANE_COUNT];                                 /* not 0 inside the window */
-    double t0[LANE_COUNT], h[LANE_COUNT], t_end[LANE_COUNT]; /* t_end follows the last step */
+    int64_t first, count;    /* number of steps before it, and of its steps */
+    bool alike;              /* all lanes step at the same times */
+    double open[LANE_COUNT]; /* not 0 while the lane is in its window */
+    double t0[LANE_COUNT], h[LANE_COUNT],
+        t_end[LANE_COUNT]; /* [s] start of the lanes, their step, and time after the batch */
 };
 
+/* Adds the integral over one step of all lanes to area. */
 CLONES static void add_areas(double h, const double *restrict previous, const double *restrict row,
                              double *restrict area)
 {
@@ -110,7 +117,8 @@ CLONES static void add_areas(double h, const double *restrict previous, const do
                                  row[LANE_COUNT + lane]);
 }
 
-/* The same where lanes have their own steps and windows. */
+/* Adds the integral and the length of step `number` where lanes have their own steps and windows.
+ * The `last` step of a batch ends at t_end. */
 CLONES static void add_own_areas(const struct stretch_watch *stretch, double number, bool last,
                                  const double *restrict previous, const double *restrict row,
                                  double *restrict area, double *restrict span)
@@ -126,22 +134,24 @@ CLONES static void add_own_areas(const struct stretch_watch *stretch, double num
     }
 }
 
-/* Returns true if this step ends the lane, and need not be shortened. */
+/* Returns true if the lane ends after so many steps, without a shorter one. */
 static bool ends_after(const struct lane_clock *clock, int64_t steps)
 {
     return clock->whole == steps && clock->rest == 0;
 }
 
-/* Finds, row after row, the lanes whose velocity has changed its sign; `previous` is the row before
- * these. */
+/* Watches the rows of a batch: extremes where a velocity has changed its sign, and integrals for
+ * means. `previous` is the row before the batch. */
 static void watch_lanes(struct sweep_worker *worker, const double *previous,
                         const struct stretch_watch *stretch)
 {
     double *const row_end = worker->row + 2 * (stretch->count - 1) * LANE_COUNT;
     for (int lane = 0; lane < worker->used; lane++)
         if (worker->system[0].order == 1 &&
-            ends_after(&worker->clock[lane],
-                       stretch->first + stretch->count)) { /* its time is the end's */
+            ends_after(
+                &worker->clock[lane],
+                stretch->first +
+                    stretch->count)) { /* the velocity depends on time, and the end's is exact */
             double y[LIMIT_VARIABLES];
             lanes_state(worker->lanes, lane, y);
             row_end[LANE_COUNT + lane] =
@@ -176,7 +186,8 @@ static void watch_lanes(struct sweep_worker *worker, const double *previous,
     }
 }
 
-/* The first step at whose end the window is open. */
+/* Returns the number of steps after which the window is open, computed with the same roundings as
+ * in a run. */
 static int64_t opening_step(const struct sweep_job *job, double t0, const struct lane_clock *clock)
 {
     const double h = clock->h, opens = t0 + job->opens;
@@ -188,7 +199,8 @@ static int64_t opening_step(const struct sweep_job *job, double t0, const struct
     return i < clock->whole ? i : clock->whole;
 }
 
-/* Prepares the watches before the first step. */
+/* Prepares clocks and watches of all lanes before the first step. Unused lanes repeat the last used
+ * one. */
 static void begin_watching(struct sweep_worker *worker, struct stretch_watch *stretch)
 {
     const struct sweep_job *job = worker->job;
@@ -212,8 +224,8 @@ static void begin_watching(struct sweep_worker *worker, struct stretch_watch *st
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
 }
 
-/* Returns the step up to which no lane ends and no window begins after step i. *open becomes true
- * if a lane is in its window. */
+/* Returns the number of steps after which, next after i, a lane ends or a window begins, or
+ * INT64_MAX if none does. *open becomes true if a lane is in its window after step i. */
 static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *open)
 {
     int64_t next = INT64_MAX;
@@ -229,7 +241,8 @@ static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *o
     return next;
 }
 
-/* Those that are at their last whole step, and those that are nowhere in the end. */
+/* Stores the states of lanes that have made their last whole step, i; with `all` those of all lanes
+ * that have not ended. */
 static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
 {
     for (int lane = 0; lane < worker->used; lane++) {
@@ -241,7 +254,8 @@ static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
     }
 }
 
-/* Returns false if cancelled. */
+/* Steps all lanes to their ends, and watches or stores states on the way. Stops early if all lanes
+ * have to run alone. Returns false if cancelled. */
 static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
@@ -302,7 +316,8 @@ void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, 
     worker->steps += (double)steps;
 }
 
-/* Completes the watch after the last, shorter step from `was` to y. */
+/* Completes the watch of a lane after its last, shorter step from `was` to y, or without such a
+ * step. */
 static void finish_watch(struct sweep_worker *worker, int lane, const double *was, const double *y)
 {
     const struct lane_clock *clock = &worker->clock[lane];
@@ -328,6 +343,7 @@ static void finish_watch(struct sweep_worker *worker, int lane, const double *wa
     watch_end(watch, y[0]);
 }
 
+/* Measures all lanes at their ends; points with suspicious states run alone. */
 static void finish_lanes(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
@@ -350,8 +366,9 @@ static void finish_lanes(struct sweep_worker *worker)
     }
 }
 
-/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go
- * one by one, who steps by its own control waits for the slowest. */
+/* Returns the number of points that take less time alone than in lanes, as was measured: forces of
+ * oscillators fill vectors, sines are computed one by one, and adaptive lanes wait for the
+ * slowest. */
 static int lanes_points_min(const struct sweep_worker *worker)
 {
     const struct model *model = worker->system[0].model;
@@ -374,7 +391,7 @@ void sweep_flush(struct sweep_worker *worker)
         const int source = lane < worker->used ? lane : worker->used - 1;
         lanes_set_step(worker->lanes, lane, &worker->system[source], worker->clock[source].h);
     }
-    for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
+    for (int lane = 0; !begun && lane < worker->used; lane++) /* too few points, or out of memory */
         sweep_alone(worker, worker->point[lane]);
     if (begun && worker->section)
         section_march(worker);
@@ -386,7 +403,8 @@ void sweep_flush(struct sweep_worker *worker)
     worker->used = 0;
 }
 
-/* The potential of typed forces is looked for only where somebody asks for an energy. */
+/* Binds the scene of a point. The potential of typed forces, whose search is expensive, is left out
+ * unless an energy is measured. Returns false with an error if the scene is refused. */
 static bool bind_point(const struct sweep_request *request, const struct scene *scene,
                        struct system *system, struct error *error)
 {
@@ -404,8 +422,8 @@ bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, e
                                                        request->settings.dt);
 }
 
-/* Sets the clock of a lane. Returns false if its steps are too many for lanes, or if they are
- * refused. */
+/* Sets the clock of a lane. Returns false if its steps are refused or too many for lanes; the point
+ * then runs alone. */
 static bool set_clock(const struct sweep_worker *worker, const struct system *system, double h,
                       struct lane_clock *clock)
 {
@@ -429,7 +447,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
     struct lane_clock clock;
-    struct error error; /* not cleared: most points set none */
+    struct error error; /* not cleared, as most points set none */
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
@@ -440,7 +458,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
         sweep_refuse(worker, i, &error);
         return;
     }
-    const double tol = worker->settings.tol; /* points that run alone change it */
+    const double tol = worker->settings.tol; /* saved, as points that run alone change it */
     if (!sweep_lanes_fit(job, system, drag) ||
         !set_clock(worker, system, worker->settings.dt, &clock)) {
         sweep_alone(worker, i);

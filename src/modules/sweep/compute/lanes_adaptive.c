@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points of a sweep in lanes whose steps follow the error, each by its own control. */
+/* Points of a sweep in lanes with adaptive steps, each lane with its own step-size control. */
 #include "modules/sweep/compute/worker.h"
 
 #include <hooke/base/cancel.h>
@@ -7,11 +7,14 @@
 
 #include <string.h>
 
+/* The windows of all lanes. */
 struct adaptive_watch {
     double open[LANE_COUNT]; /* not 0 if the window has begun */
-    int closed;              /* windows that have not */
+    int closed;              /* number of windows that have not begun */
 };
 
+/* Adds the integral and the length of an attempted step to those of lanes in their window; both are
+ * 0 if the step was rejected. */
 CLONES static void add_own_areas(const double *restrict previous, const double *restrict row,
                                  const double *restrict open, double *restrict area,
                                  double *restrict span)
@@ -26,7 +29,8 @@ CLONES static void add_own_areas(const double *restrict previous, const double *
     }
 }
 
-/* Watches rows of t, y, v after attempted steps. `previous` is the row before them. */
+/* Watches `count` rows of t, y, v after attempted steps: extremes, integrals, and windows that
+ * begin. `previous` is the row before them. */
 static void watch_attempts(struct sweep_worker *worker, const double *previous, int64_t count,
                            struct adaptive_watch *adaptive)
 {
@@ -51,7 +55,7 @@ static void watch_attempts(struct sweep_worker *worker, const double *previous, 
     }
 }
 
-/* Returns false if cancelled. */
+/* Steps and watches all lanes until they have ended. Returns false if cancelled. */
 static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *adaptive)
 {
     const struct sweep_job *job = worker->job;
@@ -83,6 +87,8 @@ static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *a
     return true;
 }
 
+/* Measures all lanes; points that did not come to their end, or with suspicious states, run
+ * alone. */
 static void finish_adaptive(struct sweep_worker *worker)
 {
     for (int lane = 0; lane < worker->used; lane++) {

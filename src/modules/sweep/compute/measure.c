@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parameters and settings that a sweep can vary, and the quantities that it can measure. */
+/* Names of the quantities that a sweep can vary and of those that it can measure. */
 #include <hooke/base/catalog.h>
 #include <hooke/scene/typed.h>
 #include "modules/sweep/compute/worker.h"
@@ -74,7 +74,8 @@ static const struct row rows[] = {
 
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
 
-/* Finds a quantity of a run, as print knows it. Returns false if there is none of this name. */
+/* Finds a quantity of a run that is evaluated at each row: a variable, a typed quantity or an
+ * observable. Returns false if there is none of this name. */
 static bool measured_column_find(const struct model *model, struct text name,
                                  struct sweep_measure *measure)
 {
@@ -91,6 +92,8 @@ static bool measured_column_find(const struct model *model, struct text name,
     return measure->observable;
 }
 
+/* Sets the error for an unknown measure, or column in parentheses if `column`, with similar names
+ * as a hint. Returns false. */
 static bool unknown(const struct model *model, struct text name, bool column, struct error *error)
 {
     struct suggestion suggestion = {.wanted = name};
@@ -113,7 +116,8 @@ static bool unknown(const struct model *model, struct text name, bool column, st
         "steps, evals, reached, attractor, and quantities of a run such as y, energy ...");
 }
 
-/* max(z): the name before the parenthesis is a row that is watched. */
+/* Splits a name such as max(z) into the row of its kind and the name of the column. Returns false
+ * if it is not of that form or the kind is not watched. */
 static bool split_watched(struct text name, const struct row **row, struct text *column)
 {
     const char *paren = memchr(name.data, '(', name.len);

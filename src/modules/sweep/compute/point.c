@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
- * same bits. */
+/* Computes points of a sweep, each as a run of its own, and hands them to lanes.c where they can go
+ * side by side with the same bits. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include <hooke/scene/typed.h>
@@ -15,7 +15,8 @@ void sweep_common(const struct sweep_request *request, struct scene *scene,
 {
     *scene = *request->scene;
     *settings = request->settings;
-    if (settings->kernel == KERNEL_PROPAGATOR) /* Its last bits differ from those of lanes. */
+    /* the last bits of a propagator differ from those of lanes */
+    if (settings->kernel == KERNEL_PROPAGATOR)
         settings->kernel = KERNEL_SPECIALISED;
 }
 
@@ -51,6 +52,7 @@ void sweep_worker_free(struct sweep_worker *worker)
     lanes_destroy(worker->lanes);
 }
 
+/* Sets the quantity of an axis to a value. Returns false with an error if the value is refused. */
 static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene,
                      struct run_settings *settings, struct error *error)
 {
@@ -77,7 +79,7 @@ bool sweep_point(const struct sweep_request *request, const struct sweep *sweep,
 {
     const double *given = request->scene->value;
     for (int a = 0; a < request->axes; a++)
-        /* A derived quantity sets parameters of other names. */
+        /* A derived quantity sets parameters of other names, so that all are restored. */
         if (request->axis[a].target == SWEEP_DERIVED)
             memcpy(scene->value, given, scene_params(scene)->count * sizeof *given);
         else if (request->axis[a].target == SWEEP_PARAM)
@@ -121,6 +123,7 @@ double sweep_measured(const struct sweep_measure *measure, const struct system *
     }
 }
 
+/* Returns the value of a measure at the end of a run. */
 static double run_measure(const struct run *run, const struct sweep_measure *measure,
                           const struct scene *scene, double opens)
 {
@@ -148,7 +151,7 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
     }
 }
 
-/* Returns true if all that is wanted comes from attractors, none of it from a run. */
+/* Returns true if all measures are attractors, which are found without the run. */
 static bool needs_no_run(const struct sweep_request *request)
 {
     bool none = true;
@@ -157,6 +160,7 @@ static bool needs_no_run(const struct sweep_request *request)
     return none;
 }
 
+/* Returns true if the measure has a value for a run that ended early. */
 static bool holds_when_failed(enum sweep_kind kind)
 {
     return kind == SWEEP_STEPS || kind == SWEEP_EVALS || kind == SWEEP_REACHED ||
@@ -173,7 +177,7 @@ bool sweep_needs_trace(const struct sweep_job *job)
     return needed;
 }
 
-/* Returns true if what is measured needs the work done during the run. */
+/* Returns true if a measure needs the work done during the run, and so the energy balance. */
 static bool needs_work(const struct sweep_job *job)
 {
     bool needed = false;
@@ -229,7 +233,7 @@ void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, 
                       : NAN;
         }
         sweep_combine(worker, i);
-        if (!cancelled(request->cancel)) /* a measure may have been cut short */
+        if (!cancelled(request->cancel)) /* a measure may be incomplete when cancelled */
             job->sweep->status[i] = (signed char)run->stop;
     }
     worker->steps += (double)run->steps;

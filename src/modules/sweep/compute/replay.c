@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points whose measures need a whole run: it is given the states that the lanes come to. Short runs
- * get them all at once, one run after another; of long ones there is one for each lane, which goes
- * on by so many steps at a time as there is room for. */
+/* Points whose measures need a whole run: the run is given the states that its lane has computed.
+ * Short runs get all of them at once, one run after another. Of long ones there is one for each
+ * lane, which advances by as many steps as are stored. */
 #include <hooke/base/numeric.h>
 #include "modules/sweep/compute/worker.h"
 
@@ -13,21 +13,22 @@ void replay_begin(struct sweep_worker *worker)
         worker->run[lane] = sweep_run(worker, worker->point[lane]);
 }
 
-/* Gives the stored steps from `first` on to the run of a lane. */
+/* Gives the stored steps from `first` on to the run of a lane and advances it by them. */
 static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;
     struct run *run = worker->run[lane];
     const struct run_target target = {.t = worker->system[lane].t0 + request->duration,
                                       .steps = int64_min(count, worker->clock[lane].whole - first)};
-    if (!run || run->steps != first || target.steps <= 0) /* it ended before */
+    if (!run || run->steps != first ||
+        target.steps <= 0) /* the run was refused or has ended before */
         return;
     run_give(run, worker->replay + lane * worker->job->room * 2, target.steps);
     while (run_advance(run, &target, 0, request->cancel)) {
     }
 }
 
-/* Stores each lane by itself: AT_ONCE rows fill a cache line. */
+/* Copies states lane by lane, AT_ONCE rows together, which fill a cache line. */
 void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
 {
     enum { AT_ONCE = 4 };

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points of a sweep where an event happens, each as a run of its own: its events are those that
- * 'event NAME when' records, its strobe the rows that are recorded at even times. */
+/* Points of a sweep at a section, each as a run of its own: its events are those that `event NAME
+ * when` records, its strobe the rows that are recorded after each period. */
 #include <hooke/base/numeric.h>
 #include "modules/sweep/compute/section.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-#define LOOK_STEPS 1024 /* steps between checks of the events */
-/* Distance of two times, in rounding units, that counts as none. */
+#define LOOK_STEPS 1024 /* number of steps between two checks of the events */
+/* Two times are equal if their distance is at most this many rounding units. */
 #define SECTION_TIME_ULPS 16
-#define STATE_DISTANCE_MAX 1e-6 /* A state that is nearer, in sizes, has come again. */
-/* Points still settle if their distance changes by more than this part of it. */
+#define STATE_DISTANCE_MAX 1e-6 /* relative distance below which a state has come again */
+/* A motion still settles if a distance of states changes by more than this fraction of it. */
 #define DISTANCE_CHANGE_MAX 1e-2
-#define REPEATS_MAX 1000
+#define REPEATS_MAX 1000 /* largest number of events after which states are compared */
 bool section_create(struct sweep_worker *worker)
 {
     struct section *section = calloc(1, sizeof *section);
@@ -45,11 +45,13 @@ double section_steps(const struct sweep_request *request, const struct system *s
 
 /* ---- names ---- */
 
+/* Values of the names of an event: of the run, and of the scene. */
 struct point_names {
     struct expr_scope own; /* scope of the run */
     const struct scene *scene;
 };
 
+/* Returns the value of a slot. */
 static double name_load(const void *context, int slot)
 {
     const struct point_names *names = context;
@@ -58,13 +60,15 @@ static double name_load(const void *context, int slot)
     return sweep_scene_value(names->scene, slot);
 }
 
+/* Returns the slot of a name of the run, or -1 for a name of the scene, which becomes a number. */
 static int own_slot(void *context, int slot)
 {
     (void)context;
     return slot < SWEEP_SLOT_PARAM ? slot : -1;
 }
 
-/* Compiles the event with the parameters of the point. Returns false if out of memory. */
+/* Compiles the event with the parameters of the point as numbers. Returns false if out of
+ * memory. */
 static bool crossings_settle(struct sweep_worker *worker, struct crossings *crossings)
 {
     struct point_names names = {.scene = &worker->scene};
@@ -125,7 +129,8 @@ bool crossings_end(const struct sweep_request *request, const struct run *run, i
                               : (double)steps > ceil(request->duration / run->settings.dt);
 }
 
-/* Returns the number of events before a long time without one. */
+/* Returns the number of events before the first interval without one that is as long as the
+ * duration. */
 static int64_t events_of(const struct sweep_request *request, const struct run *run)
 {
     const int64_t count = (int64_t)run_event_records(run);
@@ -141,6 +146,7 @@ static int64_t events_of(const struct sweep_request *request, const struct run *
     return count;
 }
 
+/* Returns the value of a measure at a state. */
 static double measure_value(const struct sweep_measure *measure, const struct system *system,
                             double t, const double *y)
 {
@@ -160,14 +166,14 @@ bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t pe
                SECTION_TIME_ULPS * DBL_EPSILON * fmax(fabs(due), fabs(t0));
 }
 
-/* Returns an angle in its first turn, and other values unchanged. */
+/* Returns an angle reduced to (-pi, pi], and other values unchanged. */
 static double turned(const struct crossings *crossings, int variable, double value)
 {
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
 }
 
-/* The moment and the state of a record, angles in their first turn; returns false if it is not
- * there. */
+/* Gets time and state of event `index`, or of the strobe after `period` periods, with angles
+ * reduced to one turn. Returns false if the strobe's row does not exist. */
 static bool state_at(const struct crossings *crossings, int64_t index, int64_t period, double *t,
                      double *y)
 {
@@ -186,7 +192,7 @@ static bool state_at(const struct crossings *crossings, int64_t index, int64_t p
     return true;
 }
 
-/* Returns true if every state equals the one that is `apart` places later. */
+/* Returns true if every state equals the one that is `apart` events later. */
 static bool comes_again(const struct crossings *crossings, const double *state, int64_t count,
                         int64_t apart)
 {
@@ -202,7 +208,7 @@ static bool comes_again(const struct crossings *crossings, const double *state, 
     return true;
 }
 
-/* Returns the distance in sizes between state k and the state `lag` events later. */
+/* Returns the distance, in natural sizes, between state k and the state `lag` events later. */
 static double apart_by(const struct crossings *crossings, const double *state, int64_t k,
                        int64_t lag)
 {
@@ -215,8 +221,8 @@ static double apart_by(const struct crossings *crossings, const double *state, i
     return apart;
 }
 
-/* Returns true if the states still approach half as many points, which near a period doubling is
- * slow and from both sides. */
+/* Returns true if the states still approach an orbit of half as many points, which near a period
+ * doubling happens slowly and from both sides. */
 static bool still_settles(const struct crossings *crossings, const double *state, int64_t count,
                           int64_t apart)
 {
@@ -227,6 +233,8 @@ static bool still_settles(const struct crossings *crossings, const double *state
     return !(fabs(apart_by(crossings, state, last, half) - first) <= DISTANCE_CHANGE_MAX * first);
 }
 
+/* Returns the number of events after which the states [count][n] repeat, or NAN if they do not or
+ * still settle. */
 static double repeats(const struct crossings *crossings, const double *state, int64_t count)
 {
     for (int64_t apart = 1; 2 * apart <= count && apart <= REPEATS_MAX; apart++)
@@ -258,7 +266,7 @@ void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossin
     worker->failed |= !state;
 }
 
-/* Advances to the last event that is wanted, or until none comes for long. */
+/* Advances the run to the last wanted event, or until none comes for as long as the duration. */
 static void advance_events(const struct sweep_request *request, struct crossings *crossings)
 {
     const size_t wanted = (size_t)(request->section.skip + request->section.keep);

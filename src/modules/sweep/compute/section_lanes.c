@@ -1,31 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Sections of points in lanes. Lanes say in which step of which point something happens; that step
- * is taken again by the point's own run, which finds the event as it does alone: the same bits.
- * Where it is not certain that the run sees the same (values near 0 at the ends of a step, or that
- * might be 0 between them) the point goes alone.
- */
+/* Points of a sweep at a section, in lanes. Lanes show in which step of which point an event
+ * happens; the point's own run then repeats that step and finds the event, with the same bits as a
+ * run alone. Where it is not certain that the run sees the same events (values near 0 at the ends
+ * of a step, or that might be 0 inside it) the point runs alone. */
 #include "modules/sweep/compute/section.h"
 #include <hooke/base/cancel.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A value that is nearer to 0, as a part of its change in a step, has no reliable sign. */
+/* A value that is nearer to 0, relative to its change in a step, has no reliable sign. */
 #define SIGN_ROUNDING 1e-9
-/* Part of the value nearest to 0 that may be left of it between steps. */
+/* A value may graze 0 inside a step if less than this fraction of it may remain there. */
 #define GRAZE_FRACTION 0.25
 #define DIVERGENCE_MIN 1e100 /* Same limit as in lanes.c. */
-/* Distance of the next strobe from a step's end, as a part of the step. */
+/* The next strobe counts as inside a step if it is this fraction of it before its end. */
 #define STROBE_MARGIN 1e-9
 
-/* ---- what is looked at, in state variables ---- */
+/* ---- the event as a function of the state ---- */
 
+/* Context of state_slot(). */
 struct lane_names {
     const struct run *run;
-    bool other; /* something else than the state */
+    bool other; /* the event depends on something else than the state */
 };
 
+/* Returns the index of the state variable that a slot of the run's scope denotes; other slots are
+ * noted. */
 static int state_slot(void *context, int slot)
 {
     struct lane_names *names = context;
@@ -34,6 +35,8 @@ static int state_slot(void *context, int slot)
     return moving.kind == MOVING_STATE ? moving.index : slot;
 }
 
+/* Compiles the event of a lane as a function of the state. Returns false if it is none, or if out
+ * of memory. */
 static bool settle_lane(struct arena *arena, struct crossings *p)
 {
     const struct event *event = &p->event;
@@ -44,17 +47,20 @@ static bool settle_lane(struct arena *arena, struct crossings *p)
     return p->left && (p->right || !event->right) && !names.other && !event->touching;
 }
 
+/* The state of one lane, for load_state(). */
 struct lane_state {
     const double *value; /* [n][LANE_COUNT] */
     int lane;
 };
 
+/* Returns a state variable. */
 static double load_state(const void *context, int slot)
 {
     const struct lane_state *state = context;
     return state->value[(size_t)slot * LANE_COUNT + (size_t)state->lane];
 }
 
+/* Returns the event's value, left minus right side, at the states of a row for one lane. */
 static double lane_value(const struct crossings *p, const double *row, int lane)
 {
     const struct lane_state state = {row, lane};
@@ -63,7 +69,8 @@ static double lane_value(const struct crossings *p, const double *row, int lane)
     return p->right ? left - expr_value(p->right, &scope) : left;
 }
 
-/* Returns true if values are a0 + sum a_k y_k, and stores the a. */
+/* Returns true if the event's value is linear in the state for all lanes, and stores its
+ * coefficients. */
 static bool is_linear(struct section *s, int n, int used)
 {
     double unit[LIMIT_VARIABLES * LANE_COUNT] = {0};
@@ -84,6 +91,7 @@ static bool is_linear(struct section *s, int n, int used)
     return true;
 }
 
+/* Computes the event's value for all lanes at the states of a row. */
 static void fill_values(const struct section *s, bool linear, int n, int used, const double *row,
                         double *value)
 {
@@ -101,13 +109,15 @@ static void fill_values(const struct section *s, bool linear, int n, int used, c
 
 /* ---- steps ---- */
 
-/* Rows 1 ... count of the states; row 0 is the present one. */
+/* Makes `count` steps and stores the states after them in rows 1 to count; row 0 holds the present
+ * ones. */
 static void march(struct sweep_worker *worker, int64_t count)
 {
     const int n = worker->system[0].n;
     double *row = worker->section->state, y[LIMIT_VARIABLES];
     const size_t size = (size_t)n * LANE_COUNT;
-    if (n == 2 && worker->system[0].order == 2) { /* position and velocity are the state */
+    /* lanes_march() gives position and velocity, which are the state */
+    if (n == 2 && worker->system[0].order == 2) {
         lanes_march(worker->lanes, count, row + size);
         return;
     }
@@ -121,8 +131,8 @@ static void march(struct sweep_worker *worker, int64_t count)
     }
 }
 
-/* The step after `step` once more, by the run of the point; returns false if it has seen nothing
- * there. */
+/* Repeats the step after number `step`, which begins in state y, by the run of the point. Returns
+ * false if the run has not seen the event in it. */
 static bool take_again(const struct sweep_worker *worker, struct crossings *p, int64_t step,
                        const double *y)
 {
@@ -143,6 +153,7 @@ static bool take_again(const struct sweep_worker *worker, struct crossings *p, i
 
 /* ---- the strobe ---- */
 
+/* Returns the number of the step in which the lane's next period ends. */
 static int64_t strobe_step(const struct sweep_worker *worker, const struct crossings *p)
 {
     const double due = p->period * (double)(worker->job->request->section.skip + p->seen + 1),
@@ -150,18 +161,19 @@ static int64_t strobe_step(const struct sweep_worker *worker, const struct cross
     return (int64_t)floor(due / h - STROBE_MARGIN);
 }
 
-/* Repeats the step of the strobe exactly. Returns false if the moment is not seen from there on. */
+/* Repeats the step in which the period ends by the run of the point. Returns false if the run has
+ * not recorded the end. */
 static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, const double *y)
 {
     const int64_t period = worker->job->request->section.skip + p->seen + 1;
     const size_t row = (size_t)p->seen + 1;
     take_again(worker, p, p->step, y);
-    if (!crossings_strobed(p, row, period)) /* It lies at the very beginning of the next step. */
+    if (!crossings_strobed(p, row, period)) /* it lies at the very begin of the next step */
         take_again(worker, p, p->step + 1, p->run->y);
     return crossings_strobed(p, row, period);
 }
 
-/* Those whose next moment lies in the step after this one. */
+/* Handles the lanes whose period ends in the step after number `step`. */
 static void strobe_lanes(struct sweep_worker *worker, int64_t step)
 {
     const struct sweep_section *section = &worker->job->request->section;
@@ -178,6 +190,8 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
     }
 }
 
+/* Steps all lanes from strobe to strobe until they are finished, or have to run alone, or
+ * cancelled. */
 static void march_strobe(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
@@ -201,8 +215,8 @@ static void march_strobe(struct sweep_worker *worker)
 
 /* ---- events ---- */
 
-/* The smallest value between steps, by the parabola through three, has another sign or nearly so.
- */
+/* Returns true if the parabola through three successive values, whose middle one is nearest to 0,
+ * may touch or cross 0 between them. */
 static bool may_graze(double a, double b, double c)
 {
     if (!(fabs(b) <= fabs(a) && fabs(b) <= fabs(c)) || signbit(a) != signbit(c))
@@ -211,7 +225,8 @@ static bool may_graze(double a, double b, double c)
     return !((b - slope * slope / (2 * bend)) / b > GRAZE_FRACTION);
 }
 
-/* Lane values before the step before, at its beginning and at its end. */
+/* Examines a step of a lane for an event. `value` are those before the previous step, at the begin
+ * of the step and at its end; `row` has the states at its begin. */
 static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const double *row,
                       const double value[3])
 {
@@ -237,8 +252,8 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
     p->done = p->alone || p->seen == section->skip + section->keep;
 }
 
-/* Looks for crossings in `count` steps from number `first` on, between the count + 1 rows of
- * states; the last row then becomes the first. Returns true if a lane is still under way. */
+/* Examines `count` steps from number `first` on, between the count + 1 rows of states; the last row
+ * then becomes the first. Returns true if a lane is not finished. */
 static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
 {
     struct section *s = worker->section;
@@ -260,6 +275,8 @@ static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, i
     return more;
 }
 
+/* Steps all lanes and examines their states, until they are finished, or have to run alone, or
+ * cancelled. */
 static void march_events(struct sweep_worker *worker)
 {
     struct section *s = worker->section;
@@ -280,6 +297,7 @@ static void march_events(struct sweep_worker *worker)
 
 /* ---- all of it ---- */
 
+/* Stores the events of a lane that has come to its end. */
 static void finish_lane(struct sweep_worker *worker, int lane)
 {
     struct crossings *p = &worker->section->lane[lane];

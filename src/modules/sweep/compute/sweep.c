@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * A sweep over threads. Points are gathered into tasks of up to LANE_COUNT neighbours; each result
- * goes to its own place, so nothing depends on who computes what. Only results are kept.
- */
+/* Computes a sweep with several threads. Points are gathered into tasks of up to LANE_COUNT
+ * neighbours. Each result has its own place, so that nothing depends on which thread computes what.
+ * Only results are kept, not runs. */
 #include "modules/sweep/compute/worker.h"
 #include <hooke/base/cancel.h>
 #include <hooke/run/parallel.h>
@@ -36,8 +35,8 @@ void sweep_free(struct sweep *sweep)
     sweep->status = NULL;
 }
 
-#define CELL_MOST 64
-#define PROGRESS_CELLS 128
+#define CELL_MOST 64       /* largest number of points in a cell */
+#define PROGRESS_CELLS 128 /* smallest number of cells of a sweep with more points */
 
 int64_t sweep_cell(int64_t total)
 {
@@ -47,7 +46,8 @@ int64_t sweep_cell(int64_t total)
     return cell < CELL_MOST ? cell : CELL_MOST;
 }
 
-/* Multiplied in double: cells * shards may be more than an int64_t holds. */
+/* Returns the number of the first point of a shard, counted from 0, or of the end if it is the
+ * number of shards. Multiplies in double, as cells * shards may exceed an int64_t. */
 static int64_t shard_begin(const struct sweep_request *request, int64_t total, int64_t shard)
 {
     const int64_t cell = sweep_cell(total), cells = (total + cell - 1) / cell,
@@ -78,6 +78,8 @@ void study_sweep_stretch(const struct sweep_request *request, struct sweep *swee
     }
 }
 
+/* Allocates results, with all points missing. Returns false with an error if they are too large, if
+ * out of memory, or if cancelled. */
 static bool results_create(struct sweep *sweep, const struct cancel *cancel, struct error *error)
 {
     const double bytes = (double)sweep->count * ((double)sweep->measures * sizeof(double) + 1);
@@ -105,7 +107,7 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
     return true;
 }
 
-/* Takes over the points that are finished in `previous`. */
+/* Copies the points that are finished in `previous`. */
 static void take_before(const struct sweep *previous, struct sweep *sweep)
 {
     const int64_t shift = sweep->first - previous->first;
@@ -120,8 +122,8 @@ static void take_before(const struct sweep *previous, struct sweep *sweep)
     memcpy(sweep->reason, previous->reason, sizeof sweep->reason);
 }
 
-/* Returns true if lanes can measure this: they show only the first variable, where its velocity
- * changes sign. */
+/* Returns true if lanes can provide this measure: they show only the first variable and its
+ * velocity. */
 static bool lane_measures(const struct sweep_measure *measure)
 {
     if (sweep_watches(measure))
@@ -133,7 +135,7 @@ static bool lane_measures(const struct sweep_measure *measure)
               ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
 }
 
-/* The system at one end of an axis; returns false if it is refused there. */
+/* Binds the scene of point `number` of the whole sweep. Returns false if it is refused. */
 static bool bind_end(const struct sweep_request *request, const struct sweep *sweep, int64_t number,
                      struct system *system)
 {
@@ -145,13 +147,14 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
            scene_bind(&scene, system, &ignored);
 }
 
-/* Points along it step by other times. */
+/* Returns true if points along the axis step at different times. */
 static bool sets_clock(const struct sweep_axis *axis)
 {
     return axis->target == SWEEP_DT || text_is(text_of(axis->name), "t0");
 }
 
-/* The drive at one end of an axis, or its times, are others than at its beginning. */
+/* Returns true if the drive, or the times of steps, at the `end` point of an axis differ from those
+ * of point 0. */
 static bool drives(const struct sweep_request *request, const struct sweep *sweep, int axis,
                    int64_t end)
 {
@@ -184,8 +187,8 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
     return parallel_threads(&(struct parallel){.threads = request->threads}, tasks);
 }
 
-/* Returns true if a point goes in lanes. One at an end may lack a force (F0 = 0) that all others
- * have. */
+/* Returns true if a point can run in lanes, tried at begin, middle and end of the sweep, as one at
+ * an end may lack a force (F0 = 0) that all others have. */
 static bool lanes_go(const struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
@@ -205,7 +208,8 @@ static bool lanes_go(const struct sweep_job *job)
     return go;
 }
 
-/* Divides the sweep into tasks: rows of the first axis from its first to its last point here. */
+/* Divides the points of this sweep into tasks: chooses the axis of lanes and sets lines, blocks and
+ * width. */
 static void lay_out(struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
@@ -215,7 +219,7 @@ static void lay_out(struct sweep_job *job)
     job->lane_axis = choose_along(request, sweep);
     if (job->lane_axis == 0 && request->axes > 1 && rows < LANE_COUNT &&
         rows < request->axis[0].count)
-        job->lane_axis = 1; /* Rows of the other lanes are not here. */
+        job->lane_axis = 1; /* this shard has too few rows to fill lanes */
     if (sweep->count == 0) {
         job->lines = job->blocks = job->width = 1; /* nothing to do */
         return;
@@ -235,6 +239,8 @@ static void lay_out(struct sweep_job *job)
     job->blocks = last_column / job->width - job->block + 1;
 }
 
+/* Decides whether points run in lanes and how their measures are obtained there: watched, or
+ * replayed to runs. Also plans one point in *plan. */
 static void choose_lanes(struct sweep_job *job, struct plan *plan)
 {
     const struct sweep_request *request = job->request;
@@ -253,9 +259,10 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     }
     for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
-        possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* takes long by itself */
+        /* attractors take long by themselves */
+        possible &= request->measure[m].kind != SWEEP_ATTRACTOR;
     }
-    if (job->replays) /* Lanes must show the states that are replayed. */
+    if (job->replays) /* only position and velocity of a lane can be replayed */
         possible = possible && system->order == 2 && system->n == 2 && !request->section.wanted &&
                    (job->clocks || (plan->whole > 0 &&
                                     (!sweep_needs_trace(job) || plan->whole <= SWEEP_REPLAYED)));
@@ -277,6 +284,7 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
 
 /* ---- threads ---- */
 
+/* Computes a task on a thread. */
 static void do_task(void *context, int thread, int64_t task)
 {
     struct sweep_job *job = context;
@@ -285,7 +293,7 @@ static void do_task(void *context, int thread, int64_t task)
     atomic_fetch_add(&job->computed, computed);
 }
 
-/* Reports progress. Points that were finished before do not count. */
+/* Reports the fraction of computed points. Those that were finished before do not count. */
 static void report_points(void *context, double fraction)
 {
     (void)fraction;
@@ -296,6 +304,8 @@ static void report_points(void *context, double fraction)
                                                 (double)(job->missing > 0 ? job->missing : 1));
 }
 
+/* Adds up the counts of all workers and of the statuses, and finds the reason of the first refused
+ * point. */
 static void add_up(struct sweep *sweep, const struct sweep_worker *all, int count)
 {
     int64_t refused = -1;
@@ -317,6 +327,8 @@ static void add_up(struct sweep *sweep, const struct sweep_worker *all, int coun
     }
 }
 
+/* Computes all tasks with as many threads as have memory. Returns false with an error if there is
+ * memory for none. */
 static bool run_workers(struct sweep_job *job, struct error *error)
 {
     const struct sweep_request *request = job->request;
@@ -344,7 +356,8 @@ static bool run_workers(struct sweep_job *job, struct error *error)
     return ready > 0 || error_memory(error);
 }
 
-/* Predicts the steps of a sweep at a section, which does not last for the duration. */
+/* Replaces the predicted steps and time by those of a point at a section, which does not last for
+ * the duration. */
 static void plan_section(const struct sweep_request *request, const struct sweep *sweep,
                          struct plan *plan)
 {
@@ -357,6 +370,8 @@ static void plan_section(const struct sweep_request *request, const struct sweep
     free(system);
 }
 
+/* Returns the job of a request: which measures are watched, and whether lanes are used. Also plans
+ * one point in *plan. */
 static struct sweep_job job_of(const struct sweep_request *request, struct sweep *sweep,
                                struct plan *plan)
 {
@@ -371,13 +386,15 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
     return job;
 }
 
-/* Besides its steps a point takes so long [ns]: as a run of its own, in lanes. */
+/* Time that a point takes besides its steps [ns], as a run of its own and in lanes. */
 #define NS_ALONE 4000.0
 #define NS_IN_LANES 200.0
+/* Factors by which steps in lanes are faster, with watched and with replayed measures. */
 #define LANES_GAIN 50.0
 #define REPLAY_GAIN 2.0
 
-/* Returns the factor by which fixed steps are more than with the present dt, if dt is swept. */
+/* Returns the mean number of fixed steps relative to that with the present dt, if dt is swept,
+ * otherwise 1. */
 static double more_steps(const struct sweep_request *request)
 {
     double more = 1;
@@ -412,7 +429,8 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }
 
-/* Points of a batch. If lanes lie along the first axis, LANE_COUNT of its rows belong together. */
+/* Largest number of points of a batch. If lanes lie along the first axis, LANE_COUNT of its rows
+ * belong together. */
 #define BATCH_MOST ((int64_t)1 << 18)
 
 int64_t study_sweep_batch(const struct sweep_request *request)

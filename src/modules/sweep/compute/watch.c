@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Extremes and means of a trajectory, watched step by step. */
+/* Extremes and means of a column of a run, updated from step to step. */
 #include "modules/sweep/compute/worker.h"
 
 #include <stdlib.h>
@@ -15,7 +15,8 @@ void watch_open(struct extremes *watch, double y)
     watch->low = watch->high = y;
 }
 
-/* Hairer, Norsett, Wanner 1993, eq. II.6.7 */
+/* Returns the cubic through values and velocities at both ends of a step of h [s], at its fraction
+ * theta (Hairer, Norsett, Wanner 1993, eq. II.6.7). */
 static double hermite_value(double h, double y0, double v0, double y1, double v1, double theta)
 {
     const double rise = y1 - y0, rest = 1 - theta;
@@ -82,7 +83,8 @@ double watch_speed(const struct system *system, int variable, double t, const do
     return dydt[variable];
 }
 
-/* Returns the slope in row i of the parabola through it and its neighbours. */
+/* Returns the derivative of a column at row i, by the parabola through the row and its
+ * neighbours. */
 static double column_speed(const struct trace *trace, const double *column, size_t n, size_t i)
 {
     const size_t left = i > 0 ? i - 1 : 0;
@@ -98,8 +100,8 @@ static double column_speed(const struct trace *trace, const double *column, size
     return (rise * right_step + next * left_step) / (left_step + right_step);
 }
 
-/* Sets *column, which the caller frees, to the values at all rows of what is no state variable, or
- * to NULL if it is one. Returns false if they cannot be computed or if out of memory. */
+/* Sets *column, which the caller frees, to the watched values at all rows, or to NULL if they are a
+ * state variable. Returns false if they cannot be computed or if out of memory. */
 static bool make_column(const struct run *run, const struct sweep_measure *measure,
                         const struct scene *scene, double **column)
 {
