@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* hooke: options, then the front end that fits. */
+/* The program hooke: reads the options of the command line, chooses a front end (batch, prompt or
+ * panes) and runs one session in it. */
 #include "terminal/parts.h"
 
 #include <hooke/base/cancel.h>
@@ -12,7 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A setting given as an option: --charset, --color, --format. */
+/* Sets the setting of the same name as an option (--charset, --color, --format); a NULL value
+ * leaves it unchanged. Returns false after an error message if the value is not one of its
+ * words. */
 static bool option_setting(struct session *session, const char *name, const char *value)
 {
     if (!value) {
@@ -35,7 +38,8 @@ static bool option_setting(struct session *session, const char *name, const char
     return true;
 }
 
-/* No commands come from standard input. */
+/* Returns true if no commands are read from standard input, so that a command may read data
+ * there. */
 static bool input_is_free(const struct options *options, enum front_kind kind)
 {
     bool is_free = kind == FRONT_END && options->tasks > 0 && !options->only;
@@ -44,7 +48,8 @@ static bool input_is_free(const struct options *options, enum front_kind kind)
     return is_free;
 }
 
-/* Chooses the front end before anything is printed. */
+/* Chooses the front end before anything is printed: batch without a terminal or with tasks, else
+ * panes if the terminal can show them, else the plain prompt. */
 static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
@@ -65,6 +70,7 @@ static enum front_kind choose_front(const struct options *options)
     return FRONT_IS_PLAIN;
 }
 
+/* Writes the session to its file when the program crashes or memory runs out. */
 static void save_without_memory(void)
 {
     struct error error;
@@ -82,7 +88,8 @@ static void keep_at_end(const struct session_keeper *keeper)
     keeper->end();
 }
 
-/* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
+/* Runs the prompt and the panes, one after the other, as long as the commands `plain` and `panes`
+ * ask for the other one. */
 static void prompts_run(struct front_program *program, enum front_kind kind)
 {
     const struct session_keeper *keeper = session_keeper();
@@ -102,6 +109,7 @@ static void prompts_run(struct front_program *program, enum front_kind kind)
         keep_at_end(keeper);
 }
 
+/* Prints the lines of the log, oldest first, to standard output. */
 static void print_log(const struct session *session, struct streams *streams)
 {
     for (int i = session->log.count - 1; i >= 0; i--) {
@@ -110,6 +118,8 @@ static void print_log(const struct session *session, struct streams *streams)
     }
 }
 
+/* Resumes a stored session if an option asks for it (*session is then another one), and applies
+ * options that are settings. Returns false after an error message. */
 static bool begin_session(struct session **session, const struct options *options,
                           struct buffer *messages)
 {
@@ -125,7 +135,8 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
-/* Runs an option of a module with the words of the command line. Returns the exit status. */
+/* Runs an option of a module, such as one that checks a hand-in, with the words of the command line
+ * as its arguments. Returns the exit status. */
 static int run_option(struct session *session, const struct options *options, struct reply *reply)
 {
     const char **word = malloc(((size_t)options->tasks + 1) * sizeof *word);
@@ -148,7 +159,8 @@ static int run_option(struct session *session, const struct options *options, st
     return status;
 }
 
-/* Runs the tasks that need no prompt. */
+/* Runs what the command line gives (an option of a module, or files and commands), without a
+ * prompt. Leaves the exit status in the session. */
 static void tasks_run(struct session *session, const struct options *options, enum front_kind kind,
                       struct reply *reply, struct streams *streams)
 {
@@ -162,8 +174,8 @@ static void tasks_run(struct session *session, const struct options *options, en
     }
 }
 
-/* Confines the program after all files are open; the state of a session is beside the folder of
- * the user. */
+/* Confines writing for --safe, after all files are open, to the current folder and, with a prompt,
+ * to the folder with the states of sessions. */
 static void confine(const struct options *options, bool prompt, struct reply *reply)
 {
     struct error error = {0};
@@ -177,6 +189,8 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
+/* Runs the whole life of one session: front end, options, rc file, tasks, prompt, and closing of
+ * files. Returns the exit status of the program. */
 static int session_front_run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);

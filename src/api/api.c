@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A session inside another program: hooke/api.h. */
+/* Sessions inside other programs, by the functions of hooke/api.h. Each struct hooke owns a
+ * session, and keeps output, messages and the last error of the latest call. */
 #include <hooke/base/cancel.h>
 #include <hooke/api.h>
 #include <hooke/session/log.h>
@@ -10,10 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A column of an exported table, copied into the arena of the table. */
 struct taken_column {
     char *name, *unit;
-    double *value; /* NULL if it has texts */
-    char **text;
+    double *value; /* [rows], or NULL if the column has texts */
+    char **text;   /* [rows], or NULL if the column has values */
 };
 
 struct hooke_table {
@@ -29,21 +31,23 @@ struct hooke {
     struct buffer output, messages;
     bool has_error;
     struct hooke_error error;
-    struct error said; /* message and position that the error points to */
-    struct buffer file;
+    struct error said;  /* message and position that the error points to */
+    struct buffer file; /* name of the file with the error; error.file points into it */
     /* Receives the table of `export -`; NULL if it goes to the output. */
     struct hooke_table *table;
 };
 
-static const char place[] = "hooke_run"; /* name of lines that are in no file */
+/* Source name of lines that the program passes, to tell them from lines of files. */
+static const char place[] = "hooke_run";
 
 const char *hooke_version(void)
 {
     return HOOKE_VERSION;
 }
 
-/* ---- what is said ---- */
+/* ---- output, messages and errors ---- */
 
+/* Sink of the reply for output. Returns false if memory ran out. */
 static bool take_output(void *context, struct text text)
 {
     struct hooke *hooke = context;
@@ -51,6 +55,7 @@ static bool take_output(void *context, struct text text)
     return !hooke->output.failed;
 }
 
+/* Sink of the reply for messages. Returns false if memory ran out. */
 static bool take_message(void *context, struct text text)
 {
     struct hooke *hooke = context;
@@ -58,6 +63,8 @@ static bool take_message(void *context, struct text text)
     return !hooke->messages.failed;
 }
 
+/* Keeps an error of the reply for hooke_error(), with its own copy of message, hint and file
+ * name. */
 static void take_error(void *context, const struct error *error, const struct source *where,
                        size_t column)
 {
@@ -80,6 +87,7 @@ static void take_error(void *context, const struct error *error, const struct so
     };
 }
 
+/* Clears output, messages, error, status and cancellation before the next call. */
 static void forget_said(struct hooke *hooke)
 {
     buffer_clear(&hooke->output);
@@ -101,6 +109,7 @@ const char *hooke_messages(const struct hooke *hooke)
     return hooke ? buffer_view(&hooke->messages) : "";
 }
 
+/* Reports, if there is no session, that hooke_open() ran out of memory. */
 const struct hooke_error *hooke_error(const struct hooke *hooke)
 {
     static const struct hooke_error memory = {
@@ -112,6 +121,7 @@ const struct hooke_error *hooke_error(const struct hooke *hooke)
 
 /* ---- tables ---- */
 
+/* Copies the texts of a column; a missing text stays NULL. Returns false if out of memory. */
 static bool copy_texts(struct hooke_table *table, const struct table_column *source,
                        struct taken_column *target)
 {
@@ -123,6 +133,7 @@ static bool copy_texts(struct hooke_table *table, const struct table_column *sou
     return target->text != NULL;
 }
 
+/* Copies name, unit and values or texts of a column. Returns false if out of memory. */
 static bool copy_column(struct hooke_table *table, const struct table_column *source,
                         struct taken_column *target)
 {
@@ -136,6 +147,8 @@ static bool copy_column(struct hooke_table *table, const struct table_column *so
     return target->value != NULL;
 }
 
+/* Receives the table of `export -` and copies it into hooke->table. Returns false if nobody asked
+ * for a table or memory runs out. */
 static bool take_table(void *context, const struct table *source)
 {
     struct hooke_table *table = ((struct hooke *)context)->table;
@@ -200,7 +213,7 @@ const char *hooke_text(const struct hooke_table *table, const char *name, size_t
     return column && column->text && row < table->rows ? column->text[row] : NULL;
 }
 
-/* ---- a session ---- */
+/* ---- sessions ---- */
 
 struct hooke *hooke_open(unsigned flags)
 {
@@ -235,6 +248,7 @@ void hooke_close(struct hooke *hooke)
     free(hooke);
 }
 
+/* Feeds the lines to the interpreter as a script. */
 int hooke_run(struct hooke *hooke, const char *lines)
 {
     struct text rest = text_of(lines ? lines : ""), line;
@@ -275,6 +289,7 @@ int hooke_value(const struct hooke *hooke, const char *name, double *value, doub
     return 1;
 }
 
+/* Counts only results that the session has at present. */
 const char *hooke_result(const struct hooke *hooke, size_t index)
 {
     for (size_t i = 0; i < result_catalog.count && hooke; i++) {
@@ -285,6 +300,8 @@ const char *hooke_result(const struct hooke *hooke, size_t index)
     return NULL;
 }
 
+/* Executes `export - WHAT` with a receiver for the table; characters that would begin another
+ * statement are refused. */
 struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
 {
     struct buffer line = {0};

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Files that grow by whole lines, which several programs may do side by side: each adds under a
- * lock, at the end, and what does not go in whole is cut off again.
- */
+/* Files that grow by whole lines, to which several programs may add at the same time: each adds at
+ * the end, under a lock, and removes again what could not be written completely. */
 #include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
@@ -14,11 +12,13 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LOCK_NS 200000000 /* [ns] that a lock held by another program is waited for … */
-#define LOCK_LOOKS 20     /* … in so many looks */
+#define LOCK_NS 200000000 /* [ns] longest wait for a lock that another program holds */
+#define LOCK_LOOKS 20     /* number of attempts within that time */
 
 /* ---- opening ---- */
 
+/* Opens or creates the writer's path for appending. Returns the descriptor, or -1 with the error
+ * set if the path is not a regular file or may not be written. */
 static int open_file(struct writer *writer, struct write_policy policy, mode_t mode,
                      struct error *error)
 {
@@ -72,7 +72,8 @@ void file_unlock(int fd)
 
 /* ---- adding ---- */
 
-/* Removes what this program has appended behind `whole`, if nobody has written since. */
+/* Truncates the file to size bytes, which removes what this program has appended, unless somebody
+ * else has written since. Returns false if the incomplete line had to remain. */
 static bool cut_back(int fd, off_t whole)
 {
     struct stat now;
@@ -89,7 +90,8 @@ static bool cut_back(int fd, off_t whole)
     return result == 0;
 }
 
-/* 0 or an errno. */
+/* Appends lines, after a line break if the file does not end with one, and sets *status to the
+ * state of the file before. Returns 0 or an errno. */
 static int file_append(int fd, struct text lines, bool sync, struct stat *status)
 {
     char last = '\n';
@@ -98,7 +100,7 @@ static int file_append(int fd, struct text lines, bool sync, struct stat *status
         return errno;
     if (status->st_size > 0 && pread(fd, &last, 1, status->st_size - 1) != 1)
         return errno;
-    if (last != '\n') /* somebody's half a line is not to become half of another one */
+    if (last != '\n') /* somebody's incomplete line must not join the first new one */
         buffer_char(&text, '\n');
     buffer_put(&text, lines);
     struct text rest = buffer_text(&text);

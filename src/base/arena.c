@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Arenas: memory allocated in blocks that double in size, and freed all at once. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/text.h>
 
 #include <stdlib.h>
 #include <string.h>
 
+/* [byte] Sizes of the first block, and at which doubling ends. */
 #define BLOCK_FIRST 4096u
 #define BLOCK_LARGEST (1u << 20)
 
 struct arena_block {
     struct arena_block *next;
-    size_t size, used;
+    size_t size, used; /* [byte] of data */
     max_align_t data[];
 };
 
@@ -22,6 +24,7 @@ static struct arena_block *block_create(size_t size)
     return block;
 }
 
+/* Returns zeroed memory from the newest block, or from a new one if it does not fit. */
 void *arena_alloc(struct arena *arena, size_t size)
 {
     const size_t unit = sizeof(max_align_t);
@@ -61,6 +64,7 @@ char *arena_text(struct arena *arena, struct text text)
     return copy;
 }
 
+/* Gives all blocks of source to target; source is empty afterwards. */
 void arena_move(struct arena *source, struct arena *target)
 {
     struct arena_block **end = &source->blocks;
@@ -71,6 +75,7 @@ void arena_move(struct arena *source, struct arena *target)
     source->blocks = NULL;
 }
 
+/* Frees block by block until none is left or the user cancels; a later call continues. */
 void arena_give_back(struct arena *arena, const struct cancel *cancel)
 {
     while (arena->blocks && !cancelled(cancel)) {

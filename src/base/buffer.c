@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Growing byte strings. A failed allocation sets `failed`, after which nothing is added; the caller
+ * checks it once, at the end. */
 #include <hooke/base/safe_text.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Makes room for `extra` more bytes and the NUL. */
+/* Makes room for extra more bytes and the NUL, by doubling. Returns false if memory runs out, now
+ * or earlier. */
 static bool buffer_make_room(struct buffer *buffer, size_t extra)
 {
     if (buffer->failed)
@@ -45,6 +48,7 @@ void buffer_char(struct buffer *buffer, char c)
     buffer_put(buffer, (struct text){&c, 1});
 }
 
+/* Appends a code point as UTF-8; surrogates and numbers above U+10FFFF become CODEPOINT_INVALID. */
 void buffer_codepoint(struct buffer *buffer, uint32_t codepoint)
 {
     static const unsigned char lead[] = {0, 0x00, 0xC0, 0xE0, 0xF0};
@@ -64,6 +68,7 @@ void buffer_codepoint(struct buffer *buffer, uint32_t codepoint)
     buffer_put(buffer, (struct text){bytes, len});
 }
 
+/* Formats twice: once to learn the length, then into the room made for it. */
 void buffer_vformat(struct buffer *buffer, const char *format, va_list args)
 {
     va_list again;
@@ -105,6 +110,8 @@ struct text buffer_text(const struct buffer *buffer)
     return buffer->data ? (struct text){buffer->data, buffer->len} : (struct text){"", 0};
 }
 
+/* Returns the bytes as a string that the buffer owns, or a message in their place if memory ran
+ * out. */
 const char *buffer_view(const struct buffer *buffer)
 {
     if (buffer->failed)

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Catalogs: finding rows by name, alias or unique prefix, and suggestions for misspelled names. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/limit.h>
 #include <hooke/base/safe_text.h>
@@ -12,6 +13,7 @@ const struct row *catalog_row(const struct catalog *catalog, size_t i)
     return (const struct row *)(const void *)((const char *)catalog->rows + i * catalog->stride);
 }
 
+/* Takes the next of the aliases, which are separated by spaces. Returns false at the end. */
 static bool next_alias(struct text *rest, struct text *alias)
 {
     while (text_split(rest, ' ', alias))
@@ -20,6 +22,7 @@ static bool next_alias(struct text *rest, struct text *alias)
     return false;
 }
 
+/* Returns true if name is the name of the row or one of its aliases. */
 static bool row_is(const struct row *row, struct text name)
 {
     if (text_is(name, row->name))
@@ -39,6 +42,8 @@ const struct row *catalog_find(const struct catalog *catalog, struct text name)
     return NULL;
 }
 
+/* Returns the row with that name, or else the only one whose name begins with it. Returns NULL if
+ * there is none, if several begin with it, or if name has fewer than min characters. */
 const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t min)
 {
     const struct row *found = catalog_find(catalog, name);
@@ -67,6 +72,8 @@ bool catalog_absent(const struct catalog *catalog, struct text name, struct erro
     return false;
 }
 
+/* Sets the error for a name that the catalog does not have: why its row is absent from this build,
+ * or names that are spelled like it. Returns false. */
 bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error)
 {
     char shown[SAFE_NAME_SIZE];
@@ -96,6 +103,7 @@ static char lower(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
+/* Returns true if a and b differ at most in ASCII case. */
 static bool same_but_case(struct text a, struct text b)
 {
     if (a.len != b.len)
@@ -114,6 +122,8 @@ static int reach(size_t len)
     return len <= 7 ? 2 : (int)(len / 3);
 }
 
+/* Inserts name into the best few candidates, ordered by distance, if it is near enough to the name
+ * that was wanted and not yet among them. */
 void suggestion_offer(struct suggestion *suggestion, const char *name)
 {
     struct text wanted = suggestion->wanted, candidate = text_of(name);
@@ -121,8 +131,7 @@ void suggestion_offer(struct suggestion *suggestion, const char *name)
         return;
     const int far = reach(wanted.len);
     int distance = text_distance(wanted, candidate);
-    /* The beginning of a long name is near it; a name that shares no letter is not, however short.
-     */
+    /* The beginning of a long name counts as near; a name that shares no letter never does. */
     if (same_but_case(wanted, candidate))
         distance = 0;
     else if (wanted.len >= 3 && distance > far && text_starts(candidate, wanted))

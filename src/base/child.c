@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The one place where the library makes a process and touches signals: those of that process. */
+/* Runs work in a child process, so that a crash or an endless loop in it cannot harm the program:
+ * child_run() forks, the child writes output and a struct child_answer into a pipe, the parent
+ * reads both. The only file of the library that makes a process or changes signals. */
 #define _GNU_SOURCE /* pipe2 */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/child.h>
@@ -18,17 +20,19 @@
 #endif
 
 #define REPLY_CHUNK_BYTES 8192
-#define LOOK_MS 20
+#define LOOK_MS 20 /* [ms] between two looks at cancellation and at the child */
 
-/* The last that comes through the pipe, behind `len` bytes; without it the child has died. */
+/* Follows the output of the child, of len bytes, in the pipe; if it is missing the child has
+ * died. */
 struct child_answer {
     size_t done, len;
     struct error error;
 };
 
-/* ---- the copy ---- */
+/* ---- in the child ---- */
 
-/* Nobody is left to wait for it. */
+/* Makes the system kill this process when its parent ends, and forbids core files. Returns false if
+ * the parent has ended already. */
 static bool dies_with(pid_t parent)
 {
 #ifdef __linux__
@@ -38,7 +42,8 @@ static bool dies_with(pid_t parent)
     return getppid() == parent;
 }
 
-/* Reads and writes of the usual streams fail; signals do what they do in a new process. */
+/* Detaches the child from terminal, standard streams (reads and writes of them then fail), signal
+ * handlers and core files. */
 static void leave_all(void)
 {
     const struct rlimit none = {0, 0};
@@ -56,6 +61,8 @@ static void leave_all(void)
     sigprocmask(SIG_SETMASK, &open_set, NULL);
 }
 
+/* Does the work of the child and writes output and answer into the pipe's end. Exits with 0 if both
+ * were written; never returns. */
 static _Noreturn void work_apart(const struct child *child, int end, pid_t parent)
 {
     struct buffer made = {0};
@@ -73,7 +80,7 @@ static _Noreturn void work_apart(const struct child *child, int end, pid_t paren
     _exit(file_put(descriptor, &part[0]) != 0 || file_put(descriptor, &part[1]) != 0);
 }
 
-/* ---- and we ---- */
+/* ---- in the parent ---- */
 
 struct process {
     pid_t pid;
@@ -81,12 +88,15 @@ struct process {
     bool gone; /* its status is known */
 };
 
+/* Sets the error "WORK: why". Returns false. */
 static bool not_done(const struct child *child, struct error *error, const char *why)
 {
     return error_set(error, ERROR_IO, "%s: %s", child->what, why);
 }
 
-/* Everything that comes, until the end: of the pipe, or of the process if others hold that open. */
+/* Reads the output of the child until the pipe ends, or until the process has ended while others
+ * still hold the pipe open. Returns false with the error set if the user cancels, the time allowed
+ * is over, or reading fails. */
 static bool take_all(const struct child *child, struct process *process, struct buffer *all,
                      struct error *error)
 {
@@ -113,6 +123,8 @@ static bool take_all(const struct child *child, struct process *process, struct 
     }
 }
 
+/* Sets the error that tells from the wait status why the child ended without an answer. Returns
+ * false. */
 static bool child_error_set(const struct child *child, int status, struct error *error)
 {
     if (!WIFSIGNALED(status))
@@ -125,7 +137,8 @@ static bool child_error_set(const struct child *child, int status, struct error 
                      WTERMSIG(status));
 }
 
-/* Takes the answer off the end of the output that follows the first `old_len` bytes. */
+/* Takes the answer off the end of the output that follows the first old_len bytes. Returns false
+ * with the error set if it is missing or reports a failure. */
 static bool read_answer(const struct child *child, int status, size_t old_len,
                         struct buffer *output, struct error *error)
 {
@@ -141,6 +154,8 @@ static bool read_answer(const struct child *child, int status, size_t old_len,
     return answer.done;
 }
 
+/* Collects output and answer of the child and waits for its end; kills it on failure. Returns false
+ * with the error set and output unchanged if the work was not done. */
 static bool wait_for(const struct child *child, pid_t pid, int descriptor, struct buffer *output,
                      struct error *error)
 {
@@ -159,6 +174,7 @@ static bool wait_for(const struct child *child, pid_t pid, int descriptor, struc
     return ok;
 }
 
+/* Forks with all signals blocked, so that no handler of the program runs in the child. */
 bool child_run(const struct child *child, struct buffer *output, struct error *error)
 {
     int ends[2];

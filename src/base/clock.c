@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Time: processor time of this thread and monotonic time [ns]. */
 #include <hooke/base/cancel.h>
 
 #include <time.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Decimals inside base: what the reader and the writer of numbers share.
+ * Decimal numbers as integers, shared by the reader (number_in.c) and the writer (number_out.c).
  *
  * With 10^p = 5^p 2^p and 5^27 < 2^63, m 10^p is an exact 128-bit integer for every double mantissa
  * m and 0 <= p <= 27, so that both directions are exact integer arithmetic for the numbers a
@@ -10,7 +10,8 @@
 
 #include <hooke/base/number.h>
 
-/* Machines of 32 bits have no such integer: there all goes through libc, with the same results. */
+/* Machines of 32 bits have no such integer; they use libc for all numbers, with the same results.
+ */
 #ifdef __SIZEOF_INT128__
 #define HAVE_WIDE 1
 __extension__ typedef unsigned __int128 wide;
@@ -21,20 +22,22 @@ __extension__ typedef unsigned __int128 wide;
 #define POWER5_MAX 27
 #define POWER10_MAX 22 /* the largest power of ten that is a double */
 
+/* 5^p, and 10^p as doubles that are exact. */
 extern const uint64_t decimal_power5[POWER5_MAX + 1];
 extern const double decimal_power10[POWER10_MAX + 1];
 
-/* digits * 10^exponent */
+/* The number digits * 10^exponent. */
 struct decimal {
     bool negative;
     uint64_t digits; /* less than 10^17 */
     int exponent;
 };
 
-/* The finite value with the fewest digits that read back to it, and of those the nearest; no
- * trailing zeros. */
+/* Returns the decimal with the fewest digits that reads back to a finite value, and of those the
+ * nearest one; it has no trailing zeros. */
 struct decimal decimal_shortest(double value);
-/* "e-7" at `cursor`, without NUL; returns its end. */
+/* Writes an exponent such as "e-7" at cursor, without NUL. Returns its end. */
 char *decimal_power(char *cursor, int exponent);
-/* Plain notation while low <= decade < high, else d.ddde-7. Returns the length without the NUL. */
+/* Writes plain notation if low <= decade of the first digit < high, else d.ddde-7. Returns the
+ * length without the NUL. */
 size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE]);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Errors: filling in struct error and its hints, whose texts are cut at whole characters. */
 #include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
@@ -23,6 +24,7 @@ static void drop_partial(char *z, size_t size)
         z[start - 1] = '\0';
 }
 
+/* Fills in an error without place and hint. */
 static PRINTF_LIKE(3, 0) void error_format(struct error *error, enum error_code code,
                                            const char *format, va_list args)
 {
@@ -54,6 +56,7 @@ bool error_at(struct error *error, struct text where, const char *format, ...)
     return false;
 }
 
+/* Appends a hint, separated by two spaces from an earlier one. Returns false. */
 bool error_hint(struct error *error, const char *format, ...)
 {
     size_t len = strlen(error->hint);

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Named fields: members of structs written to files and read back, also by a program whose struct
+ * has other members; and a checksum of bytes. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/fields.h>
 #include <hooke/base/unit.h>
@@ -7,6 +9,7 @@
 
 /* ---- writing ---- */
 
+/* Writes the name and reserves four bytes for the length, which field_end() fills in. */
 size_t field_begin(struct buffer *output, const char *name)
 {
     const uint32_t none = 0;
@@ -39,6 +42,8 @@ void field_put(struct buffer *output, const char *name, const void *value, size_
     field_text(output, name, (struct text){value, bytes});
 }
 
+/* Writes the members of object that the table describes; quantities by name, texts without trailing
+ * zeros. */
 void fields_put(struct buffer *output, const struct field *field, size_t count, const void *object)
 {
     for (size_t i = 0; i < count; i++) {
@@ -55,6 +60,7 @@ void fields_put(struct buffer *output, const struct field *field, size_t count, 
 
 /* ---- reading ---- */
 
+/* Refuses lengths that reach beyond the text, as damaged files have. */
 bool field_next(struct text *text, struct text *name, struct text *value)
 {
     uint32_t len;
@@ -91,7 +97,7 @@ bool field_get(struct text text, const char *name, void *target, size_t bytes)
     return true;
 }
 
-/* The number that begins there, whatever its alignment. */
+/* Returns the number of that kind that begins at cursor, at any alignment. */
 static double number_at(enum field_kind kind, const char *cursor)
 {
     int whole;
@@ -113,6 +119,8 @@ static double number_at(enum field_kind kind, const char *cursor)
     }
 }
 
+/* Returns true if bytes of a file are a valid value of the field: bools are 0 or 1, a text ends
+ * within it, numbers lie between its limits. */
 static bool can_be(const struct field *field, struct text value)
 {
     const size_t bytes =
@@ -140,6 +148,7 @@ bool fields_sound(const struct field *field, size_t count, const void *object)
     return all;
 }
 
+/* Returns the quantity of that name, or QUANTITY_OTHER if it is unknown. */
 static enum quantity find_quantity(struct text name)
 {
     int i = 0;
@@ -148,7 +157,8 @@ static enum quantity find_quantity(struct text name)
     return (enum quantity)i;
 }
 
-/* *found: the file has it in this length. Returns false if it cannot be what the file has. */
+/* Copies one field into its member. Sets *found if the file has the field in the right length.
+ * Returns false if it has a value that the member cannot have. */
 static bool take_field(struct text source, const struct field *field, void *object, bool *found)
 {
     struct text value;
@@ -201,6 +211,7 @@ void field_put_names(struct buffer *output, const char *name, const struct catal
     field_end(output, begun);
 }
 
+/* Matches names in a file with rows of the catalog, in both directions. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places)
 {
@@ -224,6 +235,7 @@ bool field_find_places(struct text names, const struct catalog *catalog,
     return true;
 }
 
+/* Copies items to the rows that they belong to, whatever their order in the file. */
 bool field_get_placed(struct text text, const char *name, const struct field_places *places,
                       void *target, size_t item)
 {
@@ -239,17 +251,19 @@ bool field_get_placed(struct text text, const char *name, const struct field_pla
 
 /* ---- checksums ---- */
 
-/* Two odd constants with no pattern in their bits: the golden ratio's, and one of splitmix64
+/* Odd constants without a pattern in their bits: from the golden ratio, and from splitmix64
  * (Steele, Lea, Flood 2014). */
 #define SPREAD_A 0x9E3779B97F4A7C15u
 #define SPREAD_B 0xBF58476D1CE4E5B9u
 
+/* Returns sum changed by a word of 64 bits so that every bit of the word affects the upper half. */
 static uint64_t checksum_mix(uint64_t sum, uint64_t word)
 {
     sum = (sum ^ word) * SPREAD_B;
     return sum ^ (sum >> 29);
 }
 
+/* Mixes in four lanes, which the processor computes side by side, and then the lanes. */
 uint64_t bytes_sum(struct text bytes)
 {
     uint64_t lane[4] = {1 * SPREAD_A, 2 * SPREAD_A, 3 * SPREAD_A, bytes.len * SPREAD_A}, word[4];

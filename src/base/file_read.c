@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads files into memory: regular files, pipes and standard input, with a limit of size and a
+ * watch that may stop early or refuse what has no end. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include <hooke/base/safe_text.h>
@@ -14,19 +16,20 @@
 #include <unistd.h>
 
 #define READ_CHUNK_BYTES 16384u
-#define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
-#define PATIENCE_LOOKS 20     /* … in so many looks */
-/* bytes within a watch's patience: a file is faster than this, a sensor never */
+#define PATIENCE_NS 200000000 /* [ns] longest wait for a writer of a named pipe */
+#define PATIENCE_LOOKS 20     /* number of attempts within that time */
+/* [byte] Data that arrive within the watch's patience: any file has more, a sensor less. */
 #define SLOW_BYTES 65536
 
+/* One file while it is read. */
 struct file_reading {
     const char *path;
-    /* `old_len` is the number of bytes of content that are not the file's */
-    size_t limit, old_len;
-    uintmax_t size; /* stated; 0 if there is none */
-    struct read_watch *watch;
-    int64_t
-        deadline; /* [clock_ns] what may have no end has to have ended by then; 0 if it need not */
+    size_t limit;             /* [byte] largest file that is read */
+    size_t old_len;           /* [byte] in the buffer before the file */
+    uintmax_t size;           /* [byte] stated by the system, or 0 if it states none */
+    struct read_watch *watch; /* NULL if nobody watches */
+    /* [clock_ns] A pipe or device has to end by then unless it is fast; 0 means any time. */
+    int64_t deadline;
 };
 
 /* Suggests files of the same folder whose names are like the one that does not exist. */
@@ -52,6 +55,8 @@ static void suggest_files(const char *path, struct error *error)
     suggestion_hint(&suggestion, error);
 }
 
+/* Sets the error for an errno (ERROR_CANCELLED after a signal), with similar names if the file does
+ * not exist. Returns false. */
 static bool cannot_read(struct error *error, const char *path, int number)
 {
     char name[SAFE_NAME_SIZE];
@@ -70,11 +75,9 @@ static bool cannot_read(struct error *error, const char *path, int number)
     return false;
 }
 
-/*
- * A named pipe that nobody writes to has no end: its writer gets a moment to come, a reader that
- * waits for ever none. EINTR is not retried: it is how Ctrl-C gets out of a pipe into which nothing
- * is written.
- */
+/* Waits a moment for a program to write to a named pipe, since a pipe without a writer has no end;
+ * appends the byte that it reads meanwhile. Returns false with the error set if nobody writes.
+ * EINTR is not retried, so that Ctrl-C ends the waiting. */
 static bool await_writer(int fd, const char *path, struct buffer *content, struct error *error)
 {
     char name[SAFE_NAME_SIZE], first;
@@ -85,7 +88,7 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
             buffer_put(content, (struct text){&first, 1});
             return !content->failed || error_memory(error);
         }
-        if (got < 0 && errno == EAGAIN) /* there is one, who has written nothing yet */
+        if (got < 0 && errno == EAGAIN) /* a writer exists and has written nothing yet */
             return true;
         if (got < 0 || nanosleep(&moment, NULL) != 0)
             return cannot_read(error, path, errno);
@@ -94,6 +97,7 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
                      safe_name(text_of(path), name));
 }
 
+/* Sets the error for a source without an end, and marks the watch. Returns false. */
 static bool refuse_endless(const char *path, const char *why, struct read_watch *watch,
                            struct error *error)
 {
@@ -110,13 +114,15 @@ static bool is_socket(const char *path)
     return stat(path, &st) == 0 && S_ISSOCK(st.st_mode);
 }
 
-/* Returns true if the system makes the contents up while they are read, perhaps for ever:
- * /proc/kmsg. */
+/* Returns true if the system generates the contents during reading, perhaps without end, as for
+ * /proc/kmsg: a regular file of size 0. */
 static bool made_up(const struct stat *st, const struct read_watch *watch)
 {
     return watch && watch->patience > 0 && S_ISREG(st->st_mode) && st->st_size == 0;
 }
 
+/* Opens path, refuses what has no end if a watch asks for it, and waits for the writer of a pipe.
+ * Sets *fd, which the caller closes also on failure, and *st. Returns false with the error set. */
 static bool open_file(const char *path, int *fd, struct stat *st, struct read_watch *watch,
                       struct buffer *content, struct error *error)
 {
@@ -136,7 +142,7 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
         return cannot_read(error, path, EISDIR);
     if (S_ISFIFO(st->st_mode) && !input && !await_writer(*fd, path, content, error))
         return false;
-    if (made_up(st, watch)) /* it may say that there is more, and wait for it */
+    if (made_up(st, watch)) /* such a file may block reads: it stays non-blocking */
         return true;
     const int flags = fcntl(*fd, F_GETFL);
     return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) ||
@@ -150,7 +156,8 @@ static bool too_long(const char *path, size_t limit, struct error *error)
                      safe_name(text_of(path), name), limit, limit);
 }
 
-/* Returns false if it is neither at its end nor as fast as a file. */
+/* Waits until data arrive or the deadline is over. Returns false with the error set if a source has
+ * neither ended by then nor delivered data as fast as a file. */
 static bool await_more(int fd, const struct file_reading *r, size_t so_far, struct error *error)
 {
     if (r->deadline == 0)
@@ -165,8 +172,9 @@ static bool await_more(int fd, const struct file_reading *r, size_t so_far, stru
     return count > 0 || refuse_endless(r->path, "data keep arriving", r->watch, error);
 }
 
-/* Reads a file that states its size only up to that size: somebody may be writing it faster than it
- * is read. */
+/* Reads the file piece by piece and shows each to the watch. A file that states its size is read up
+ * to that size, since somebody may be writing it faster than it is read. Returns false with the
+ * error set if reading fails, the file is too long, or the watch refuses it. */
 static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
                         struct error *error)
 {
@@ -202,6 +210,7 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
     }
 }
 
+/* Does the work of file_read_watched(); the caller closes *fd and restores content on failure. */
 static bool read_all(const char *path, size_t limit, struct read_watch *watch,
                      struct buffer *content, int *fd, struct error *error)
 {

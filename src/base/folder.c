@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Folders whole or not at all. rename(2) puts a new one in place and fails where the name is taken
- * by anything but an empty folder; with force both names are exchanged, and the old folder is
- * removed under the hidden one.
+ * Writes folders completely or not at all: folder_open(), folder_put() for each file, then
+ * folder_commit(). The new folder has a hidden name until rename(2) puts it in place, which fails
+ * if the name is taken by anything but an empty folder. With force both names are exchanged, and
+ * the old folder is removed under the hidden one.
  */
 #define _GNU_SOURCE /* asprintf, renameat2 */
 #include <hooke/base/safe_text.h>
@@ -27,8 +28,9 @@ static bool is_self(const char *name)
     return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
 }
 
-/* Calls `act` for each entry until it returns false. stopped is then the name of that entry, or ""
- * if all passed. Returns false with errno set on failure. */
+/* Calls act for each entry of the folder until it returns false. Sets stopped to the name of that
+ * entry, or to "" if act accepted all. Returns false with errno set if the folder cannot be
+ * read. */
 static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns *own),
                        folder_owns *own, char stopped[NAME_MAX_SIZE])
 {
@@ -52,12 +54,14 @@ static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns
     return number == 0;
 }
 
+/* Returns true if the entry is a regular file with a name that own accepts. */
 static bool is_own_file(int fd, const char *name, folder_owns *own)
 {
     struct stat st;
     return own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
 }
 
+/* Removes the entry if it is an own file. Returns true, so that each_entry() continues. */
 static bool remove_own(int fd, const char *name, folder_owns *own)
 {
     if (is_own_file(fd, name, own))
@@ -71,7 +75,7 @@ void folder_empty(int fd, folder_owns *own)
     each_entry(fd, remove_own, own, ignored);
 }
 
-/* The folder of the hidden name goes, if there is nothing foreign in it. */
+/* Removes the folder of that hidden name, unless it holds foreign files. */
 static void remove_hidden(struct folder *folder, const char *name)
 {
     const int fd =
@@ -85,7 +89,8 @@ static void remove_hidden(struct folder *folder, const char *name)
 
 /* ---- opening ---- */
 
-/* Returns true if the name is free, or is a folder that force may replace. */
+/* Returns true if the target's name is free, or is a folder that force may replace; sets *exists.
+ * Returns false with the error set, also if the old folder holds foreign files. */
 static bool target_allows(const struct folder *folder, bool *exists, struct error *error)
 {
     const struct writer *writer = &folder->writer;
@@ -113,6 +118,8 @@ static bool target_allows(const struct folder *folder, bool *exists, struct erro
     return error_hint(error, "choose another name, or move that file first");
 }
 
+/* Makes and opens a new folder under a hidden name, locked so that no other program takes it for a
+ * stray. Returns false with errno set. */
 static bool make_hidden(struct folder *folder, mode_t mode)
 {
     struct writer *writer = &folder->writer;
@@ -137,6 +144,8 @@ static bool make_hidden(struct folder *folder, mode_t mode)
     return false;
 }
 
+/* Opens the parent folder, checks the target and makes the hidden folder. Returns false with the
+ * error set; the caller cleans up. */
 static bool open_all(struct folder *folder, struct write_policy policy, struct error *error)
 {
     struct writer *writer = &folder->writer;
@@ -218,7 +227,7 @@ static int replace_in_turn(struct folder *folder)
     int number = old < 0 ? errno : EEXIST;
     memcpy(fresh, writer->temporary, sizeof fresh);
     if (old >= 0)
-        file_lock(old, false); /* or it would be taken for a stray */
+        file_lock(old, false); /* another program would take it for a stray otherwise */
     for (int i = 0; i < NAME_ATTEMPTS && (number == EEXIST || number == ENOTEMPTY); i++)
         number = stray_name(writer->temporary, writer->base, STRAY_OLD)
                      ? writer_rename(writer, writer->base, writer->temporary, 0)
@@ -232,6 +241,7 @@ static int replace_in_turn(struct folder *folder)
     return number;
 }
 
+/* Gives the finished folder its name; an old one of that name ends up under the hidden name. */
 static int publish(struct folder *folder, bool exists)
 {
     struct writer *writer = &folder->writer;

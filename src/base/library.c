@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shared libraries that are looked up when they are needed: linking them would cost every start of
+/* Loads shared libraries when they are needed, since linking them would slow down every start of
  * the program. */
 #include <hooke/base/library.h>
 
@@ -10,7 +10,7 @@ bool library_load(struct library *library, const char *name, const struct librar
                   size_t count, void *table, const char **missing)
 {
     *missing = NULL;
-    /* It stays in memory: some libraries keep caches that only they can find. */
+    /* NODELETE, because caches of some libraries would be lost memory if they were unloaded. */
     library->handle = dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     for (size_t i = 0; i < count && library->handle; i++) {
         void *found = dlsym(library->handle, symbol[i].name);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Table of the limits of the program, for `list limits` and for help. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/limit.h>
 

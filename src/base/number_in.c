@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads decimal numbers, correctly rounded and independent of the locale: by exact integers for
+ * usual numbers, else by strtod(). */
 #define _GNU_SOURCE /* strtod_l */
 #include "base/decimal.h"
 
@@ -6,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A double's nearest neighbours are told apart by at most 768 significant digits; of what follows
- * only "zero or not" counts. */
+/* Neighbouring doubles differ within their first 768 significant digits; of later digits it matters
+ * only if one of them is not zero. */
 #define DIGITS_MAX 800
 #define EXPONENT_MAX 1000000000000000 /* larger than any that could matter, far from overflow */
 
@@ -46,17 +48,17 @@ const double decimal_power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1
                                                  1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                  1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
-/* A number as written: 0.digits * 10^..., kept as the first 19 digits and the position of the
- * number in the text. */
+/* A number as written, by its first 19 digits; the rest is found again through its position. */
 struct scanned {
     bool negative;
     uint64_t leading;                 /* the first (up to) 19 significant digits */
     size_t digits;                    /* significant digits, without leading zeros */
     int64_t exponent;                 /* value = all digits as an integer * 10^exponent */
-    size_t first, mantissa_end, used; /* [byte] */
+    size_t first, mantissa_end, used; /* [byte] positions of the digits, and length */
 };
 
-/* The exponent part at text[at], if there is a whole one; *position moves behind it. */
+/* Returns the exponent of the number at text[*position], and moves *position behind it; returns 0
+ * and leaves *position if there is no complete exponent. */
 static int64_t scan_exponent(struct text text, size_t *position)
 {
     size_t i = *position;
@@ -75,6 +77,8 @@ static int64_t scan_exponent(struct text text, size_t *position)
     return negative ? -value : value;
 }
 
+/* Scans sign, digits with one decimal mark, and exponent at the start of text. Returns false if
+ * there is no digit. */
 static bool number_scan(struct text text, char decimal, struct scanned *s)
 {
     *s = (struct scanned){0};
@@ -121,6 +125,8 @@ static double compose(wide n, int exponent, bool more)
     return ldexp((double)mantissa, exponent + drop);
 }
 
+/* Returns w * 10^e, |e| <= POWER5_MAX, correctly rounded, by one exact product or quotient of
+ * integers. */
 static double by_quotient(uint64_t w, int e)
 {
     if (e >= 0)
@@ -132,7 +138,8 @@ static double by_quotient(uint64_t w, int e)
 }
 #endif
 
-/* Any number of digits, by libc in its "C" locale, which it neither allocates nor changes. */
+/* Converts a number with any number of digits by strtod() in the "C" locale, which allocates
+ * nothing and changes no locale. */
 static double by_library(struct text text, const struct scanned *s)
 {
     char z[DIGITS_MAX + 32];
@@ -161,6 +168,8 @@ static double by_library(struct text text, const struct scanned *s)
     return plain ? strtod_l(z, NULL, plain) : NAN;
 }
 
+/* Returns the absolute value of the scanned number, correctly rounded, by the fastest way that is
+ * exact for it. */
 static double magnitude(struct text text, const struct scanned *s)
 {
     const uint64_t w = s->leading;
@@ -195,6 +204,7 @@ enum real_status real_scan(struct text text, char decimal, double *value, size_t
     return s.leading != 0 && size < 0x1p-1022 ? REAL_UNDERFLOW : REAL_OK;
 }
 
+/* Sets *value only if the whole text is a number. */
 enum real_status real_parse(struct text text, double *value)
 {
     size_t used;

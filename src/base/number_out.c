@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Writes numbers: the shortest decimal that reads back to the same double, numbers of given digits,
+ * and values with their uncertainty. */
 #include "base/decimal.h"
 #include <hooke/base/numeric.h>
 
@@ -13,6 +15,7 @@ static uint64_t bits_of(double value)
     return bits;
 }
 
+/* Returns the decimal without trailing zeros. */
 static struct decimal stripped(struct decimal d)
 {
     while (d.digits && d.digits % 10 == 0) {
@@ -22,15 +25,14 @@ static struct decimal stripped(struct decimal d)
     return d;
 }
 
-/* Rounded to `digits` digits, all of them kept. */
+/* Returns value rounded to a number of significant digits, with trailing zeros kept. */
 static struct decimal rounded(double value, int digits)
 {
     struct decimal d = {.negative = signbit(value)};
     char z[REAL_TEXT_SIZE];
     snprintf(z, sizeof z, "%.*e", digits - 1, fabs(value));
     const char *c = z;
-    for (; *c && *c != 'e';
-         c++) /* whatever stands between the digits is the locale's decimal point */
+    for (; *c && *c != 'e'; c++) /* the decimal point of the locale is skipped */
         if (*c >= '0' && *c <= '9')
             d.digits = d.digits * 10 + (uint64_t)(*c - '0');
     int exponent = 0;
@@ -40,7 +42,7 @@ static struct decimal rounded(double value, int digits)
     return d;
 }
 
-/* The finite value rounded to 1..17 significant digits, trailing zeros dropped. */
+/* Returns the finite value rounded to 1 to 17 significant digits, without trailing zeros. */
 static struct decimal decimal_rounded(double value, int digits)
 {
     struct decimal d = rounded(value, digits);
@@ -48,12 +50,11 @@ static struct decimal decimal_rounded(double value, int digits)
 }
 
 #if HAVE_WIDE
-/*
- * Exact form for 1e-11 <= value < 1e17: with 17 digits before the point, the value is v 2^-shift
- * and its rounding interval reaches 2 u 2^-shift up and down, where u = 5^p is a quarter of the
- * distance to the next double. The decimals that read back are the integers in between; the
- * shortest is the one that can be divided by 10 most often.
- */
+/* Returns the shortest decimal for 1e-11 <= value < 1e17, in integers. With 17 digits before the
+ * point, the value is v 2^-shift, and the interval of numbers that read back to it reaches 2 u
+ * 2^-shift up and down, where u = 5^p is a quarter of the distance to the next double. The decimals
+ * that read back are the integers in that interval; the shortest is the one that can be divided by
+ * 10 most often. */
 static struct decimal shortest_exact(double value)
 {
     const uint64_t bits = bits_of(value);
@@ -102,6 +103,7 @@ static struct decimal shortest_exact(double value)
 }
 #endif
 
+/* Returns true if the text of the decimal is read as this value. */
 static bool reads_back(struct decimal d, double value)
 {
     char z[REAL_TEXT_SIZE];
@@ -111,8 +113,9 @@ static bool reads_back(struct decimal d, double value)
     return again == value;
 }
 
-/* Any finite value, by trying. 15 digits always survive, so that fewer come from them by dropping
- * zeros; not so the denormal. */
+/* Returns the shortest decimal of any finite value, by trying numbers of digits. 15 digits always
+ * survive, so that shorter ones come from them by dropping zeros; subnormal numbers may need
+ * fewer. */
 static struct decimal shortest_by_trying(double value)
 {
     const bool power_of_two = (bits_of(value) << 12) == 0;
@@ -144,7 +147,7 @@ struct decimal decimal_shortest(double value)
     return d;
 }
 
-/* Digits of n, right-aligned before `end`; returns their first. */
+/* Writes the digits of n so that they end before `end`. Returns the first of them. */
 static char *decimal_digits(char *end, uint64_t n)
 {
     static const char pairs[201] =
@@ -170,7 +173,8 @@ char *decimal_power(char *cursor, int exponent)
     return cursor + (end - first);
 }
 
-/* Power of ten of the first digit: 0 for 1..9; for zero, that of its last place. */
+/* Returns the power of ten of the first digit, which is 0 for 1 to 9; for zero, that of its last
+ * place. */
 static int decimal_decade(struct decimal decimal)
 {
     int decade = decimal.exponent;
@@ -179,6 +183,7 @@ static int decimal_decade(struct decimal decimal)
     return decade;
 }
 
+/* Places the decimal point, then writes zeros where the decimal has no digits. */
 size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE])
 {
     char digits[20], *const end = digits + sizeof digits,
@@ -213,7 +218,7 @@ size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL
     return (size_t)(cursor - output);
 }
 
-/* The text of what is no decimal; 0 when `value` is finite. */
+/* Writes nan, inf or -inf. Returns the length, or 0 if value is finite. */
 static size_t write_nonfinite(double value, char output[REAL_TEXT_SIZE])
 {
     if (isfinite(value))
@@ -269,7 +274,8 @@ void buffer_phase(struct buffer *buffer, double radians)
     }
 }
 
-/* value rounded to a multiple of 10^place, zeros kept: 1.9370 for place -4. At most 17 digits. */
+/* Returns value rounded to a multiple of 10^index with at most 17 digits, trailing zeros kept:
+ * 1.9370 for index -4. */
 static struct decimal rounded_to(double value, int index)
 {
     struct decimal d = rounded(value, 17);
@@ -285,6 +291,8 @@ static struct decimal rounded_to(double value, int index)
     return d;
 }
 
+/* Chooses the place of rounding by the uncertainty, and plain or exponential notation for both
+ * numbers together. */
 void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
 {
     if (!isfinite(value) || !isfinite(uncertainty) || uncertainty <= 0) {
@@ -312,6 +320,8 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
     buffer_put(buffer, (struct text){z, len});
 }
 
+/* Appends value and uncertainty as 0.7231(4), or with six decimals if the uncertainty is too large,
+ * too small or unknown. */
 void buffer_parenthesis(struct buffer *output, double value, double uncertainty)
 {
     const int decimals_max = 6;

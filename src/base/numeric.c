@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Numerical tools that every layer may use: quantiles, sorting, random numbers, Cholesky factors,
+ * products and exponentials of small matrices. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 
@@ -9,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Keeps GSL from ending the program, which its default error handler does even where memory is out:
- * its functions return a status, NULL or NaN, which their callers check. */
+/* Keeps GSL from ending the program, as its default error handler does even if memory runs out. Its
+ * functions then return a status, NULL or NaN, which callers check. */
 __attribute__((constructor)) static void gsl_errors_return(void)
 {
     gsl_set_error_handler_off();
@@ -29,6 +31,7 @@ static uint64_t sort_key(double value)
     return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
 }
 
+/* Six digits of 11 bits make the 64 bits of a key. */
 enum { RADIX_BITS = 11, RADIX_SIZE = 1 << RADIX_BITS, RADIX_PASSES = 6 };
 
 static size_t radix_digit(double value, int pass)
@@ -95,6 +98,7 @@ size_t first_from(const double *ascending, size_t n, double x)
     return low;
 }
 
+/* Computes splitmix64 (Steele, Lea, Flood 2014). */
 double random_fraction(uint64_t *state)
 {
     uint64_t z = (*state += 0x9E3779B97F4A7C15u);
@@ -139,7 +143,7 @@ void cholesky_backward(int n, int width, const double *l, double *x)
 
 /* ---- square matrices ---- */
 
-/* Inlined for small n. */
+/* Multiplies square matrices; inlined, so that loops for a constant n are unrolled. */
 static inline __attribute__((always_inline)) void
 multiply(int n, const double *restrict a, const double *restrict b, double *restrict product)
 {
@@ -159,6 +163,7 @@ multiply(int n, const double *restrict a, const double *restrict b, double *rest
     }
 }
 
+/* Uses loops of constant length for n = 2 and 3. */
 void matrix_multiply(int n, const double *a, const double *b, double *product)
 {
     if (n == 2)
@@ -181,10 +186,11 @@ double matrix_norm(int n, const double *a)
     return max;
 }
 
-/* Divides a by a power of two where its norm is far from 1. Returns that power. */
+/* Divides a by a power of two if its norm is far from 1. Returns the exponent of that power. */
 static int matrix_normalise(int n, double *a)
 {
-    enum { FAR_FROM_ONE = 60 }; /* four times squared what is nearer is a number still */
+    /* Powers of two up to this one do not overflow when they are squared four times. */
+    enum { FAR_FROM_ONE = 60 };
     int power = 0;
     frexp(matrix_norm(n, a), &power);
     if (abs(power) < FAR_FROM_ONE)
@@ -194,7 +200,8 @@ static int matrix_normalise(int n, double *a)
     return power;
 }
 
-/* Fills sum with the series of exp(a) by Horner's rule: 1 + a (1 + a/2 (1 + a/3 (...))). */
+/* Fills sum with the series of exp(a) by Horner's rule: 1 + a (1 + a/2 (1 + a/3 (...))). product is
+ * scratch memory [n n]. */
 static void exponential_series(int n, const double *a, double *sum, double *product)
 {
     enum { TERMS = 14 };
@@ -210,9 +217,11 @@ static void exponential_series(int n, const double *a, double *sum, double *prod
     }
 }
 
+/* Scales a down until its norm is small, sums the series, and squares the result as often as a was
+ * halved. */
 double matrix_exponential(int n, double *a, double *work)
 {
-    /* QUARTER is the norm that the series is for, as a power of two. */
+    /* The 14 terms of the series are exact up to a norm of 2^QUARTER. */
     enum { HALVINGS_MAX = 200, QUARTER = -2 };
     double *sum = work, *product = work + n * n, power = 0;
     int exponent;

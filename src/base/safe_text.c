@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Makes text safe to print on a terminal: control characters and hidden code points become visible
+ * escapes. */
 #include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Not visible, or steering how the rest is shown: Unicode's Cc, Zl, Zp and the Cf that reorder,
- * join or hide. */
+/* Code points that are invisible or change how other text is shown: Unicode's Cc, Zl, Zp and those
+ * of Cf that reorder, join or hide. */
 static const struct {
     uint32_t first, last;
 } hidden[] = {
@@ -26,7 +28,8 @@ bool codepoint_hidden(uint32_t codepoint)
     return false;
 }
 
-/* The first character of `text` made visible, in `piece`; *used is how many bytes it stands for. */
+/* Returns the first character of text as it is shown, in piece if it has to be escaped. Sets *used
+ * to the number of bytes that it stands for. */
 static struct text visible(struct text text, bool keep_layout, char piece[16], size_t *used)
 {
     const uint32_t codepoint = text_codepoint(text, used);
@@ -44,6 +47,7 @@ static struct text visible(struct text text, bool keep_layout, char piece[16], s
     return (struct text){piece, (size_t)len};
 }
 
+/* Copies runs of plain ASCII at once, other characters one by one. */
 void safe_text(struct buffer *output, struct text text, bool keep_layout)
 {
     char piece[16];
@@ -55,6 +59,7 @@ void safe_text(struct buffer *output, struct text text, bool keep_layout)
     }
 }
 
+/* Cuts names that are too long for output, and ends them with "...". */
 const char *safe_name(struct text name, char output[SAFE_NAME_SIZE])
 {
     char piece[16];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Statements, names, words and strings: the part of the grammar that knows no commands. */
+/* Splits lines into statements and words: the part of the grammar that needs no knowledge of
+ * commands. */
 #include <hooke/base/statement.h>
 
 #include <string.h>
@@ -34,7 +35,8 @@ void text_skip_blanks(struct text *text)
     }
 }
 
-/* Bytes of the string that starts at text.at[0], both quotes included; 0 if it does not end. */
+/* Returns the number of bytes of the string that text starts with, including both quotes, or 0 if
+ * it is not closed. */
 size_t text_quoted(struct text text)
 {
     const char quote = text.data[0];
@@ -47,7 +49,8 @@ size_t text_quoted(struct text text)
     return 0;
 }
 
-/* A ' directly after a name is a derivative mark or an apostrophe, not a quote. */
+/* Returns true if a string begins at index i. A ' directly behind a name is a derivative mark or an
+ * apostrophe. */
 static bool opens_string(struct text text, size_t i)
 {
     return text.data[i] == '"' ||
@@ -55,6 +58,7 @@ static bool opens_string(struct text text, size_t i)
             (i == 0 || !(is_name_char(text.data[i - 1]) || text.data[i - 1] == '\'')));
 }
 
+/* Takes the text up to the next `;` or comment outside strings off the line. */
 bool next_statement(struct text *line, struct text *statement, struct error *error)
 {
     size_t i = 0;

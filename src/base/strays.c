@@ -33,6 +33,7 @@ bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark)
     return true;
 }
 
+/* Returns true for names that stray_name() makes. */
 static bool is_hidden_name(const char *name)
 {
     return strncmp(name, STRAY_PREFIX, PREFIX_LEN) == 0 &&
@@ -41,8 +42,11 @@ static bool is_hidden_name(const char *name)
            name[STRAY_MARK_INDEX + 1] != '\0';
 }
 
+/* Results of name_of(). */
 enum { NAME_LOST, NAME_KEPT, NAME_UNKNOWN };
 
+/* Tells if the open file still has that name in the folder, or has lost it to another file or none;
+ * NAME_UNKNOWN if the system does not tell. */
 static int name_of(int folder, const char *name, int fd)
 {
     struct stat mine, there;
@@ -60,7 +64,8 @@ bool stray_is_held(int folder, const char *name, int fd)
     return name_of(folder, name, fd) != NAME_LOST;
 }
 
-/* Nobody writes it: locked by this program now, of which there is only this one way to it. */
+/* Returns true if nobody writes the file: this program could lock it, it still has its name, and no
+ * other process holds a record lock. */
 static bool is_abandoned(int folder, const char *name, int fd)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
@@ -68,12 +73,15 @@ static bool is_abandoned(int folder, const char *name, int fd)
            (fcntl(fd, F_OFD_GETLK, &lock) != 0 || lock.l_type == F_UNLCK);
 }
 
+/* Accepts every name, for folder_empty(). */
 static bool any_name(const char *name)
 {
     (void)name;
     return true;
 }
 
+/* Removes one hidden file or folder of this user that nobody writes. An old folder that a killed
+ * program had moved aside gets its name back if that is free. */
 static void sweep_name(int folder, const char *name)
 {
     struct stat st;
@@ -87,7 +95,7 @@ static void sweep_name(int folder, const char *name)
     if (fd < 0)
         return;
     if (is_abandoned(folder, name, fd)) {
-        /* One that had to make room for a new one that never came goes back. */
+        /* an old folder whose replacement never got its name is restored */
         const bool back =
             is_folder && name[STRAY_MARK_INDEX] == STRAY_OLD &&
             fstatat(folder, name + STRAY_MARK_INDEX + 1, &st, AT_SYMLINK_NOFOLLOW) != 0 &&

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Texts, which are pointers with a length and own no memory: comparing, splitting, trimming, and
+ * the distance between spellings. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/limit.h>
 
@@ -17,7 +19,7 @@ bool text_equal(struct text a, struct text b)
 
 bool text_is(struct text a, const char *z)
 {
-    if (z && a.len > 0 && *z != *a.data) /* as most names do, which takes less than their length */
+    if (z && a.len > 0 && *z != *a.data) /* settles most comparisons quickly */
         return false;
     return text_equal(a, text_of(z));
 }
@@ -60,6 +62,7 @@ struct text text_trim(struct text a)
     return a;
 }
 
+/* Sets *rest to NULL after the last piece, so that an empty piece at the end is found, too. */
 bool text_split(struct text *rest, char separator, struct text *head)
 {
     if (rest->data == NULL)
@@ -80,8 +83,8 @@ static int int_min(int a, int b)
     return a < b ? a : b;
 }
 
-/* Optimal string alignment: the recurrence needs the last three rows only (Boytsov 2011,
- * section 2.1). */
+/* Computes the optimal string alignment; its recurrence needs the last three rows only (Boytsov
+ * 2011, section 2.1). */
 int text_distance(struct text a, struct text b)
 {
     size_t longer = a.len > b.len ? a.len : b.len;

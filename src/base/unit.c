@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Units and quantities: tables, conversion to SI, and the unit that suits a value best. */
 #include "base/decimal.h"
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
@@ -6,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Units of one quantity are ordered from the largest shown to the smallest. */
+/* The units of one quantity that are chosen for display are ordered from the largest down. */
 static const struct unit units[] = {
     {{"m", "m", "metre", "", NULL}, QUANTITY_LENGTH, 1.0, UNIT_SHOWN},
     {{"cm", "m", "centimetre", "", NULL}, QUANTITY_LENGTH, 1e-2, UNIT_HOME},
@@ -77,6 +78,7 @@ const struct unit *unit_from(const struct row *row)
     return (const struct unit *)(const void *)row;
 }
 
+/* Name and SI unit of each quantity. */
 static const struct {
     const char *name, *unit;
 } quantities[QUANTITY_COUNT] = {
@@ -136,8 +138,8 @@ const char *quantity_unit(enum quantity quantity)
     return quantities[quantity].unit;
 }
 
-/* 57 cm is 57 / 100 = 0.57 m: by division decimal fractions are rounded once, 57 * 0.01 would be
- * another double. */
+/* Returns number * factor; for decimal factors below 1 by division, which rounds once: 57 cm is 57
+ * / 100 = 0.57 m, but 57 * 0.01 is another double. */
 static double to_si(double number, double factor)
 {
     return factor < 1 && nearbyint(1 / factor) * factor == 1 ? number / nearbyint(1 / factor)
@@ -158,6 +160,7 @@ bool unit_convert(const struct unit *unit, enum quantity wanted, double number, 
     return true;
 }
 
+/* Lists units of the quantity first, then those of others that convert to it (Hz for rad/s). */
 void quantity_units(enum quantity quantity, struct buffer *names)
 {
     double si;
@@ -172,13 +175,14 @@ void quantity_units(enum quantity quantity, struct buffer *names)
             }
 }
 
-/* Bytes that go on with a word, UTF-8 letters included. */
+/* Returns true for bytes that belong to a word, including those of UTF-8 letters. */
 static bool continues_word(char c)
 {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' ||
            (unsigned char)c >= 0x80;
 }
 
+/* A +- sign directly behind the unit ends it, too. */
 const struct unit *unit_match(struct text text)
 {
     const struct unit *best = NULL;
@@ -202,6 +206,8 @@ const struct unit *unit_find(struct text name)
     return (const struct unit *)(const void *)catalog_find(&unit_catalog, name);
 }
 
+/* Returns the first, which is the largest, unit in which value is at least 1, or else the smallest;
+ * the home unit for 0 and for values that are not finite. */
 const struct unit *unit_display(enum quantity quantity, double value)
 {
     const struct unit *best = NULL;
@@ -220,8 +226,8 @@ const struct unit *unit_display(enum quantity quantity, double value)
     return best;
 }
 
-/* The shortest decimal of `value` in this unit, by moving the point; false if it does not read back
- * exactly. */
+/* Writes the shortest decimal of value in this unit, by moving the decimal point. Returns false if
+ * it does not read back to the same value. */
 static bool shown_exactly(double value, const struct unit *unit, char output[REAL_TEXT_SIZE])
 {
     struct decimal d = decimal_shortest(value);

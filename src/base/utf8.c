@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* UTF-8: decoding, widths in columns, folding of lines, and shortening of texts to a width. */
 #include <hooke/base/safe_text.h>
 
 #include <string.h>
 
+/* Refuses sequences that are too long or too short, surrogates and numbers beyond Unicode. */
 uint32_t text_codepoint(struct text text, size_t *used)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -59,7 +61,8 @@ void buffer_folded(struct buffer *buffer, struct text text, int width)
     }
 }
 
-/* [byte] of the separator of items that begins there; 0 if there is none. */
+/* Returns the length [byte] of the separator between items that begins there, or 0 if there is
+ * none; separators inside parentheses (depth > 0) do not count. */
 static size_t separator(struct text rest, int depth)
 {
     static const char *const separators[] = {"  ", ", ", "; ", ": ", " | ", " ("};
@@ -69,6 +72,9 @@ static size_t separator(struct text rest, int depth)
     return 0;
 }
 
+/* Remembers the last end of an item, of a word and of a letter that fit, and cuts at the best of
+ * them: at an item without loss if at least half of the width is used, else at a word, else at a
+ * letter. */
 struct text text_in_room(struct text text, int width, bool *cut)
 {
     size_t items = 0, words = 0, letters = 0;

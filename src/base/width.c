@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns on a terminal, from Unicode 14: general category and East Asian width. Gaps of unassigned
- * code points are closed. */
+/* Columns that a code point takes on a terminal, from Unicode 14: general category and East Asian
+ * width. Ranges include unassigned code points between assigned ones. */
 #include <hooke/base/safe_text.h>
 
+/* A range of code points, both ends included. */
 struct range {
     uint32_t first, last;
 };
 
-/* Marks that combine with what stands before, and format controls. */
+/* Code points without width: marks that combine with the preceding letter, format controls. */
 static const struct range zero[] = {
     {0x0300, 0x036F},   {0x0483, 0x0489},   {0x0591, 0x05BD},   {0x05BF, 0x05BF},
     {0x05C1, 0x05C2},   {0x05C4, 0x05C5},   {0x05C7, 0x05C7},   {0x0600, 0x0605},
@@ -90,7 +91,7 @@ static const struct range zero[] = {
     {0x1E944, 0x1E94A}, {0xE0001, 0xE01EF},
 };
 
-/* East Asian wide and full width, emoji. */
+/* Code points that take two columns: East Asian wide and full width, emoji. */
 static const struct range two[] = {
     {0x1100, 0x115F},   {0x231A, 0x231B},   {0x2329, 0x232A},   {0x23E9, 0x23EC},
     {0x23F0, 0x23F0},   {0x23F3, 0x23F3},   {0x25FD, 0x25FE},   {0x2614, 0x2615},
@@ -115,6 +116,7 @@ static const struct range two[] = {
     {0x1F93C, 0x1F945}, {0x1F947, 0x1F9FF}, {0x1FA70, 0x1FAF6}, {0x20000, 0x3FFFD},
 };
 
+/* Returns true if one of the ascending ranges contains the code point, by binary search. */
 static bool is_in(const struct range *ranges, size_t count, uint32_t codepoint)
 {
     size_t low = 0, high = count;

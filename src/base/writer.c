@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Files whole or not at all. The bytes go into an unnamed file (O_TMPFILE) of the folder, which the
- * kernel forgets when the program dies. It gets its name by link(2), which fails where the name
- * exists; with force a second step, rename(2), replaces the old file. Every name is looked up in
- * the folder opened at the start, wherever that is moved.
+ * Writes files completely or not at all: writer_open(), writer_put() as often as needed, then
+ * writer_commit() or writer_abandon(). The bytes go into an unnamed file (O_TMPFILE) of the folder,
+ * which the kernel forgets when the program dies. It gets its name by link(2), which fails where
+ * the name exists; with force a second step, rename(2), replaces the old file. Every name is looked
+ * up in the folder opened at the start, wherever that is moved.
  */
 #define _GNU_SOURCE /* O_TMPFILE, renameat2 */
 #include <hooke/base/safe_text.h>
@@ -31,16 +32,15 @@ bool writer_refuse_existing(const struct writer *writer, struct error *error)
                      safe_name(text_of(writer->path), name));
 }
 
-/* ---- opening ----
- */
+/* ---- opening ---- */
 
 static bool same_file(const struct stat *a, const struct stat *b)
 {
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
-/* Climbs from the opened folder itself to the root, so that no link and no ".." in the path can
- * deceive. */
+/* Returns true if the opened folder is the current one or below it. It climbs from the folder
+ * itself to the root, so that links and ".." in the path cannot deceive it. */
 static bool folder_is_below_here(int folder)
 {
     struct stat here, current, parent_status;
@@ -86,6 +86,7 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
     return true;
 }
 
+/* Names the kind of an existing entry that is not a regular file. */
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error)
 {
     static const struct {
@@ -107,12 +108,14 @@ bool writer_allows(const struct writer *writer, mode_t *mode, struct error *erro
     return writer->force || writer_refuse_existing(writer, error);
 }
 
+/* Writes the path under /proc through which an unnamed file can be linked. */
 static void proc_name(const struct writer *writer, char output[32])
 {
     snprintf(output, 32, "/proc/self/fd/%d", writer->fd);
 }
 
-/* Unnamed where the file system and /proc allow it, else under a temporary name. */
+/* Opens an unnamed file if the file system and /proc allow that, else one under a hidden name.
+ * Returns false with errno set. */
 static bool open_temporary(struct writer *writer)
 {
     char proc[32], name[STRAY_NAME_SIZE];
@@ -142,6 +145,8 @@ static bool open_temporary(struct writer *writer)
     return false;
 }
 
+/* Opens the folder, checks the target and opens the temporary file. Returns false with the error
+ * set; the caller cleans up. */
 static bool open_all(struct writer *writer, bool confine, struct error *error)
 {
     mode_t mode;
@@ -171,8 +176,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
     return false;
 }
 
-/* ---- writing ----
- */
+/* ---- writing ---- */
 
 int file_put(int fd, struct text *text)
 {
@@ -188,7 +192,8 @@ int file_put(int fd, struct text *text)
     return 0;
 }
 
-/* All of it to writer->fd; a failure is remembered. */
+/* Writes all of the text to the file. The first failure is remembered, after which nothing is
+ * written. */
 static void writer_write(struct writer *writer, struct text text)
 {
     if (writer->failed)
@@ -226,15 +231,15 @@ int file_synced(int fd)
     return result == 0 ? 0 : errno;
 }
 
-/* Some file systems tell only on close that the disk is full; a duplicate is closed because the
- * file has no name yet.
- */
+/* Closes a duplicate of the descriptor, because some file systems report a full disk only on close.
+ * Returns 0 or an errno. */
 static int closes_well(int fd)
 {
     const int again = dup(fd);
     return again >= 0 && (close(again) == 0 || errno == EINTR) ? 0 : errno;
 }
 
+/* Gives the unnamed file a name in the folder. */
 static int link_unnamed(const struct writer *writer, const char *name)
 {
     char proc[32];
@@ -242,6 +247,7 @@ static int link_unnamed(const struct writer *writer, const char *name)
     return linkat(AT_FDCWD, proc, writer->folder, name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
 }
 
+/* Gives the unnamed file a free hidden name, from which it can be renamed over an existing one. */
 static int link_temporary(struct writer *writer)
 {
     char name[STRAY_NAME_SIZE];
@@ -253,8 +259,8 @@ static int link_temporary(struct writer *writer)
     return number;
 }
 
-/* Renames the temporary file to its own name. Without force the name must be free: not all file
- * systems have RENAME_NOREPLACE. */
+/* Renames the temporary file to its own name. Without force the name must be free; file systems
+ * without RENAME_NOREPLACE get a second link, and writer_abandon() removes the first. */
 static int rename_temporary(struct writer *writer)
 {
     const int folder = writer->folder;
@@ -265,10 +271,11 @@ static int rename_temporary(struct writer *writer)
     }
     if (errno != EINVAL || writer->force)
         return errno;
-    /* the other name goes at the end */
     return linkat(folder, writer->temporary, folder, writer->base, 0) == 0 ? 0 : errno;
 }
 
+/* Gives the finished file its name: by a link if it is unnamed and the name is free, else by
+ * rename. */
 static int publish(struct writer *writer)
 {
     if (writer->temporary[0] == '\0') {
@@ -282,6 +289,7 @@ static int publish(struct writer *writer)
     return rename_temporary(writer);
 }
 
+/* Flushes, syncs, publishes and syncs the folder; whatever fails first is reported. */
 bool writer_commit(struct writer *writer, struct error *error)
 {
     mode_t mode;

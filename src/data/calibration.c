@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two points of a sensor, what it read there and what was true, and the straight line through
- * them. */
+/* Calibrations of sensors: the straight line through two pairs of a reading and its true value. */
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
@@ -9,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Reads numbers, each with a unit or none, separated by blanks. */
 int calibration_values(struct text *rest, double *value, const struct unit **unit, int max)
 {
     int n = 0;
@@ -27,8 +27,9 @@ int calibration_values(struct text *rest, double *value, const struct unit **uni
     return n;
 }
 
-/* Converts the second value to the unit of the first, and sets name to it. A value without a unit
- * has that of the other. Returns false, with an error, if the units are of different kinds. */
+/* Converts the second value to the unit of the first, whose name is written to name. A value
+ * without a unit has that of the other. Returns false with the error set if the units are of
+ * different quantities. */
 static bool same_unit(const struct unit *const unit[2], double value[2], char name[16],
                       struct error *error)
 {
@@ -43,6 +44,7 @@ static bool same_unit(const struct unit *const unit[2], double value[2], char na
     return true;
 }
 
+/* Orders the arguments READ1 TRUE1 READ2 TRUE2 into readings and true values. */
 bool calibration_make(const double value[4], const struct unit *const unit[4],
                       struct calibration *calibration, struct error *error)
 {

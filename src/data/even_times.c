@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
+ * Finds the even grid of times behind stamps that were rounded when they were printed.
+ *
  * Instruments print i/60 s as 0.017 0.033 0.050. The first and the last stamp alone are wrong by up
  * to half a digit, which is 8 standard deviations of the period in a video of 10 s. The slopes of
  * all lines that pass within half a digit of every stamp form an interval: its middle is the step,
@@ -33,12 +35,14 @@ struct stamp_rounding {
     double smallest; /* [s] magnitude below which no more places are counted */
 };
 
+/* Time stamps that are examined, with the values at them. */
 struct stamps {
     const double *t, *y; /* y may be NULL */
     size_t n;
     const struct cancel *cancel;
 };
 
+/* Returns the unit [s] of the last printed place of the stamp t. */
 static double stamp_resolution(const struct stamp_rounding *rounding, double t)
 {
     if (rounding->decimal > 0)
@@ -60,8 +64,9 @@ static bool stamps_are_multiples(const struct stamps *s, const struct stamp_roun
     return true;
 }
 
-/* Fits a line by least squares, with each stamp weighted by its resolution; NULL weights all alike.
- * Returns the variance of the slope that the scatter about the line implies. */
+/* Fits the line first + i step by least squares, with each stamp weighted by its resolution; a NULL
+ * rounding weights all alike. Returns the variance of the slope that the scatter about the line
+ * implies. */
 static double line_through(const struct stamps *s, const struct stamp_rounding *rounding,
                            double *first, double *step)
 {
@@ -88,6 +93,7 @@ static double line_through(const struct stamps *s, const struct stamp_rounding *
     return square / (double)(s->n - 2) / xx;
 }
 
+/* Returns the largest distance [s] of a stamp from the line first + i step. */
 static double largest_deviation(const struct stamps *s, double first, double step)
 {
     double deviation = 0;
@@ -98,8 +104,9 @@ static double largest_deviation(const struct stamps *s, double first, double ste
     return deviation;
 }
 
-/* Finds how the stamps were rounded: to the coarsest decimal place that holds them all, not finer
- * than the deviation; or to the fewest significant digits. */
+/* Finds how the stamps were rounded: to the coarsest decimal place of which all are multiples, not
+ * finer than the deviation; or to the fewest significant digits. Returns false if no rounding
+ * explains them. */
 static bool find_rounding(const struct stamps *s, double step, double deviation,
                           struct stamp_rounding *rounding)
 {
@@ -151,8 +158,8 @@ static double slope_miss(const struct stamps *s, const struct stamp_rounding *ro
     return low - high;
 }
 
-/* Newton's method from outside towards the end of the interval of possible slopes, on one side (-1,
- * 1). NAN where there is no such interval. */
+/* Returns the lower (side -1) or upper (side 1) end of the interval of slopes of lines within half
+ * a digit of every stamp, by Newton's method from outside. Returns NAN if no such line exists. */
 static double slope_limit(const struct stamps *s, const struct stamp_rounding *rounding,
                           double step, int side)
 {
@@ -170,9 +177,8 @@ static double slope_limit(const struct stamps *s, const struct stamp_rounding *r
     return NAN;
 }
 
-/* Counters skip a number where a row is lost, and repeat it where a row comes twice. Returns true
- * if less than a few steps differ from the others: that is more likely than a rounding, which makes
- * steps differ regularly. */
+/* Returns true if only a few steps are longer (or shorter) than all others. Then rows are more
+ * likely lost or repeated than stamps rounded, since a rounding makes steps differ regularly. */
 static bool few_steps_differ(const struct stamps *s, double step, double resolution)
 {
     size_t longer = 0;
@@ -182,8 +188,8 @@ static bool few_steps_differ(const struct stamps *s, double step, double resolut
     return (longer < shorter ? longer : shorter) < STAMPS_DIFFERENT_MIN;
 }
 
-/* Returns the square of the distance of sample i from the cubic through the two samples on either
- * side, at the given times; NAN where a value is missing. */
+/* Returns the square of the distance of the middle sample from the cubic through the two samples on
+ * either side, at the given times; NAN if a value is missing. */
 static double cubic_miss(const double t[5], const double y[5])
 {
     double at_middle = 0;
@@ -197,8 +203,8 @@ static double cubic_miss(const double t[5], const double y[5])
     return (y[2] - at_middle) * (y[2] - at_middle);
 }
 
-/* Returns true if the steps are of one and of two units and the values are much smoother at the
- * times that were printed than at even times: then rows are lost, and no stamp is rounded. */
+/* Returns true if steps are of one and of two units and the values are much smoother at the printed
+ * times than at even times: then rows are lost, and no stamp is rounded. */
 static bool rows_are_lost(const struct stamps *s, double resolution)
 {
     static const double even[5] = {0, 1, 2, 3, 4}, smoother = 0.25;
@@ -223,6 +229,8 @@ static bool rows_are_lost(const struct stamps *s, double resolution)
     return compared_rows >= 2 * STAMPS_DIFFERENT_MIN && printed_sum < smoother * even_sum;
 }
 
+/* Fits an even grid to stamps that may be rounded. Leaves result unchanged if no rounding, lost
+ * rows or jitter explain them better. */
 static void fit_rounded(const struct stamps *s, struct even_times *result)
 {
     struct stamp_rounding rounding;
@@ -239,20 +247,23 @@ static void fit_rounded(const struct stamps *s, struct even_times *result)
     }
     const double low = slope_limit(s, &rounding, step, -1),
                  high = slope_limit(s, &rounding, step, 1);
-    const bool possible = isfinite(low) && isfinite(high); /* else there is jitter, too */
+    /* no line passes through the roundings of all stamps if there is jitter, too */
+    const bool possible = isfinite(low) && isfinite(high);
+    /* a rounding as coarse as a step could as well be lost or repeated rows */
     if (result->resolution > dropped_row_deviation * step * (possible ? 2 : 1) &&
         (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, result->resolution))))
         return;
     if (rounding.decimal > 0 && rows_are_lost(s, result->resolution))
         return;
     result->even = true;
-    /* Half a digit more or less for all of them means nothing: the first stamp stays. */
+    /* a shift of all times by half a digit has no meaning, so that the first stamp stays */
     result->first = s->t[0];
     result->step = step;
     result->pace = sqrt(variance) / step;
     if (possible) {
         result->step = 0.5 * (low + high);
-        /* that of a triangle over the interval: towards its ends fewer lines are left */
+        /* standard deviation of a triangular distribution, as fewer lines have slopes near the ends
+         */
         result->pace = 0.5 * (high - low) / sqrt(6) / result->step;
     }
 }
@@ -269,7 +280,7 @@ void even_times_find(const double *t, const double *y, size_t n, const struct ca
         return;
     double odd = 0;
     for (size_t i = 0; i < n; i++)
-        odd += t[i] - t[i]; /* not 0 where one is not finite */
+        odd += t[i] - t[i]; /* NAN if a stamp is not finite */
     if (odd != 0 || cancelled(cancel))
         return;
     const double deviation = largest_deviation(&stamps, t[0], result->step);

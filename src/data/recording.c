@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording: the part of it that is in use, as a series. */
+/* Recordings: freeing them, choosing their window, and the window as a series. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 #include <hooke/data.h>
@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Frees a recording with all memory that it owns; NULL is allowed. */
 void recording_destroy(struct recording *recording)
 {
     if (!recording)
@@ -20,8 +21,9 @@ void recording_destroy(struct recording *recording)
     free(recording);
 }
 
-/* ---- the part in use ---- */
+/* ---- the window that measurements use ---- */
 
+/* Makes all rows part of the window again and removes zero, cleaning and velocity column. */
 void recording_restore(struct recording *recording)
 {
     recording->window[0] = recording->t[0];
@@ -31,6 +33,8 @@ void recording_restore(struct recording *recording)
     recording->velocity[0] = 0;
 }
 
+/* Sets the window that measurements use, limited to the recorded times; NAN means the first or the
+ * last of them. Returns false with the error set if it holds no sample. */
 bool recording_window(struct recording *recording, double t_begin, double t_end,
                       struct error *error)
 {
@@ -47,6 +51,9 @@ bool recording_window(struct recording *recording, double t_begin, double t_end,
     return true;
 }
 
+/* Copies the rows of the window that have a value and were not rejected by cleaning, less the zero,
+ * into memory of the arena. Returns false with the error set if fewer than min remain, on
+ * cancellation, or if out of memory. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
                       struct series *series, struct error *error)
 {

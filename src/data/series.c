@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Series: parts of them, even grids behind their times, their noise. */
+/* Series of values over time: windows, even grids behind their times, and their noise. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 #include <hooke/data/even_times.h>
@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#define NOISE_OUTLIER_SIGMAS 6.0 /* standard deviations: a spike is no noise */
+/* [standard deviation] Differences beyond this are spikes and not counted as noise. */
+#define NOISE_OUTLIER_SIGMAS 6.0
 
 struct series series_window(struct series series, double t_begin, double t_end)
 {
@@ -23,6 +24,7 @@ struct series series_window(struct series series, double t_begin, double t_end)
     return series;
 }
 
+/* Walks through grid and rows side by side; beyond the ends the nearest value is used. */
 double series_fill_grid(const struct series *s, double t0, double dt, size_t length,
                         double *samples)
 {
@@ -40,8 +42,8 @@ double series_fill_grid(const struct series *s, double t0, double dt, size_t len
     return sum;
 }
 
-/* Puts the line through rounded stamps in their place: whoever reads x->t then has the times of the
- * samples. Returns false if out of memory. */
+/* Replaces rounded stamps by the times of the line through them, so that readers of samples->t see
+ * the times at which samples were taken. Returns false if out of memory. */
 static bool even_out(struct samples *samples, const struct even_times *even, struct arena *arena)
 {
     double *t = arena_array(arena, samples->n, sizeof *t);
@@ -84,6 +86,7 @@ static bool samples_resample(struct samples *samples, const struct series *serie
     return true;
 }
 
+/* Replaces uneven samples by an even grid, and rounded stamps by even ones. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
 {
     *samples =
@@ -109,8 +112,8 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     return !cancelled(series->cancel);
 }
 
-/* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6,
- * white noise as sqrt(924). How many. */
+/* Sets size[] to the absolute sixth differences. A sine with m samples a period enters them only as
+ * (2 pi/m)^6, white noise as sqrt(924). Returns how many there are, 0 for fewer than 8 samples. */
 static size_t sixth_differences(const struct samples *samples, double *size)
 {
     const size_t count = samples->n < 8 ? 0 : samples->n - 6;
@@ -121,13 +124,14 @@ static size_t sixth_differences(const struct samples *samples, double *size)
     return count;
 }
 
-/* Their median does not see single spikes. */
+/* Uses the median of the differences, which single spikes do not change. */
 double samples_noise(const struct samples *samples, double *scratch)
 {
     const size_t count = sixth_differences(samples, scratch);
     return count ? MAD_TO_SIGMA * values_quantile(scratch, count, 0.5) / sqrt(924.0) : NAN;
 }
 
+/* Uses the mean square of the differences without spikes. */
 double series_noise(const struct series *series, struct arena *arena)
 {
     struct samples samples;
@@ -138,8 +142,8 @@ double series_noise(const struct series *series, struct arena *arena)
     if (!count)
         return NAN;
     const double median = values_quantile(size, count, 0.5);
-    for (size_t i = 0; i < count;
-         i++) /* the median alone is one of few values where samples are rounded */
+    /* the median alone would be one of few values if samples are rounded */
+    for (size_t i = 0; i < count; i++)
         if (size[i] <= NOISE_OUTLIER_SIGMAS * MAD_TO_SIGMA * median || median == 0) {
             sum += size[i] * size[i];
             used++;

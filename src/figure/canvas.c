@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Canvas: a rectangle of character cells, and how it becomes text. */
+/* The canvas: a rectangle of character cells that figures and panes are drawn into, and its output
+ * as lines of text, with colour escapes or without. */
 #include <hooke/base/safe_text.h>
 #include <hooke/figure.h>
 
 #include <stdlib.h>
 
+/* Allocates width x height blank cells; negative sizes count as 0. Returns false if out of memory
+ * or if the count overflows. canvas_free() frees them. */
 bool canvas_init(struct canvas *canvas, int width, int height)
 {
     size_t columns = width > 0 ? (size_t)width : 0;
@@ -29,11 +32,14 @@ void canvas_free(struct canvas *canvas)
     *canvas = (struct canvas){0};
 }
 
+/* Returns true for control characters (C0, DEL and C1), which would move a terminal's cursor. */
 static bool is_control(uint32_t codepoint)
 {
     return codepoint < 0x20 || (codepoint >= 0x7f && codepoint < 0xa0);
 }
 
+/* Writes a character into cell (x, y), or into two cells if it is wide. Control characters become
+ * '?'. Positions outside of the canvas are ignored. */
 void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style)
 {
     if (x < 0 || y < 0 || x >= canvas->width || y >= canvas->height)
@@ -42,12 +48,12 @@ void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum st
     bool wide = !is_control(codepoint) && codepoint_width(codepoint) == 2;
     int last = wide ? x + 1 : x;
 
-    if (last == canvas->width) { /* half of it would stick out */
+    if (last == canvas->width) { /* a wide character in the last column is replaced by a blank */
         wide = false;
         codepoint = ' ';
         last = x;
     }
-    /* A character that is half covered loses its other half. */
+    /* A wide character that is overwritten in one of its two cells leaves a blank in the other. */
     if (row[x].codepoint == 0 && x > 0)
         row[x - 1].codepoint = ' ';
     if (last + 1 < canvas->width && row[last + 1].codepoint == 0)
@@ -57,6 +63,7 @@ void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum st
         row[last] = (struct cell){0, (uint8_t)style};
 }
 
+/* Writes text from cell (x, y) on, cut off at the right border. Returns the column after it. */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style)
 {
     while (text.len && x < canvas->width) {
@@ -72,9 +79,12 @@ int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum styl
     return x;
 }
 
+/* Appends the canvas as lines without trailing blanks. Escapes for styles are written only if
+ * `color` is set and the style changes; every line ends in the plain style. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *output)
 {
-    /* The terminal's own palette; backgrounds are never painted. */
+    /* Colours are numbers of the terminal's palette, so that they follow its theme; backgrounds are
+     * never painted. */
     static const char *const escape[] = {
         [STYLE_PLAIN] = "",           [STYLE_DIM] = "\033[2m",      [STYLE_BOLD] = "\033[1m",
         [STYLE_CURVE_1] = "\033[36m", [STYLE_CURVE_2] = "\033[33m", [STYLE_CURVE_3] = "\033[35m",
@@ -88,6 +98,7 @@ void canvas_print(const struct canvas *canvas, bool color, struct buffer *output
         while (end > 0 && row[end - 1].codepoint == ' ')
             end--;
         for (int x = 0; x < end; x++) {
+            /* The right half of a wide character was written with its left half. */
             if (row[x].codepoint == 0)
                 continue;
             if (color && row[x].codepoint != ' ' && row[x].style != style) {

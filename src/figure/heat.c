@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Heat maps: edges of their places, the scale of their values, and its characters. */
+/* Heat maps: the edges between their points, the scale of their values, and the character that
+ * shades each value. */
 #include <hooke/figure.h>
 
 #include <math.h>
 #include <string.h>
 
+/* Returns i limited to low..high. */
 static int limited(int i, int low, int high)
 {
     if (i < low)
@@ -12,11 +14,15 @@ static int limited(int i, int low, int high)
     return i > high ? high : i;
 }
 
+/* Returns the coordinate of point i along an axis on which points are evenly spaced: its value, or
+ * the logarithm. */
 static double place_of(const struct heat_axis *axis, int i)
 {
     return axis->log ? log(axis->value[i]) : axis->value[i];
 }
 
+/* Returns the edge between points i - 1 and i of an axis, midway between them. The two outer edges
+ * are extrapolated; the edges of a single point are half its value away from it. */
 double heat_edge(const struct heat_axis *axis, int i)
 {
     const int upper = limited(i, 1, axis->count - 1);
@@ -27,9 +33,12 @@ double heat_edge(const struct heat_axis *axis, int i)
     return axis->log ? exp(edge) : edge;
 }
 
-/* Ratio of positive values from which their scale is logarithmic. */
+/* Ratio of the largest to the smallest positive value above which shades are spaced
+ * logarithmically. */
 static const double log_ratio = 300;
 
+/* Finds the range of a map's finite values, with low > high if it has none, and whether the shades
+ * are logarithmic. */
 struct heat_scale heat_scale_of(const struct heat *heat)
 {
     struct heat_scale scale = {.low = HUGE_VAL, .high = -HUGE_VAL};
@@ -42,6 +51,8 @@ struct heat_scale heat_scale_of(const struct heat *heat)
     return scale;
 }
 
+/* Returns the position of a value on the scale: 0 at its low end, 1 at its high end, 0 if all
+ * values are equal. */
 double heat_share(const struct heat_scale *scale, double value)
 {
     if (!(scale->high > scale->low))
@@ -50,6 +61,8 @@ double heat_share(const struct heat_scale *scale, double value)
                       : (value - scale->low) / (scale->high - scale->low);
 }
 
+/* Returns the largest finite value of the points [x0, x1) x [y0, y1), which share a cell, or NAN if
+ * none has a value. */
 double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1)
 {
     double max = NAN;
@@ -61,15 +74,19 @@ double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1)
     return max;
 }
 
+/* Sets *shade to the characters of the shades, from the lowest to the highest value. Returns their
+ * number. */
 int heat_shades(const struct charset *charset, const uint32_t **shade)
 {
     static const uint32_t ascii[] = {' ', '.', ':', '-', '=', '+', '*', '%', '@', '#'};
-    /* space, dot, light .. full */
+    /* blank, middle dot, then blocks from light to full */
     static const uint32_t block[] = {' ', 0xB7, 0x2591, 0x2592, 0x2593, 0x2588};
     *shade = charset->plain ? ascii : block;
     return charset->plain ? (int)COUNT_OF(ascii) : (int)COUNT_OF(block);
 }
 
+/* Returns the character that shows a value: 'x' if it is missing (NAN), else the letter of its
+ * category if the map has letters, else the shade of its position on the scale. */
 uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
                     const struct charset *charset, double value)
 {
@@ -80,6 +97,7 @@ uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
     if (!heat->letters) {
         return shade[limited((int)floor(heat_share(scale, value) * shades), 0, shades - 1)];
     }
+    /* Letters belong to the values -1, 0, 1 ...; all larger values share the last letter. */
     const double last = (double)strlen(heat->letters) - 1;
     return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layout: what of a figure fits into a rectangle: frame, labels, ranges, ticks. */
+/* Layout of a figure in a rectangle of cells: whether there is room for a frame and labels, the
+ * ranges and ticks of the axes, and the division into two panels. */
 #include <hooke/base/catalog.h>
 #include "figure/internal.h"
 
-#define MIN_ROWS 3     /* the x labels are left out if the plot would be smaller */
-#define MIN_COLUMNS 10 /* the y labels are left out if the plot would be smaller */
-#define TICK_GAP 2     /* blanks between x labels */
+#define MIN_ROWS 3     /* rows of the plot below which the x labels are left out */
+#define MIN_COLUMNS 10 /* columns of the plot below which the y labels are left out */
+#define TICK_GAP 2     /* [cell] least distance between two x labels */
 
 static int larger(int a, int b)
 {
@@ -17,11 +18,15 @@ static int smaller(int a, int b)
     return a < b ? a : b;
 }
 
+/* Returns the cell in which a position along an axis is, given as a fraction of the axis of `cells`
+ * cells with `dots` dots each. The ends of the axis are the first and the last dot. */
 static int cell_of(double fraction, int cells, int dots)
 {
     return (int)(floor(fraction * (cells * dots - 1) + 0.5) / dots);
 }
 
+/* Finds the cell of the plot that contains the point (x, y). Returns false if the point is outside
+ * of both ranges. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row)
 {
     double x_fraction = scale_fraction(&layout->x, x), y_fraction = scale_fraction(&layout->y, y);
@@ -36,7 +41,8 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
     return true;
 }
 
-/* Powers of ten where the range has two of them, else ordinary numbers. */
+/* Returns true if the labels of an axis are powers of ten: it is logarithmic and its range contains
+ * at least two. */
 static bool has_decades(const struct scale *scale, const struct axis *axis)
 {
     return scale->log && ticks_log(scale->first_value / axis_factor(axis),
@@ -44,17 +50,20 @@ static bool has_decades(const struct scale *scale, const struct axis *axis)
                                  .count > 1;
 }
 
+/* Returns at most `max` ticks, about `want`, for an axis, in the numbers that its labels show
+ * (value / factor). */
 static struct ticks axis_ticks(const struct scale *scale, const struct axis *axis, bool decades,
                                int want, int max)
 {
     double low = scale->first_value / axis_factor(axis),
            high = scale->last_value / axis_factor(axis);
-    if (scale->log && !(low > 0)) /* the factor took it out of range */
+    if (scale->log && !(low > 0)) /* division by the factor has rounded the lower end to 0 */
         return (struct ticks){0};
     const int wanted = want < max ? want : max;
     return decades ? ticks_log(low, high, max) : ticks_linear(low, high, wanted, max);
 }
 
+/* Returns the width [cell] of the widest label of an axis. */
 static int widest(const struct ticks *ticks, bool decades)
 {
     char text[TICK_TEXT_SIZE];
@@ -76,6 +85,7 @@ int x_label_start(const struct figure_layout *layout, int column, int len)
     return larger(smaller(column - len / 2, layout->columns - len), layout->frame - layout->left);
 }
 
+/* Returns true if the x labels fit into the plot without touching each other. */
 static bool x_labels_fit(const struct figure *figure, const struct figure_layout *layout)
 {
     char text[TICK_TEXT_SIZE];
@@ -90,6 +100,7 @@ static bool x_labels_fit(const struct figure *figure, const struct figure_layout
     return true;
 }
 
+/* Returns true if each label of the y axis has a row of its own. */
 static bool y_labels_fit(const struct figure *figure, const struct figure_layout *layout)
 {
     int column, row, previous_row = layout->rows;
@@ -103,7 +114,8 @@ static bool y_labels_fit(const struct figure *figure, const struct figure_layout
     return true;
 }
 
-/* Fewer ticks until no two labels meet; before a single one is left, the outermost two. */
+/* Chooses the ticks of an axis: reduces their number until no two labels meet. Where only one would
+ * remain, the first and the last of the previous attempt are taken instead. */
 static void fit_ticks(const struct figure *figure, struct figure_layout *layout, bool vertical,
                       int want, int max)
 {
@@ -125,7 +137,8 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
     } while (ticks->count && !(vertical ? y_labels_fit : x_labels_fit)(figure, layout));
 }
 
-/* The same length for a unit on both axes: the shorter range is extended about its middle. */
+/* Extends the shorter range about its middle until a unit has the same length on both axes. Does
+ * nothing if a range would overflow. */
 static void equalise(const struct figure *figure, struct figure_layout *layout)
 {
     struct dot_grid grid = layout->charset->dots;
@@ -147,9 +160,13 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
     layout->y = scale_of(y_middle - y_half, y_middle + y_half, false);
 }
 
+/* Chooses the ranges and ticks of both axes for the plot's layout->columns x layout->rows cells and
+ * for curves of extents x and y. */
 void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x,
                    struct extent y)
 {
+    /* Labels are wanted every 12 columns and every 4 rows; at most every 4 columns and every 2
+     * rows. */
     int x_want = 2 + (layout->columns + 4) / 12, y_want = 2 + (layout->rows + 1) / 4;
     int x_max = larger(layout->columns / 4, 1), y_max = larger((layout->rows + 1) / 2, 3);
 
@@ -161,6 +178,8 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
     fit_ticks(figure, layout, false, x_want, x_max);
 }
 
+/* Chooses what is drawn of a figure in width x height cells, from 1x1 up: frame, labels, width of
+ * the y labels (gutter), ranges and ticks. */
 void figure_layout(const struct figure *figure, int width, int height,
                    const struct charset *charset, struct figure_layout *layout)
 {
@@ -179,8 +198,8 @@ void figure_layout(const struct figure *figure, int width, int height,
         .hidden = x.hidden + y.hidden,
         .rows = larger(height - 2 * frame - 2 * x_labels, 1),
     };
-    /* The gutter depends on the labels, the labels on the ranges, the ranges of equal axes on the
-     * gutter. */
+    /* Repeats until the widest y label fits, because the gutter depends on the labels, the labels
+     * on the ranges, and the ranges of equal axes on the gutter. */
     for (;;) {
         layout->left = frame + (layout->y_labels ? layout->gutter + 2 : 0);
         layout->columns = larger(width - layout->left - frame - layout->y_labels, 1);
@@ -198,17 +217,18 @@ void figure_layout(const struct figure *figure, int width, int height,
 
 /* ---- panels ---- */
 
-#define FRAME_ROWS 2  /* upper and lower frame */
-#define LABEL_ROWS 2  /* axis and labels below the plot */
-#define LABEL_CELLS 8 /* frame and labels beside it */
+#define FRAME_ROWS 2  /* [cell] upper and lower frame */
+#define LABEL_ROWS 2  /* [cell] axis and labels below the plot */
+#define LABEL_CELLS 8 /* [cell] frame and labels beside the plot */
 
-/* One above the other in one frame; the upper one's labels and lower frame are covered by the
- * other. */
+/* Places two panels that share an x axis one above the other in one frame: the lower panel overlaps
+ * and hides the labels and the lower frame of the upper one. Both get the wider gutter, so that
+ * their axes align. Returns false if there are too few cells. */
 static bool stack_panels(const struct figure *figure, int width, int height,
                          const struct charset *charset, struct figure_panel panel[PANELS_MAX])
 {
     int label_rows = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - label_rows;
-    if (rows < PANELS_MAX) { /* rather without labels */
+    if (rows < PANELS_MAX) { /* too low for labels */
         label_rows = 0;
         rows = height - FRAME_ROWS - 1;
     }
@@ -227,18 +247,22 @@ static bool stack_panels(const struct figure *figure, int width, int height,
     return true;
 }
 
-/* Side of the square that a plot in so many cells has, [cell] of height. */
+/* Returns the side [cell of height] of the largest square plot that fits into width x height cells
+ * with its frame and labels; aspect is height over width of a cell. */
 static double square_of(int width, int height, double aspect)
 {
     return fmin((width - LABEL_CELLS) / aspect, height - FRAME_ROWS - LABEL_ROWS);
 }
 
+/* Returns true if the two panels of a plane become larger side by side than one below the other. */
 bool planes_across(const struct figure *figure, int width, int height)
 {
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
     return square_of(width / 2, height, aspect) > square_of(width, height / 2, aspect);
 }
 
+/* Places the two panels of a plane side by side or one below the other, whichever gives larger
+ * plots. Returns false if there are too few cells. */
 static bool place_planes(const struct figure *figure, int width, int height,
                          struct figure_panel panel[PANELS_MAX])
 {
@@ -255,6 +279,8 @@ static bool place_planes(const struct figure *figure, int width, int height,
     return true;
 }
 
+/* Makes a figure of each panel, with its own y axis, for drawing it alone. Title and caption go to
+ * the first panel. Returns the number of panels, 1 or 2. */
 int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX])
 {
     part[0] = *figure;
@@ -271,11 +297,14 @@ int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX])
     part[1].y = figure->second[1];
     part[1].title = "";
     part[1].caption = NULL;
-    /* once is enough; where panels share an axis the upper one has no room */
+    /* Only one panel has the note: the lower one where both share an x axis, because the other has
+     * no lower frame. */
     part[figure->plane ? 1 : 0].note = NULL;
     return PANELS_MAX;
 }
 
+/* Divides width x height cells among the panels of a figure. Returns the number of panels, 1 if
+ * there is no room for two: then all curves share the axes of the first. */
 int figure_panels(const struct figure *figure, int width, int height, const struct charset *charset,
                   struct figure_panel panel[PANELS_MAX])
 {
@@ -287,7 +316,7 @@ int figure_panels(const struct figure *figure, int width, int height, const stru
     if (parts > 1 && (figure->plane ? place_planes(figure, width, height, panel)
                                     : stack_panels(figure, width, height, charset, panel)))
         return parts;
-    panel[0].figure = *figure; /* no room for two: the first sets the ranges */
+    panel[0].figure = *figure; /* too few cells for two: the first axes hold for all curves */
     panel[0].figure.second = NULL;
     return 1;
 }

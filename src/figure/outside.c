@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the curves that leave the frame, where and how far, and marks them on the frame. */
+/* Finds which curves leave the frame, where and how far, and composes the note in the lower frame
+ * of a figure, which reports them and the values that a logarithmic axis hides. */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include "figure/internal.h"
 
-/* Part of an axis by which points may lie outside; a live axis is not widened for less. */
+/* Fraction of an axis by which points may lie outside without being reported: live plots widen
+ * their axes only when a point is farther outside. */
 #define FRAME_MARGIN 0.011
 
-/* Returns how far a fraction of an axis lies beyond its ends, as a part of its length, or 0 if it
- * is inside, or outside by FRAME_MARGIN at most. */
+/* Returns how far a position lies beyond the nearer end of its axis, in axis lengths, or 0 if it is
+ * inside or outside by at most FRAME_MARGIN. */
 static double fraction_excess(double fraction)
 {
     if (fraction < -FRAME_MARGIN)
@@ -16,6 +18,9 @@ static double fraction_excess(double fraction)
     return fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
 }
 
+/* Counts the samples of a curve that lie outside of the axes, and finds where the curve first
+ * leaves and its farthest value. Only a plane can be left through its left and right side; else
+ * samples beyond the x range are ignored, as are values below the minimum of a logarithmic axis. */
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int index,
                    struct curve_outside *outside)
 {
@@ -52,9 +57,10 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
     }
 }
 
-/* ---- how it is said ---- */
+/* ---- the note, in words ---- */
 
-/* Digits that tell values on this axis apart. */
+/* Returns the number of significant digits that distinguishes values along an axis: 3, and more if
+ * its range is narrow compared with its values, up to 12. */
 static int digits_on(const struct scale *scale)
 {
     double size = fmax(fabs(scale->first_value), fabs(scale->last_value)),
@@ -62,7 +68,8 @@ static int digits_on(const struct scale *scale)
     return scale->log || !(span > 0) ? 3 : (int)fmin(3 + fmax(floor(-log10(span)), 0), 12);
 }
 
-/* A value of an axis in the unit that suits it. */
+/* Appends a value of an axis with a unit that gives it a readable size (mm instead of 1e-3 m), if
+ * its unit has such relatives, else in the unit of the axis. */
 static void axis_value_put(struct buffer *output, const struct axis *axis, double value, int digits)
 {
     const struct unit *unit = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
@@ -74,6 +81,8 @@ static void axis_value_put(struct buffer *output, const struct axis *axis, doubl
                       axis->unit && *axis->unit ? " " : "", axis->unit ? axis->unit : "");
 }
 
+/* Appends "verlet leaves at 3.2 s, up to 4 cm (7 of 100 samples)". Detail 0 ends after the time, 1
+ * adds the farthest value, 2 the count, which is left out for thinned curves. */
 static void outside_curve_put(struct buffer *output, const struct figure *figure,
                               const struct figure_layout *layout, int index,
                               const struct curve_outside *outside, int detail)
@@ -105,7 +114,8 @@ static void outside_curve_put(struct buffer *output, const struct figure *figure
         buffer_format(output, " (%zu of %zu samples)", outside->count, outside->total);
 }
 
-/* All curves that leave; "" for none. With detail -1 only how many. */
+/* Appends a clause for each curve outside of the axes, or nothing if all are inside. Detail 0 to 2
+ * as in outside_curve_put(); -1 appends only the number of such curves. */
 static void put_outside(struct buffer *output, const struct figure *figure,
                         const struct figure_layout *layout, int detail)
 {
@@ -128,6 +138,8 @@ static void put_outside(struct buffer *output, const struct figure *figure,
         buffer_format(output, "%d curve%s outside", count, count == 1 ? "" : "s");
 }
 
+/* Returns true if one of the curves shown is thinned, so that counts of its points are not counts
+ * of samples. */
 static bool is_thinned(const struct figure *figure)
 {
     for (int i = 0; i < figure->curves; i++)
@@ -136,13 +148,15 @@ static bool is_thinned(const struct figure *figure)
     return false;
 }
 
+/* Appends how many values a logarithmic axis does not show, such as "3 values <= 0 not shown", or
+ * nothing if it shows all. */
 static void put_hidden(struct buffer *output, const struct figure *figure,
                        const struct figure_layout *layout)
 {
     if (!layout->hidden)
         return;
     buffer_put(output, output->len ? TEXT(", ") : TEXT(""));
-    if (is_thinned(figure)) /* their count would be one of points, not of samples */
+    if (is_thinned(figure)) /* points of a thinned curve are not samples: no count */
         buffer_put(output, TEXT("values "));
     else
         buffer_format(output, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
@@ -155,7 +169,8 @@ static void put_hidden(struct buffer *output, const struct figure *figure,
     buffer_put(output, TEXT(" not shown"));
 }
 
-/* The last ones, until the rest fits: no sentence ends in the middle. */
+/* Drops clauses from the end, at commas and semicolons, until the text fits into `available` cells,
+ * so that no clause is cut in the middle. */
 static void drop_clauses(struct buffer *output, int available)
 {
     while (text_width(buffer_text(output)) > available) {
@@ -170,10 +185,14 @@ static void drop_clauses(struct buffer *output, int available)
     }
 }
 
+/* Writes the note of a figure into `output`: the curves that leave the plot, then the figure's own
+ * note and hidden values. Chooses the most detailed form that fits into `available` cells. */
 void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
                  struct buffer *output)
 {
     static const struct {
+        /* Forms from the most to the least detailed: detail of put_outside(), and whether the
+         * figure's own note is shown. */
         int detail;
         bool note;
     } ways[] = {{2, true}, {1, true}, {2, false}, {1, false}, {0, false}, {-1, false}};

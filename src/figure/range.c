@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ranges: from curves to the two ends of an axis, and from values to fractions of it. */
+/* Ranges of axes: from the extent of curves to the two ends of an axis, and from values to
+ * fractions of its length. */
 #include "figure/internal.h"
 
 #include <float.h>
 
+/* Returns the scale from first to last, which may be descending. */
 struct scale scale_of(double first, double last, bool log)
 {
     if (log) {
         double low = log10(first);
         return (struct scale){first, last, true, 1, low, 1 / (log10(last) - low)};
     }
-    /* Computes in units of about the larger end, so that to - from cannot overflow. The unit is a
-     * power of two, so that nothing is rounded where both ends are nearly the same. */
+    /* Computes in units of about the larger end, so that last - first cannot overflow. The unit is
+     * a power of two, so that nothing is rounded where both ends are nearly the same. */
     int exponent;
     frexp(fmax(fabs(first), fabs(last)), &exponent);
     double unit = ldexp(1, -exponent), origin = first * unit;
@@ -23,6 +25,8 @@ double scale_fraction(const struct scale *scale, double value)
     return fraction_of(scale, value);
 }
 
+/* Returns true if the axis has a fixed range that can be drawn: finite, wider than the rounding of
+ * its values, and positive if logarithmic. Other fixed ranges are ignored. */
 static bool fixed_range(const struct axis *axis)
 {
     double size = fmax(fabs(axis->first_value), fabs(axis->last_value));
@@ -31,11 +35,14 @@ static bool fixed_range(const struct axis *axis)
            (!axis->log || axis->first_value > 0);
 }
 
+/* Returns the smallest value that an axis can show; a logarithmic axis shows positive values. */
 static double min_of(const struct axis *axis)
 {
     return axis->log ? fmax(axis->min, DBL_TRUE_MIN) : -DBL_MAX;
 }
 
+/* Returns the range of the samples that `window` selects, with bands and error bars if it asks for
+ * them; low > high if it selects none. */
 struct extent curves_extent(const struct curve *curve, int curves,
                             const struct extent_window *window)
 {
@@ -62,7 +69,8 @@ struct extent curves_extent(const struct curve *curve, int curves,
     return extent;
 }
 
-/* Outside of the window of a fixed horizontal axis: not hidden by the vertical one. */
+/* Returns true if sample i is outside of a fixed x range, so that it is not the y axis that hides
+ * it. */
 static bool is_beside(const struct figure *figure, const struct curve *curve, bool vertical,
                       size_t i)
 {
@@ -70,6 +78,7 @@ static bool is_beside(const struct figure *figure, const struct curve *curve, bo
            !(curve->x[i] >= figure->x.first_value && curve->x[i] <= figure->x.last_value);
 }
 
+/* Counts the values of the panel's curves that a logarithmic axis cannot show. */
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
     const double min = min_of(vertical ? &figure->y : &figure->x);
@@ -83,18 +92,20 @@ static size_t count_hidden(const struct figure *figure, bool vertical)
     return hidden;
 }
 
-/* Some air above the peaks; the next label if it is near (not for equal axes). A constant gets a
- * range around it. */
+/* Returns a linear range for an extent: with a margin of 4 % above and below the curves, extended
+ * to the next tick if that is near (not for equal axes). A constant gets a range around it. */
 static struct scale linear_scale(const struct figure *figure, bool vertical, struct extent extent,
                                  int want, int max)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     double air = vertical || figure->equal ? 0.04 : 0;
-    /* Less than this part of its size is the rounding of a few hundred doubles. */
+    /* An extent below this fraction of its values is the rounding of a few hundred doubles. */
     double thin = 1e-13;
     double low = fmax(extent.low, -RANGE_VALUE_MAX), high = fmin(extent.high, RANGE_VALUE_MAX);
     double size = fmax(fabs(low), fabs(high)), factor = axis_factor(axis);
 
+    /* No sample; only zeros; nearly constant on an axis that keeps zero; constant; the usual case.
+     */
     if (low > high) {
         low = 0;
         high = factor;
@@ -108,7 +119,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
         low -= 0.1 * size;
         high += 0.1 * size;
     } else {
-        double sign = low; /* values that are nowhere negative keep their zero */
+        double sign = low; /* values that never are negative get no negative range */
         low -= air * (high - low);
         if (sign >= 0 && low < 0)
             low = 0;
@@ -119,6 +130,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     }
     struct ticks ticks = ticks_search(low / factor, high / factor, want, max, true);
     if (!figure->equal && ticks.count > 1) {
+        /* Ticks beyond the range are taken only if they add at most 35 % of it. */
         double max_air = 0.35 * (high - low), last = tick_value(&ticks, ticks.count - 1, false);
         low = fmax(fmin(low, ticks.first * factor), low - max_air);
         high = fmin(fmax(high, last * factor), high + max_air);
@@ -126,11 +138,12 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     return scale_of(low, high, false);
 }
 
-/* Returns a scale of at least two powers of ten, in the numbers that are shown. */
+/* Returns a logarithmic range for an extent: a margin of 3 % on both sides, and at least two powers
+ * of ten among the numbers that labels show. */
 static struct scale log_scale(struct extent extent, const struct axis *axis)
 {
     double shift = log10(axis_factor(axis));
-    /* a decade is left below RANGE_VALUE_MAX, and above 1 / it */
+    /* One decade of margin to RANGE_VALUE_MAX and to its inverse. */
     double low = fmin(fmax(log10(extent.low), -299), 299) - shift;
     double high = fmin(fmax(log10(extent.high), -299), 299) - shift;
 
@@ -146,6 +159,8 @@ static struct scale log_scale(struct extent extent, const struct axis *axis)
     return scale_of(pow(10, fmax(low + shift, -300)), pow(10, fmin(high + shift, 300)), true);
 }
 
+/* Returns the extent of the figure's curves along an axis. If x is fixed, only samples inside its
+ * range count for y. Panels share their x axis unless the figure is a plane. */
 struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
@@ -167,6 +182,7 @@ struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
     return extent;
 }
 
+/* Returns the fixed range of an axis, or chooses one for the extent of its curves. */
 struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want,
                         int max)
 {

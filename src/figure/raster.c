@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Raster: curves as dots of a cell (braille 2x4, block 2x2, ASCII 1x4), or as marks.
- *
- * A pen walks along the curve and knows, for the dot column it is in, where it came in, where it
- * goes out, and the extremes between (M4: Jugel, Jerzak, Hackenbroich, Markl, VLDB 2014): no peak
- * is lost, whatever the number of samples. Neighbouring columns share the height at which the curve
- * passes from one to the other and each dot belongs to one of them, so lines are thin.
- */
+/* Draws curves into the cells of a plot, as dots (braille 2x4, block 2x2, ASCII 1x4) or as marks,
+ * with bands, guides, arrows and exits. A pen walks along the curve and knows, for the dot column
+ * it is in, the height at which it entered and leaves, and the extremes between (M4: Jugel, Jerzak,
+ * Hackenbroich, Markl, VLDB 2014): no peak is lost, whatever the number of samples. Neighbouring
+ * columns share the height at which the curve passes from one to the other and each dot belongs to
+ * one of them, so lines are thin. */
 #include "figure/internal.h"
 
 #include <string.h>
@@ -22,6 +20,8 @@ void raster_put(const struct raster *raster, int column, int row, uint32_t codep
         canvas_put(raster->canvas, raster->x + column, raster->y + row, codepoint, raster->style);
 }
 
+/* Returns the character in a cell of the plot if it was drawn in the raster's style, which is that
+ * of the current curve, else ' '. */
 static uint32_t raster_get(const struct raster *raster, int column, int row)
 {
     const struct canvas *canvas = raster->canvas;
@@ -32,7 +32,8 @@ static uint32_t raster_get(const struct raster *raster, int column, int row)
     return cell->style == raster->style ? cell->codepoint : ' ';
 }
 
-/* Adds a dot to what this curve already has in the cell. */
+/* Sets a dot, given in dot coordinates, without clearing the dots that the same curve already has
+ * in its cell. */
 static void put_dot(const struct raster *raster, struct dot_grid grid, int column, int row)
 {
     static const uint32_t bit[4][2] = {
@@ -49,6 +50,7 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
                    (old >= 0x2800 && old <= 0x28FF ? old : 0x2800) | bit[dot_row][dot_column]);
         return;
     }
+    /* Index of a quadrant character is the bit mask of its four dots. */
     unsigned mask = 0;
     for (unsigned i = 0; i < COUNT_OF(quadrant); i++)
         if (quadrant[i] == old)
@@ -56,8 +58,10 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
     raster_put(raster, x, y, quadrant[mask | 1U << (2 * dot_row + dot_column)]);
 }
 
-/* The dots low..high of a column; `slope` is the way the curve goes there: -1 up, 1 down to the
- * right, 0 neither. */
+/* Draws the dots low..high (rows of dots, downwards) of a dot column; rows outside of the plot are
+ * ignored. In ASCII or with a mark a cell gets one character: the mark, a stroke of the direction
+ * `slope` (-1 upwards, 1 downwards to the right, 0 neither), or a level mark if at most two dots
+ * are set. */
 static void put_span(const struct raster *raster, int column, int low, int high, int slope)
 {
     struct dot_grid grid = raster->layout->charset->dots;
@@ -68,6 +72,7 @@ static void put_span(const struct raster *raster, int column, int low, int high,
     if (raster->mark || grid.dots_horizontal == 1) {
         static const char level[] = "'-._";
         char stroke;
+        /* Steeper than about 45 degrees, with cells of four dots. */
         if (span > 6 || !slope)
             stroke = '|';
         else
@@ -88,17 +93,22 @@ static void put_span(const struct raster *raster, int column, int low, int high,
         put_dot(raster, grid, column, row);
 }
 
+/* Pen that walks along a curve and draws each dot column when it leaves it. */
 struct cell_pen {
     const struct raster *raster;
-    int columns;             /* dots across */
-    bool is_drawing, starts; /* the pen is on the paper; the curve begins in this column */
-    int column;              /* -1 and `columns` stand for everything left and right of the plot */
-    int heading;             /* sign of the way along x */
-    double enter;            /* [dot] where the curve came into the column, or starts */
-    double low, high;        /* [dot] extremes in this column */
-    double x, y;             /* [dot] last point */
+    int columns; /* number of dot columns of the plot */
+    /* is_drawing is true while the pen is on the paper, starts if the curve begins in this column
+     */
+    bool is_drawing, starts;
+    /* [dot] current column; -1 and `columns` stand for everything left and right of the plot */
+    int column;
+    int heading;      /* 1 while the curve goes to the right, -1 to the left */
+    double enter;     /* [dot] where the curve came into the column, or starts */
+    double low, high; /* [dot] extremes in this column */
+    double x, y;      /* [dot] last point */
 };
 
+/* Returns the dot column of position x, -1 or pen->columns if it is beside the plot. */
 static int pen_column(const struct cell_pen *pen, double x)
 {
     if (x < -0.5)
@@ -106,7 +116,7 @@ static int pen_column(const struct cell_pen *pen, double x)
     return x >= pen->columns - 0.5 ? pen->columns : (int)(x + 0.5);
 }
 
-/* Leaves the column at height y, or ends there. */
+/* Draws the current column: the curve leaves it at height y, or ends there if `ends`. */
 static void pen_leave(struct cell_pen *pen, double y, bool ends)
 {
     double y_enter = pen->starts ? NAN : pen->enter;
@@ -131,6 +141,7 @@ static void pen_leave(struct cell_pen *pen, double y, bool ends)
     put_span(pen->raster, pen->column, (int)low, (int)high, slope);
 }
 
+/* Begins a column at height y, with the pen on the paper. */
 static void pen_enter(struct cell_pen *pen, int column, double y)
 {
     pen->column = column;
@@ -139,6 +150,7 @@ static void pen_enter(struct cell_pen *pen, int column, double y)
     pen->is_drawing = true;
 }
 
+/* Ends the line at the last point and lifts the pen. */
 static void pen_up(struct cell_pen *pen)
 {
     if (pen->is_drawing)
@@ -146,6 +158,8 @@ static void pen_up(struct cell_pen *pen)
     pen->is_drawing = false;
 }
 
+/* Continues the line to (x, y), or begins one there. Every column on the way is drawn, with the
+ * height at which the segment crosses its border interpolated. */
 static void pen_to(struct cell_pen *pen, double x, double y)
 {
     if (!pen->is_drawing) {
@@ -168,6 +182,8 @@ static void pen_to(struct cell_pen *pen, double x, double y)
     pen->y = y;
 }
 
+/* Draws a curve as a line of dots or marks; NAN interrupts it, and a cloud is lifted after every
+ * point. */
 void raster_line(const struct raster *raster, const struct curve *curve)
 {
     const struct figure_layout *layout = raster->layout;
@@ -189,7 +205,7 @@ void raster_line(const struct raster *raster, const struct curve *curve)
     pen_up(&pen);
 }
 
-/* [dot] of both edges of the band. */
+/* Computes the rows [dot] of the upper and the lower edge of the band at sample i. */
 static void band_edges(const struct raster *raster, const struct curve *curve, size_t i,
                        double edge[2])
 {
@@ -199,18 +215,21 @@ static void band_edges(const struct raster *raster, const struct curve *curve, s
     edge[1] = (1 - fraction_of(&layout->y, curve->y[i] - curve->spread[i])) * height;
 }
 
+/* Fills the cells of a column between two heights [dot], unless they are less than a dot apart. */
 static void fill_cells(const struct raster *raster, int column, double low, double high)
 {
     const struct figure_layout *layout = raster->layout;
     const int dots_per_cell = layout->charset->dots.dots_vertical;
     const double last = layout->rows * dots_per_cell - 1;
-    if (!(low <= last && high >= 0 && high - low >= 1)) /* thinner than the line: that says it */
+    /* thinner than the line itself, or outside of the plot */
+    if (!(low <= last && high >= 0 && high - low >= 1))
         return;
     for (int row = (int)(fmax(low, 0) + 0.5) / dots_per_cell;
          row <= (int)(fmin(high, last) + 0.5) / dots_per_cell; row++)
         raster_put(raster, column, row, raster->fill);
 }
 
+/* Fills the band of a curve column by column, with its edges interpolated between samples. */
 void raster_band(const struct raster *raster, const struct curve *curve)
 {
     const double width = raster->layout->columns - 1;
@@ -231,6 +250,7 @@ void raster_band(const struct raster *raster, const struct curve *curve)
     }
 }
 
+/* Draws a guide: a line of dots, or a filled rectangle if it is an area. */
 void raster_guide(const struct raster *raster, const struct figure_guide *guide)
 {
     const struct figure_layout *layout = raster->layout;
@@ -248,6 +268,8 @@ void raster_guide(const struct raster *raster, const struct figure_guide *guide)
             raster_put(raster, x, y, raster->fill);
 }
 
+/* Draws marks at points, except at those nearer than `apart` columns to the previous mark; a row
+ * counts as two columns, because cells are about twice as high as wide. */
 void raster_points(const struct raster *raster, const struct curve *curve, int apart)
 {
     int seen = 0, last_column = 0, last_row = 0, column, row;
@@ -265,9 +287,10 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
     }
 }
 
+/* Draws each arrow of the curve (two points between NANs) as an arrow character in its middle. */
 void raster_arrows(const struct raster *raster, const struct curve *curve)
 {
-    /* Arrows begin at the right, counterclockwise; plain text has four directions only. */
+    /* Eight directions from the right, counterclockwise; ASCII has only four of them. */
     static const uint32_t arrow[] = {0x2192, 0x2197, 0x2191, 0x2196,
                                      0x2190, 0x2199, 0x2193, 0x2198};
     static const char plain[] = ">^<v";
@@ -291,6 +314,9 @@ void raster_arrows(const struct raster *raster, const struct curve *curve)
     }
 }
 
+/* Finds, for each side of the plot, the point at which the curve first leaves through it; a curve
+ * over an independent variable leaves only through bottom and top. Returns false if it stays
+ * inside. */
 bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int index,
                  struct curve_exit exits[4])
 {
@@ -308,7 +334,7 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
         double old_excess[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
                excess[4] = {-x, x - 1, -y, y - 1}; /* positive beyond a border */
         int side = -1;
-        double part = 2; /* part of the way to the first border that is crossed */
+        double part = 2; /* fraction of the segment up to the first border that it crosses */
         for (int s = 0; s < 4 && inside && !isnan(x + y); s++) {
             if (excess[s] > 0 && old_excess[s] / (old_excess[s] - excess[s]) < part) {
                 part = old_excess[s] / (old_excess[s] - excess[s]);
@@ -325,9 +351,10 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
     return true;
 }
 
+/* Draws an arrow on each border through which the curve leaves, at the first exit. */
 void raster_exits(const struct raster *raster, const struct figure *figure, int curve)
 {
-    /* left right down up */
+    /* Order of the sides: left, right, bottom, top. */
     static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'}, {0x2190, 0x2192, 0x2193, 0x2191}};
     const struct figure_layout *layout = raster->layout;
     struct curve_exit exits[4];

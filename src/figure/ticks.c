@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Ticks: Talbot, Lin, Hanrahan, An Extension of Wilkinson's Algorithm for Positioning Tick Labels
- * on Axes (2010).
- *
- * Restricted to labels that are multiples of their step (skip j = 1) and that fill the range, so
- * that the search is over steps only. The data range is scaled to the magnitude 1 first: 1e-300 and
- * 1e300 are like any other.
- */
+/* Chooses the ticks of axes and writes their labels. The positions follow Talbot, Lin, Hanrahan, An
+ * Extension of Wilkinson's Algorithm for Positioning Tick Labels on Axes (2010), restricted to
+ * labels that are multiples of their step (skip j = 1) and that fill the range, so that the search
+ * is over steps only. The data range is scaled to the magnitude 1 first, so that 1e-300 and 1e300
+ * need no special cases. */
 #include "figure/internal.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* The paper's Q, best first. */
+/* First digits of steps, the most readable first (Q in the paper). */
 static const double nice[] = {1, 5, 2, 2.5, 4, 3};
 
 static double square(double x)
@@ -20,13 +17,14 @@ static double square(double x)
     return x * x;
 }
 
-/* 0.25 simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4), for `count` labels
- * over [low, high] and data over [a, b]. */
+/* Returns the score of `count` labels over [low, high] for data over [a, b], larger is better: 0.25
+ * simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4 of the paper). q is the
+ * index of the step's first digit in nice[]. */
 static double score_of(size_t q, double low, double high, int count, double a, double b, int want)
 {
     double zero = low <= 0 && high >= 0 ? 1 : 0;
     double simplicity = zero - (double)q / (double)(COUNT_OF(nice) - 1);
-    /* a single label only where there is no room for two */
+    /* a single label is taken only where there is no room for two */
     if (count < 2)
         return simplicity - 100;
     double coverage = 1 - 0.5 * (square(b - high) + square(a - low)) / square(0.1 * (b - a));
@@ -37,6 +35,8 @@ static double score_of(size_t q, double low, double high, int count, double a, d
     return 0.25 * simplicity + 0.2 * coverage + 0.5 * density + 0.05 * legibility;
 }
 
+/* Tries steps of about the range's magnitude, with labels inside of the range or (loose) just
+ * outside, and returns the ticks of the best score; count is 0 if no labels are possible. */
 struct ticks ticks_search(double range_begin, double range_end, int want, int max, bool loose)
 {
     struct ticks ticks = {0};
@@ -80,8 +80,10 @@ struct ticks ticks_search(double range_begin, double range_end, int want, int ma
     return ticks;
 }
 
-#define LABEL_DIGITS_MAX 5 /* Digits of a label above which the axis gets an offset or a power. */
+#define LABEL_DIGITS_MAX 5 /* digits of a label above which an offset is split off */
 
+/* Returns the exponent of the largest power of ten that is at most x; the allowance is for rounding
+ * of log10. */
 static int power_below(double x)
 {
     return (int)floor(log10(x) + 1e-9);
@@ -114,6 +116,8 @@ static void take_offset(struct ticks *ticks)
         ticks->decimals++;
 }
 
+/* Returns the number of parts into which ticks without labels divide a step, so that they are round
+ * numbers. */
 int tick_parts(const struct ticks *ticks)
 {
     const double digit = ticks->step > 0 ? ticks->step / pow(10, power_below(ticks->step)) : 0;
@@ -122,6 +126,8 @@ int tick_parts(const struct ticks *ticks)
     return (digit > 1.6 && digit < 2.4) || (digit > 3.6 && digit < 4.4) ? 4 : 5;
 }
 
+/* Returns at most `max` ticks inside of the range, about `want`, with an offset where labels would
+ * be long. */
 struct ticks ticks_linear(double range_begin, double range_end, int want, int max)
 {
     struct ticks ticks = ticks_search(range_begin, range_end, want, max, false);
@@ -129,6 +135,8 @@ struct ticks ticks_linear(double range_begin, double range_end, int want, int ma
     return ticks;
 }
 
+/* Returns ticks at powers of ten inside of the range, at every decade or at every 2nd, 3rd, 5th ...
+ * until at most `max` remain. */
 struct ticks ticks_log(double range_begin, double range_end, int max)
 {
     static const int steps[] = {1, 2, 3, 5, 10, 20, 50, 100, 200, 500};
@@ -153,7 +161,8 @@ double tick_value(const struct ticks *ticks, int i, bool log)
     return fabs(value) < 1e-6 * ticks->step ? 0 : value;
 }
 
-/* Goes through an integer, because printf's %f would follow the locale. */
+/* Writes a number with a fixed number of decimals, through an integer, because printf's %f would
+ * follow the locale. Returns its length. */
 static int decimal_text(double value, int decimals, char output[TICK_TEXT_SIZE])
 {
     long long unit = 1;
@@ -167,11 +176,14 @@ static int decimal_text(double value, int decimals, char output[TICK_TEXT_SIZE])
                     digits % unit);
 }
 
+/* Writes the offset of an axis as a title shows it, such as "- 2.2326" or "+ 1.5e-9". Returns its
+ * length. */
 int offset_text(const struct ticks *ticks, char output[TICK_TEXT_SIZE])
 {
     char text[TICK_TEXT_SIZE];
     const int power = ticks->offset_power;
     int length = decimal_text(fabs(ticks->offset) / pow(10, power), ticks->offset_decimals, text);
+    /* A mantissa needs no trailing zeros. */
     while (power != 0 && strchr(text, '.') && strchr("0.", text[length - 1])) {
         const bool point = text[--length] == '.';
         text[length] = '\0';
@@ -184,6 +196,8 @@ int offset_text(const struct ticks *ticks, char output[TICK_TEXT_SIZE])
                     TICK_TEXT_SIZE - 3, text);
 }
 
+/* Writes the label of tick i, without the offset and in units of the axis's power of ten. Returns
+ * its length. */
 int tick_text(const struct ticks *ticks, int i, bool log, char output[TICK_TEXT_SIZE])
 {
     double value = (tick_value(ticks, i, log) - ticks->offset) / pow(10, ticks->exponent);
@@ -192,7 +206,7 @@ int tick_text(const struct ticks *ticks, int i, bool log, char output[TICK_TEXT_
     if (log) {
         int power = (int)lround(ticks->first + i * ticks->step);
         double last = ticks->first + (ticks->count - 1) * ticks->step;
-        if (ticks->first < -3 || last > 4) /* all in the same style */
+        if (ticks->first < -3 || last > 4) /* one form for all labels of an axis */
             return snprintf(output, TICK_TEXT_SIZE, "1e%d", power);
         decimals = power < 0 ? -power : 0;
     }

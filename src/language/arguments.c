@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads what stands after the name of a command, by the command's own description of its arguments.
- */
+/* Reads the text after the name of a command into values, by the command's table of arguments:
+ * words, NAME=VALUE, --options, and items that are known by their position. */
 #include <hooke/base/statement.h>
 #include <hooke/language.h>
 #include <hooke/module.h>
@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Returns the value of an argument that the command must have; its count is 0 if it was not given.
+ */
 const struct argument_value *argument_value(const struct arguments *arguments, const char *name)
 {
     const struct command *command = arguments->command;
@@ -25,6 +27,8 @@ struct text argument_text(const struct arguments *arguments, const char *name)
     return one->count ? one->item->text : (struct text){NULL, 0};
 }
 
+/* Returns the value of an argument that a module may have added to the command, or NULL if the
+ * argument does not exist or was not given. */
 const struct argument_value *added_argument(const struct arguments *arguments, const char *name)
 {
     const struct command *command = arguments->command;
@@ -34,7 +38,8 @@ const struct argument_value *added_argument(const struct arguments *arguments, c
     return NULL;
 }
 
-/* Room for one more item; they live in the arena of the statement. */
+/* Returns a new item at the end of an argument's list, in the statement's arena, or NULL with an
+ * error if out of memory or if the list is too long. The caller counts it. */
 static struct item *next_item(struct parser *parser, struct argument_value *value,
                               struct error *error)
 {
@@ -42,7 +47,7 @@ static struct item *next_item(struct parser *parser, struct argument_value *valu
         error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
         return NULL;
     }
-    if ((value->count & (value->count - 1)) == 0) { /* full at every power of two */
+    if ((value->count & (value->count - 1)) == 0) { /* the capacity is the next power of two */
         struct item *larger =
             arena_array(parser->arena, value->count ? 2 * (size_t)value->count : 1, sizeof *larger);
         if (!larger) {
@@ -63,11 +68,15 @@ struct argument_progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
-    /* argument that may take more items without a new introduction, -1 if there is none */
+    /* Index of the argument introduced by a word that takes items until another argument begins, or
+     * -1. */
     int open;
     const struct item *number; /* the last item if it was a number, else NULL */
 };
 
+/* Reads the value of argument `index`, or several separated by commas, from the parser. `start` is
+ * where the argument begins in the line, for messages. Returns false with an error if the value is
+ * malformed or missing, or if an argument that excludes this one was given. */
 static bool read_into(struct argument_progress *progress, int index, const char *start,
                       struct error *error)
 {
@@ -112,6 +121,7 @@ static bool read_into(struct argument_progress *progress, int index, const char 
     return true;
 }
 
+/* Returns the index of the argument with this name and form, or -1. */
 static int find_argument(const struct command *command, enum argument_form form, struct text name)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -120,7 +130,7 @@ static int find_argument(const struct command *command, enum argument_form form,
     return -1;
 }
 
-/* The argument that takes any NAME=VALUE, -1 if there is none. */
+/* Returns the index of the argument that takes any NAME=VALUE, such as initial values, or -1. */
 static int find_start(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -129,6 +139,8 @@ static int find_start(const struct command *command)
     return -1;
 }
 
+/* Returns true if the word is one that may precede an argument without changing it, such as "of".
+ */
 static bool is_lead(const struct command *command, struct text word)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -137,7 +149,8 @@ static bool is_lead(const struct command *command, struct text word)
     return false;
 }
 
-/* Returns false with an error if the argument is one that a module adds which is left out. */
+/* Returns false with an error if a module that this program was built without would add the
+ * argument. */
 static bool argument_is_in(const struct command *command, enum argument_form form, struct text name,
                            struct error *error)
 {
@@ -147,6 +160,8 @@ static bool argument_is_in(const struct command *command, enum argument_form for
     return module_is_in(what, name, error);
 }
 
+/* Fills `error` for an unknown --option or NAME=: the module that is left out, or a similar name,
+ * with the usage of the command. Returns false. */
 static bool unknown_argument(const struct command *command, enum argument_form form,
                              struct text name, struct error *error)
 {
@@ -167,7 +182,8 @@ static bool unknown_argument(const struct command *command, enum argument_form f
     return false;
 }
 
-/* The length of NAME and blanks and "=" at the start of text, 0 if it is not of this form. */
+/* Returns the length of NAME, blanks and "=" at the start of text, or 0 if "=" does not follow or
+ * is part of "==". */
 static size_t key_length(struct text text, struct text name)
 {
     struct text rest = {text.data + name.len, text.len - name.len};
@@ -178,7 +194,9 @@ static size_t key_length(struct text text, struct text name)
     return (size_t)(rest.data + 1 - text.data);
 }
 
-/* The place where an item without introduction goes, -1 if there is none. */
+/* Returns the index of the argument that takes an item without introduction: the list that is open,
+ * else the first positional argument that is free and accepts the word. Returns -1 if there is
+ * none. */
 static int next_index(const struct argument_progress *progress, struct text word)
 {
     const struct command *command = progress->command;
@@ -194,8 +212,8 @@ static int next_index(const struct argument_progress *progress, struct text word
             (has_argument_at(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
             continue;
         last = i;
-        /* A word that is not a recording, or a name for a number, goes to the next place, if there
-         * is one and none came before it. */
+        /* An optional recording or number leaves a word that is neither to the next positional
+         * argument. */
         if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) ||
             has_argument_at(progress->arguments, i) ||
             (command->argument[i].type == TYPE_INTEGER
@@ -211,6 +229,9 @@ static bool takes_rest(const struct argument *argument)
     return type_is(argument, TYPE_TAKES_REST);
 }
 
+/* Reads one argument at parser->rest, which begins with a non-blank. Tries --option, NAME=, a
+ * keyword, a leading word and then position, in this order. Returns false with an error if nothing
+ * fits or the argument is given twice. */
 static bool read_next(struct argument_progress *progress, struct error *error)
 {
     struct parser *parser = progress->parser;
@@ -230,7 +251,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         used = used ? used : option.len + 2;
     } else if ((used = key_length(*rest, name)) > 0) {
         index = find_argument(progress->command, FORM_KEY, name);
-        /* the name is part of it */
+        /* NAME is part of the item, as in an initial value y0=1 */
         if (index < 0 && (index = find_start(progress->command)) >= 0) {
             used = 0;
             if (!argument_is_in(progress->command, FORM_KEY, name, error))
@@ -273,6 +294,8 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     return read_into(progress, index, start, error);
 }
 
+/* Reads all arguments of a statement into `arguments`. Returns false with an error at the first
+ * that is wrong, or if a required one is missing. */
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error)
 {
@@ -282,7 +305,7 @@ bool parse_arguments(struct parser *parser, const struct command *command,
         text_skip_blanks(&parser->rest);
         if (parser->rest.len == 0)
             break;
-        /* Something glued to a number, as in 0,5 or 5cmm. */
+        /* No blank separates a number from what follows, as in 0,5 or 5cmm. */
         if (progress.number && previous.data == parser->rest.data)
             return refuse_rest(parser, progress.number, error);
         if (!read_next(&progress, error))

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Closed lists of words that arguments choose from: separators, decimal marks, quantities to
+ * measure, groups of `show`, kinds of `list`; and the choice of a row by name. */
 #include <hooke/method.h>
 #include <hooke/language.h>
 #include <hooke/module.h>
 
 #include <stdio.h>
 
+/* A row of a list in which only name and description matter. */
 #define ROW(name, brief)                                                                           \
     {                                                                                              \
         name, "", brief, "", NULL                                                                  \
@@ -67,14 +70,19 @@ static const struct list_kind lists[] = {
 };
 const struct catalog list_catalog = CATALOG("list", lists);
 
+/* Finds a row by its name or, for statements typed at the prompt, by a unique beginning of it (of
+ * at least three letters for methods). Returns NULL if there is none. */
 const struct row *catalog_choose(const struct session *session, const struct catalog *catalog,
                                  struct text name)
 {
+    /* Shorter beginnings of methods are too easily typed by mistake. */
     const size_t min = catalog == &method_catalog ? 3 : 1;
     return session->execution.typed ? catalog_prefix(catalog, name, min)
                                     : catalog_find(catalog, name);
 }
 
+/* Returns false with an error if a module that this program was built without would add a row of
+ * this name to the catalog. */
 bool choice_is_in(const struct catalog *catalog, struct text name, struct error *error)
 {
     char what[64];

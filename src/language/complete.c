@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: what there is of each kind. */
+/* Completion of words at the prompt: offers names of each kind (units, settings, observables,
+ * events, operands of expressions) that begin with the word being typed. */
 #include <hooke/run.h>
 #include <hooke/base/unit.h>
 #include <hooke/language/complete.h>
@@ -8,12 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Offers a candidate if it begins with the word being typed. */
 void complete_offer(struct completion *c, const char *candidate, const char *brief)
 {
     if (text_starts(text_of(candidate), c->word))
         c->offer(c->context, candidate, brief);
 }
 
+/* Adapts complete_offer() to names_each(). */
 static void offer_name(void *context, const char *name, const char *brief)
 {
     complete_offer(context, name, brief);
@@ -25,6 +28,7 @@ void complete_catalog(struct completion *c, const struct catalog *catalog)
         complete_offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
 }
 
+/* Offers prefix + name + suffix as one word. */
 void complete_affixed(struct completion *c, const char *prefix, const char *name,
                       const char *suffix, const char *brief)
 {
@@ -33,6 +37,7 @@ void complete_affixed(struct completion *c, const char *prefix, const char *name
     complete_offer(c, z, brief);
 }
 
+/* Offers the units of a quantity, or all units for QUANTITY_OTHER. */
 void complete_units(struct completion *c, enum quantity quantity)
 {
     for (size_t i = 0; i < unit_catalog.count; i++) {
@@ -42,6 +47,8 @@ void complete_units(struct completion *c, enum quantity quantity)
     }
 }
 
+/* Offers everything that NAME = VALUE may set: parameters, derived quantities that determine a
+ * parameter, settings, and variables of `let`. */
 void complete_settable(struct completion *c)
 {
     const struct catalog *derivable = scene_derived(&c->session->setup.scene);
@@ -74,6 +81,8 @@ bool ends_in_digit(struct text preceding)
     return t.len > 0 && t.data[t.len - 1] >= '0' && t.data[t.len - 1] <= '9';
 }
 
+/* Offers what a plot can show of the latest run or the scene: variables, observed expressions, and
+ * observables except those that `besides` offers already (or NULL). */
 void complete_columns(struct completion *c, const struct catalog *besides)
 {
     const struct run *run = session_run(c->session);
@@ -101,12 +110,14 @@ void complete_events(struct completion *c)
 
 /* ---- expressions ---- */
 
+/* Returns the last character of a text without trailing blanks, or 0 if it is blank. */
 char last_letter(struct text text)
 {
     const struct text t = text_trim(text);
     return t.len > 0 ? t.data[t.len - 1] : 0;
 }
 
+/* Returns true if an expression is incomplete: a parenthesis is open or it ends in an operator. */
 bool value_is_open(struct text value)
 {
     const char last = last_letter(value);
@@ -121,6 +132,7 @@ static bool is_operator(char c)
     return strchr("+-*/^()<>,", c);
 }
 
+/* Counts candidates instead of offering them. */
 static void count_offer(void *context, const char *candidate, const char *brief)
 {
     int *count = context;
@@ -129,8 +141,8 @@ static void count_offer(void *context, const char *candidate, const char *brief)
     ++*count;
 }
 
-/* Returns the beginning of the operand that is being typed. A hyphen may belong to a name, as in
- * phase-error. */
+/* Returns the index in c->word at which the operand being typed begins. A hyphen may belong to a
+ * name, as in phase-error: it does if `names` then offers a candidate. */
 static size_t operand(const struct completion *c, void (*names)(struct completion *c))
 {
     const struct text word = c->word;
@@ -149,6 +161,8 @@ static size_t operand(const struct completion *c, void (*names)(struct completio
     return count > 0 ? first : begin;
 }
 
+/* Completes an expression: offers operands where one may begin (`names`), units after a number.
+ * `value` is the text of the expression before the current word. */
 void complete_value(struct completion *c, struct text value, enum quantity quantity,
                     void (*names)(struct completion *c))
 {

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values in steps, FROM:TO[:STEP], and the arguments NAME=... that they stand in. */
+/* Reads ranges of values, FROM:TO[:STEP], for arguments NAME=... of sweeps and maps. */
 #include <hooke/base/statement.h>
 #include <hooke/language/grid.h>
 
 #include <math.h>
 #include <string.h>
 
+/* Takes one NAME=... argument, which may contain blanks, off the text: it ends before the next
+ * NAME=, --option or the word `at`. Returns it without outer blanks. */
 struct text next_key_argument(struct text *rest)
 {
     text_skip_blanks(rest);
@@ -29,6 +31,7 @@ struct text next_key_argument(struct text *rest)
     return text_trim(argument);
 }
 
+/* Reads one end of the range into *value (in SI units), with the blanks around it. */
 static bool read_end(struct parser *parser, const struct value_grid *grid, double *value,
                      struct error *error)
 {
@@ -41,6 +44,7 @@ static bool read_end(struct parser *parser, const struct value_grid *grid, doubl
     return true;
 }
 
+/* Skips a colon and the blanks after it. Returns false if there is no colon. */
 static bool take_colon(struct parser *parser)
 {
     const bool there = text_starts(parser->rest, TEXT(":"));
@@ -50,8 +54,9 @@ static bool take_colon(struct parser *parser)
     return there;
 }
 
-/* Steps from one end towards the other; the last value is the end where the steps come by, to
- * rounding. */
+/* Computes the number of values of a grid, first, first + step ... or first, first * step ... for a
+ * logarithmic one. Moves the last value to the last step unless it is a whole number of steps away,
+ * up to rounding. Returns false with an error if the steps lead nowhere or past the end. */
 static bool count_values(struct value_grid *grid, double step, struct text where,
                          struct error *error)
 {
@@ -68,6 +73,8 @@ static bool count_values(struct value_grid *grid, double step, struct text where
                           grid->name);
     }
     grid->count = 1 + (int)floor(steps + 1e-6);
+    /* A step beyond the end is probably meant as the number of points: the hint shows the step for
+     * it. */
     if (grid->count == 1)
         return error_at(error, where,
                         "%s: the first step already leads past the other end: only %s = %.6g is "
@@ -82,6 +89,8 @@ static bool count_values(struct value_grid *grid, double step, struct text where
     return true;
 }
 
+/* Reads FROM:TO, FROM:TO:STEP, or FROM:TO:xFACTOR into a grid whose name and quantity are set.
+ * Returns false with an error and an example if it is malformed. */
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error)
 {
     const struct text range = parser->rest;

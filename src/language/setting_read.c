@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads the value of a setting. */
+/* Reads the value of a setting, as in `dt = 0.01`, by its row: its own parser, a choice from a
+ * catalog, or a positive number with a unit. */
 #include <hooke/language.h>
 
 #include <string.h>
 
+/* Reads the rest of the statement as the value of a setting into `settings`. Returns false with an
+ * error, which lists the choices if there are any, and leaves `settings` unchanged then. */
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings,
                   struct error *error)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Subject of measure and fit: a run or a recording as a series. */
+/* Opens the subject of `measure` and `fit`: turns a run or a recording into a series of one
+ * quantity over ascending times. */
 
 #include <hooke/run.h>
 #include <hooke/data.h>
@@ -10,6 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Fills a series, allocated from the arena, with the first variable of a run or its energy, in
+ * ascending time also for runs backwards. Returns false with an error if out of memory or if the
+ * energy cannot be computed. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series,
                 struct error *error)
 {
@@ -24,6 +28,7 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
         run_variable_column(run, 0, y);
     for (size_t i = 0; i < n; i++)
         t[i] = trace_time(run->trace, i);
+    /* A run backwards in time is reversed. */
     if (n > 1 && t[n - 1] < t[0])
         for (size_t i = 0; i < n / 2; i++) {
             const double a = t[i], b = y[i];
@@ -42,12 +47,16 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
     return true;
 }
 
+/* Measures the period of a run by the module `recording`; returns false if that module is left out
+ * or there is no period. */
 bool run_period(const struct run *run, struct arena *arena, struct measured *period)
 {
     const struct series_tools *tools = series_tools();
     return tools && tools->run_period(run, arena, period);
 }
 
+/* Returns false with an error that begins with `what` if the scene is not an oscillator with mass
+ * and spring. */
 bool needs_spring(const struct scene *scene, const char *what, struct error *error)
 {
     if (is_oscillator(scene))
@@ -58,7 +67,9 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
     return error_hint(error, "type: scene spring");
 }
 
-/* Kinetic and potential energy of a recording, where its velocity is known. */
+/* Turns the subject's series into the energy of a recording, from its velocity and the mass and
+ * spring constant known for it, and notes in subject->how where they come from. Returns false with
+ * an error if one of them is unknown. */
 static bool data_energy(const struct session *session, struct arena *arena, struct subject *subject,
                         struct error *error)
 {
@@ -73,6 +84,8 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
+/* Returns the part of a series in the argument's window of time, whose ends may be open (NAN), or
+ * all of it if no window was given. */
 static struct series in_window(struct series series, const struct argument_value *window)
 {
     const double *range = window && window->count ? window->item->range : NULL;
@@ -81,6 +94,8 @@ static struct series in_window(struct series series, const struct argument_value
                                   isnan(range[1]) ? HUGE_VAL : range[1]);
 }
 
+/* Makes a run the subject. Returns false with an error if fewer than `min` samples are in the
+ * window, or if the series cannot be computed. */
 static bool open_run(struct run *run, const struct argument_value *window, bool energy, size_t min,
                      struct arena *arena, struct subject *subject, struct error *error)
 {
@@ -98,13 +113,15 @@ static bool open_run(struct run *run, const struct argument_value *window, bool 
     return false;
 }
 
+/* Makes a recording the subject, in the argument's window or else its own. Returns false with an
+ * error if fewer than `min` samples are in it, or if its energy is not known. */
 static bool open_recording(const struct session *session, struct recording *recording,
                            const struct argument_value *window, bool energy, size_t min,
                            struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->recording = recording;
     snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
-    /* window= replaces the recording's own window, for this command only. */
+    /* window= replaces the recording's own window for this command only; it is restored below. */
     const double old_window[2] = {recording->window[0], recording->window[1]};
     bool ok = true;
     if (window && window->count) {
@@ -120,6 +137,9 @@ static bool open_recording(const struct session *session, struct recording *reco
     return ok && (!energy || data_energy(session, arena, subject, error));
 }
 
+/* Replaces the subject's series by another column of its run (a variable, an observed expression or
+ * an observable), in ascending time. Returns false with an error for a recording or an unknown
+ * column. */
 bool subject_column(struct subject *subject, const struct argument_value *column,
                     const struct argument_value *window, struct arena *arena, struct error *error)
 {
@@ -154,6 +174,8 @@ bool subject_column(struct subject *subject, const struct argument_value *column
     return true;
 }
 
+/* Opens the run or the recording that was given, else whichever is the latest. Returns false with
+ * an error if there is none or if it has fewer than `min` samples in the window. */
 bool subject_open(struct session *session, const struct argument_value *run,
                   const struct argument_value *data, const struct argument_value *window,
                   bool energy, size_t min, struct arena *arena, struct subject *subject,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The types of arguments: how each is read and completed. */
+/* Types of arguments (types.def): how each is read from a statement, and completed. */
 #include <hooke/run.h>
 #include <hooke/method.h>
 #include <hooke/data.h>
@@ -14,7 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Parsers of one signature do not all use each parameter. */
+/* A reader fills `item` from the parser; `stops` end a word. Returns false with `error` filled. */
 #define UNUSED_OK __attribute__((__unused__))
 #define READ_ITEM(name)                                                                            \
     static bool name(UNUSED_OK struct parser *parser, UNUSED_OK const struct argument *argument,   \
@@ -107,7 +107,7 @@ READ_ITEM(read_run)
     return error_hint(error, "'runs' lists them");
 }
 
-/* A label of something that a module has found. */
+/* Returns true if the word is a label that a module gave to a result, such as an orbit. */
 static bool is_label(struct text word)
 {
     for (size_t i = 0; module_list[i]; i++)
@@ -116,6 +116,7 @@ static bool is_label(struct text word)
     return false;
 }
 
+/* Reads a run, or the label of a result that a module keeps (its index is -1). */
 READ_ITEM(read_kept)
 {
     struct parser ahead = *parser;
@@ -147,7 +148,7 @@ READ_ITEM(read_recording)
                                : error_hint(error, "type: load FILE");
 }
 
-/* Something that moves, or is observed, in what the user has typed: the scene's or a run's. */
+/* Returns true if a typed scene, of the session or of a run, has this variable or observed one. */
 static bool typed_column(const struct session *session, struct text name)
 {
     bool known = false;
@@ -160,7 +161,7 @@ static bool typed_column(const struct session *session, struct text name)
     return known;
 }
 
-/* Returns true if a table that a study has left has such a column. */
+/* Returns true if a table that a study left has a column of this name. */
 static bool is_found_column(const struct session *session, struct text name)
 {
     const struct table_store *found = &session->studies.found;
@@ -171,14 +172,13 @@ static bool is_found_column(const struct session *session, struct text name)
     return false;
 }
 
-/* Returns true if the rest of the statement contains the word `of`. */
+/* Returns true if the rest of the statement contains the word `of`, outside of strings. */
 static bool is_of_table(struct text rest)
 {
     for (struct text word; (rest = text_trim(rest)).len > 0;) {
         word = peek_word(rest, "");
         if (text_is(word, "of"))
             return true;
-        /* a string has no words: title="period of a spring" */
         size_t used = 0;
         while (used < word.len && !strchr("'\"", rest.data[used]))
             used++;
@@ -191,6 +191,7 @@ static bool is_of_table(struct text rest)
     return false;
 }
 
+/* Reads a quantity to plot: a choice, an observable, a variable, or a column of a table. */
 READ_ITEM(read_column)
 {
     if (!parse_word(parser, ",", item, error))
@@ -210,7 +211,7 @@ READ_ITEM(read_column)
             return true;
     if (typed_column(parser->session, item->text))
         return true;
-    if (argument->flags & ARG_OF && argument->choices) { /* METHOD of a study's plot */
+    if (argument->flags & ARG_OF && argument->choices) { /* a method or a column of a study */
         item->row = catalog_find(&method_catalog, item->text);
         if (item->row || is_found_column(parser->session, item->text))
             return true;
@@ -236,7 +237,7 @@ READ_ITEM(read_condition)
     return true;
 }
 
-/* NAME=value */
+/* Reads NAME=VALUE; item->text is the name, item->value the value. */
 READ_ITEM(read_start)
 {
     char what[LIMIT_NAME + 1];
@@ -256,7 +257,7 @@ READ_ITEM(read_start)
     return true;
 }
 
-/* NAME=FROM:TO */
+/* Reads NAME=FROM:TO; item->text is the name, item->range the range. */
 READ_ITEM(read_side)
 {
     const struct text name = peek_name(parser->rest);
@@ -391,7 +392,6 @@ COMPLETE_ITEM(complete_expression)
     complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
 }
 
-/* A number is followed by its unit. */
 COMPLETE_ITEM(complete_quantity)
 {
     if (ends_in_digit(preceding))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The line of usage, made from the arguments. */
+/* The line of usage of a command, such as "run [DURATION | to T] [--force]", made from its table of
+ * arguments. */
 #include <hooke/language.h>
 
 /* Appends the usage of an item: "V", "FILE", or the choices themselves if they are few. */
@@ -22,6 +23,7 @@ static void put_item(const struct argument *argument, struct buffer *output)
         buffer_put(output, TEXT("|all"));
 }
 
+/* Appends the usage of one argument, such as "dt=V", "--force" or "DURATION". */
 void argument_usage(const struct argument *argument, struct buffer *output)
 {
     if (argument->form == FORM_OPTION)
@@ -35,6 +37,8 @@ void argument_usage(const struct argument *argument, struct buffer *output)
     put_item(argument, output);
 }
 
+/* Appends the usage of a command: optional arguments in brackets, arguments that exclude each other
+ * separated by "|". */
 void command_usage(const struct command *command, struct buffer *text)
 {
     buffer_put(text, text_of(command->row.name));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
- * malformed. */
+/* Reads values with units and uncertainties, ranges, whole numbers and sizes of pictures, and
+ * explains what is wrong if they are malformed. */
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
@@ -14,11 +14,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Removes the first `count` characters of a text. */
 static void text_skip(struct text *text, size_t count)
 {
     *text = (struct text){text->data + count, text->len - count};
 }
 
+/* Returns the text from begin to end, without outer blanks. */
 static struct text text_between(const char *begin, const char *end)
 {
     struct text text = {begin, (size_t)(end - begin)};
@@ -31,11 +33,13 @@ static int shown_length(struct text text)
     return (int)(text.len < 80 ? text.len : 80);
 }
 
+/* Returns true if the text begins with "+-" or its Unicode sign. */
 static bool starts_uncertainty(struct text text)
 {
     return text_starts(text, TEXT("+-")) || text_starts(text, TEXT("\u00b1"));
 }
 
+/* Returns the text up to the first option (a blank, "--" and a name), or all of it. */
 struct text before_option(struct text text)
 {
     for (size_t i = 1; i + 2 < text.len; i++)
@@ -45,15 +49,17 @@ struct text before_option(struct text text)
     return text;
 }
 
+/* One side of VALUE +- UNCERTAINTY, as it was typed. */
 struct number_part {
     double number; /* SI value, or the typed value if it has no unit */
     struct dimension dimension;
     const struct expr *expr;
-    double last_digits; /* 200.0(1): 0.1, in the same unit */
+    /* uncertainty of the last digits, such as 0.1 of 200.0(1); in the same unit */
+    double last_digits;
 };
 
-/* The uncertainty of the last digits in parentheses, right behind a number that was typed: 200.0(1)
- * is 200.0 +- 0.1. Nothing else is taken: 0. */
+/* Takes the uncertainty in parentheses right behind a typed number off the text and returns it:
+ * 200.0(1) is 200.0 +- 0.1. Returns 0, and takes nothing, if there is none. */
 static double take_last_digits(struct text typed, struct text *rest)
 {
     size_t end = 1, decimals = 0, i = typed.len;
@@ -75,7 +81,8 @@ static double take_last_digits(struct text typed, struct text *rest)
     return digits / unit;
 }
 
-/* 1.50(2)e-3, as LaTeX and tables have it: both times the power of ten. */
+/* Takes the power of ten behind an uncertainty in parentheses off the text, as in 1.50(2)e-3, and
+ * multiplies the number and its uncertainty by it. Takes nothing if none follows. */
 static void take_power(struct text typed, struct number_part *part, struct text *rest)
 {
     size_t end = 1, used;
@@ -96,7 +103,8 @@ static void take_power(struct text typed, struct number_part *part, struct text 
     text_skip(rest, end);
 }
 
-/* The unit after 200.0(1), which is behind the uncertainty. */
+/* Takes the unit behind an uncertainty in parentheses, as in 200.0(1) g, and converts the number
+ * and its uncertainty to SI units. Takes nothing if none follows. */
 static void take_unit(struct parser *parser, struct number_part *part)
 {
     struct text following = parser->rest;
@@ -111,6 +119,8 @@ static void take_unit(struct parser *parser, struct number_part *part)
     unit_convert(unit, unit->quantity, part->last_digits, &part->last_digits);
 }
 
+/* Reads an expression with its unit, and digits of uncertainty in parentheses. Returns false with
+ * an error if the expression does not compile. */
 static bool parse_part(struct parser *parser, struct number_part *part, struct error *error)
 {
     size_t used;
@@ -119,6 +129,7 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     part->expr = expr_compile(before_option(start), parser->scope, parser->arena, &used, error);
     if (!part->expr)
         return names_explain(parser->session, error);
+    /* The compiler also consumed the blanks behind the expression. */
     while (used > 0 && strchr(" \t", start.data[used - 1]))
         used--;
     part->number = expr_value(part->expr, parser->scope);
@@ -132,6 +143,7 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     return true;
 }
 
+/* Fills `error` if a value has another quantity (`is`) than the argument needs. Returns false. */
 static bool wrong_quantity(const char *what, enum quantity wanted, const struct dimension *is,
                            struct text typed, struct error *error)
 {
@@ -150,8 +162,8 @@ static bool wrong_quantity(const char *what, enum quantity wanted, const struct 
     return false;
 }
 
-/* The unit that a number without one borrows from the other side of +-; *unclear: that side was
- * computed from several numbers, so that it is not known which. */
+/* Returns the unit that a number without one takes over from the other side of +-, or NULL. Sets
+ * *unclear if that side was computed from several numbers, so that its unit is ambiguous. */
 static const struct unit *borrowed_unit(const struct number_part *part,
                                         const struct number_part *other, bool *unclear)
 {
@@ -161,7 +173,9 @@ static const struct unit *borrowed_unit(const struct number_part *part,
     return unit;
 }
 
-/* A bare number is in the SI unit, or in that of the other side of +-. */
+/* Converts one side of +- to SI units; a bare number is in the unit of the other side, or in the SI
+ * unit. Returns false with an error if its dimension does not fit the wanted quantity; the hint
+ * explains Hz against rad/s. */
 static bool to_si(const struct number_part *part, const struct number_part *other, const char *what,
                   enum quantity wanted, struct text typed, double *si, struct error *error)
 {
@@ -189,7 +203,7 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
     return true;
 }
 
-/* Checks that the uncertainty of a value has the quantity of the value. */
+/* Returns false with an error if the uncertainty and the value have different dimensions. */
 static bool check_spread(const struct number_part *number, const struct number_part *spread,
                          struct text typed, struct error *error)
 {
@@ -202,7 +216,8 @@ static bool check_spread(const struct number_part *number, const struct number_p
            error_at(error, typed, "the two sides of +- are of different dimensions");
 }
 
-/* The unit that a message or a setting repeats: as it was typed, or of what was computed. */
+/* Returns the unit in which a value is repeated to the user: as typed, or that of the computed
+ * quantity; NULL if it has none. */
 static const struct unit *unit_of_value(const struct dimension *dimension)
 {
     const enum quantity quantity = dimension_quantity(dimension);
@@ -211,7 +226,8 @@ static const struct unit *unit_of_value(const struct dimension *dimension)
     return unit_find(text_of(quantity_unit(quantity)));
 }
 
-/* Quantity of an expression that is a single name. */
+/* Returns the quantity of an expression that is a single name, such as v or y', else
+ * QUANTITY_OTHER. */
 static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
     const size_t used = peek_name(typed).len;
@@ -220,6 +236,9 @@ static enum quantity quantity_of_name(const struct parser *parser, struct text t
     return whole ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
 }
 
+/* Reads VALUE [+- UNCERTAINTY] or VALUE(DIGITS) into item->value, in SI units. `what` names it in
+ * messages; `wanted` is its quantity, or QUANTITY_OTHER for any. Returns false with an error if it
+ * is malformed or not finite. */
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error)
 {
@@ -267,6 +286,8 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     return true;
 }
 
+/* Reads FROM:TO into item->range, in SI units; an end that is left out is NAN. Returns false with
+ * an error if the colon is missing, the range is empty, or the units of the ends differ in kind. */
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error)
 {
@@ -303,6 +324,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
             return error_at(error, text_between(start, parser->rest.data),
                             "%s: the ends of the range are in %s and in %s", what,
                             item->unit->row.name, end.unit->row.name);
+        /* A unit at the second end only is the likely cause of an empty range. */
         lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
         item->unit = end.unit ? end.unit : item->unit;
         item->quantity =
@@ -318,6 +340,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
                  : false;
 }
 
+/* Reads a whole number into item->value: from 1 up, or any sign if `negative`. */
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error)
 {
@@ -340,9 +363,10 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     return true;
 }
 
+/* Fills `error` for a decimal comma, as in 0,5; rest begins with the comma. Returns false. */
 static bool decimal_comma(struct text rest, struct error *error)
 {
-    /* rest.at[-1] is the last digit of the number before the comma. */
+    /* rest.data[-1] is the last digit of the number before the comma. */
     const char *begin = rest.data, *end = rest.data + 1;
     while (is_digit_char(begin[-1]) || begin[-1] == '-' || begin[-1] == '.')
         begin--;
@@ -354,7 +378,8 @@ static bool decimal_comma(struct text rest, struct error *error)
                       (int)(end - rest.data - 1), rest.data + 1);
 }
 
-/* Returns true if no unit follows the last number: that of the uncertainty, if there is one. */
+/* Returns true if no unit follows the last number of an item, which is its uncertainty if it has
+ * one. */
 static bool lacks_unit(const struct item *number)
 {
     struct text last = number->text;
@@ -366,6 +391,9 @@ static bool lacks_unit(const struct item *number)
     return real_parse(text_trim(text_after(last, 2)), &value) == REAL_OK;
 }
 
+/* Returns true if nothing remains of the statement. Else returns false with an error that names the
+ * likely reason: decimal comma, unknown unit, a second unit, or a word too many. `number` is the
+ * item before it, or NULL if that was no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;
@@ -402,6 +430,8 @@ static bool read_length(struct text text, double *side)
     return !isnan(*side);
 }
 
+/* Reads WIDTHxHEIGHT into item->range [m], in cm unless a unit is given. Returns false with an
+ * error if it is malformed or outside of the sizes allowed for pictures. */
 bool parse_sides(struct parser *parser, const char *what, const char *stops, struct item *item,
                  struct error *error)
 {

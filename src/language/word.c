@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Words and strings of a statement. */
+/* Reads words and quoted strings of a statement, with their escapes. */
 #include <hooke/base/statement.h>
 #include <hooke/language.h>
 
 #include <string.h>
 
+/* Copies the inside of a "..." string into the arena with its escapes replaced. Returns false with
+ * an error for an unknown escape or if out of memory. */
 static bool unescape(struct parser *parser, struct text inside, struct text *result,
                      struct error *error)
 {
@@ -31,7 +33,8 @@ static bool unescape(struct parser *parser, struct text inside, struct text *res
     return true;
 }
 
-/* A copy without the backslashes that stand before blanks. */
+/* Copies a word into the arena without the backslashes before blanks. Returns false with an error
+ * if out of memory. */
 static bool word_unescape(struct parser *parser, struct text word, struct text *result,
                           struct error *error)
 {
@@ -46,6 +49,8 @@ static bool word_unescape(struct parser *parser, struct text word, struct text *
     return true;
 }
 
+/* Reads a string, or a word that ends at a blank or at a character of `stops`, into item->text.
+ * Returns false with an error if a string is not closed or has an unknown escape. */
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
 {
     struct text *rest = &parser->rest;
@@ -57,7 +62,7 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         const struct text inside = {rest->data + 1, used - 2};
         item->is_string = true;
         item->text = inside;
-        /* Only a copy where something changes: errors point into the line. */
+        /* The text is copied only if an escape changes it, because errors point into the line. */
         if (rest->data[0] == '"' && inside.len > 0 && memchr(inside.data, '\\', inside.len) &&
             !unescape(parser, inside, &item->text, error))
             return false;
@@ -65,7 +70,7 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         return true;
     }
     size_t used = peek_word(*rest, stops).len, blanks = 0;
-    /* As in a shell: a backslash takes the blank behind it into the word. */
+    /* A backslash takes the blank behind it into the word, as in a shell. */
     while (used > 0 && used < rest->len && rest->data[used - 1] == '\\' &&
            rest->data[used] == ' ') {
         const struct text remainder = {rest->data + used + 1, rest->len - used - 1};

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Columns that a run can show over its rows (`export`, `plot`): state variables, observations of a
+ * typed scene, and observables, chosen by name. */
 #include <hooke/run.h>
 #include <hooke/base/unit.h>
 #include <hooke/session/subject.h>
@@ -23,6 +25,7 @@ bool models_alike(const struct model *a, const struct model *b)
     return alike;
 }
 
+/* Numbers state variables from 0 and observations after them, from model->n on. */
 bool chosen_find(const struct model *model, struct text name, struct chosen_column *column,
                  struct error *error)
 {

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Events that the user defines: lists of lines `event NAME when … do …`. A list never changes; each
+ * change makes a new one, so that set-up, runs and undo share them. */
 #include <hooke/run.h>
 #include <hooke/base/statement.h>
 #include <hooke/session/events.h>
@@ -10,7 +12,8 @@
 
 /* ---- lists ---- */
 
-/* A new list, that of `source` but for the line of this name; *line is the next free one. */
+/* Returns a new list with the lines of source except the one of this name; source may be NULL.
+ * Returns NULL with the error set if out of memory. */
 static struct events *copy_without(const struct events *source, struct text name,
                                    struct error *error)
 {
@@ -35,6 +38,7 @@ static struct events *copy_without(const struct events *source, struct text name
     return events;
 }
 
+/* Gives the list to the session, which frees it when nothing uses it. */
 static void event_list_add(struct session *session, struct events *events)
 {
     events->older = session->definitions.events;
@@ -42,6 +46,8 @@ static void event_list_add(struct session *session, struct events *events)
     session->definitions.event_lists++;
 }
 
+/* Frees lists that nothing uses, once their number has doubled since the last time, so that the
+ * work per list stays constant. */
 void events_sweep(struct session *session,
                   bool (*used)(const struct session *session, const struct events *events))
 {
@@ -62,6 +68,7 @@ void events_sweep(struct session *session,
     session->definitions.event_lists_left = session->definitions.event_lists;
 }
 
+/* Copies the present list without the line of that name and appends the new one. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error)
 {
@@ -120,8 +127,9 @@ void events_destroy(struct events *events)
     }
 }
 
-/* ---- as commands ---- */
+/* ---- events as commands ---- */
 
+/* Quotes commands with ', or with " and escapes if they contain a '. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text)
 {
     static const char *const words[] = {"stop", "record"};
@@ -156,7 +164,7 @@ void events_plan(const struct events *events, struct buffer *text)
                           "none is missed\n"));
 }
 
-/* ---- for runs ---- */
+/* ---- events of runs ---- */
 
 bool events_compile(const struct events *events, const struct expr_scope *scope,
                     struct arena *arena, const struct event **event, int *count,
@@ -185,6 +193,8 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     return true;
 }
 
+/* Reads the records of the last step backwards; an event stopped the run if its time is that of the
+ * run. */
 int events_stopped_at(const struct run_slot *slot, const struct event_line *stopped[LIMIT_EVENTS])
 {
     const struct run *run = slot->run;
@@ -216,5 +226,3 @@ struct text event_commands(struct text commands, bool *passes)
     *passes = false;
     return commands;
 }
-
-/* ---- what has happened ---- */

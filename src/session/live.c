@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs while a person watches: pace, pauses, parameters that change on the way. */
+/* Runs that a person watches: they advance in slices at the pace of a clock, can pause, and
+ * parameters can change on the way. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/cancel.h>
@@ -10,21 +11,23 @@
 #include <math.h>
 #include <string.h>
 
-#define SLICE_NS 5000000    /* computing between two looks at the terminal */
-#define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
-#define WINDOW_NS 500000000 /* interval over which the speed achieved is measured */
+#define SLICE_NS 5000000    /* [ns] computing between two looks at the terminal */
+#define WAIT_NS 100000000   /* [ns] longest wait for the clock, about a frame */
+#define WINDOW_NS 500000000 /* [ns] interval over which the achieved speed is measured */
 /* Wall time [s] by which a run may trail the clock before it stops catching up. */
 #define CLOCK_LAG_MAX 0.2
 
-/* Reference of the clock: at `clock` the run was at t, and continues at `speed`. */
+/* Relation of simulated time to the clock: at `clock` the run was at t, and it continues at
+ * `speed`. */
 struct clock_pace {
-    int64_t clock; /* [ns] */
-    double t;      /* [s] */
-    double speed;  /* simulated seconds per second; HUGE_VAL for as fast as possible */
-    double direction;
+    int64_t clock;    /* [ns] */
+    double t;         /* [s] */
+    double speed;     /* simulated seconds per second; HUGE_VAL for as fast as possible */
+    double direction; /* 1 forward, -1 backward in time */
 };
 
-/* [s] of simulated time by which the clock is ahead of the run. */
+/* Returns the simulated time [s] by which the clock is ahead of the run; HUGE_VAL for runs as fast
+ * as possible. */
 static double clock_lag(const struct clock_pace *pace, const struct run *run, int64_t now)
 {
     return isinf(pace->speed) ? HUGE_VAL
@@ -32,12 +35,15 @@ static double clock_lag(const struct clock_pace *pace, const struct run *run, in
                                     pace->direction * (run->t - pace->t);
 }
 
-/* [s] the next step is long; of an adaptive run that is known only after it. */
+/* Returns the length [s] of the next step, or 0 for an adaptive run, which knows it only
+ * afterwards. */
 static double next_step(const struct run *run, const struct run_target *target)
 {
     return run->plan.adaptive ? 0 : fmin(run->settings.dt, fabs(target->t - run->t));
 }
 
+/* Returns the number of steps that the run has to make to catch up with the clock; INT64_MAX for
+ * runs as fast as possible. */
 static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
@@ -52,7 +58,8 @@ static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
     return steps < 1e15 ? (int64_t)steps : INT64_MAX;
 }
 
-/* As many steps as are due, for at most a slice. True while there is more to do. */
+/* Makes the steps that are due, for at most SLICE_NS, but not beyond step `last`. Returns false if
+ * the target is reached or the run has stopped. */
 static bool advance_slice(const struct clock_pace *pace, struct run *run,
                           const struct run_target *target, int64_t last,
                           const struct cancel *cancel)
@@ -75,7 +82,8 @@ static bool advance_slice(const struct clock_pace *pace, struct run *run,
     return true;
 }
 
-/* When the next step is due; not so soon that the processor would only look at the clock. */
+/* Returns the clock time [ns] at which the next step is due, at least a slice later, so that the
+ * processor does more than look at the clock. */
 static int64_t next_look(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
@@ -91,6 +99,8 @@ static int64_t next_look(const struct clock_pace *pace, const struct run *run,
     return now + delay;
 }
 
+/* Returns the part of the way to the target, or -1 if the target has neither a number of steps nor
+ * a time. */
 static double fraction_done(const struct run *run, const struct run_target *target, double t_begin,
                             int64_t first)
 {
@@ -99,6 +109,8 @@ static double fraction_done(const struct run *run, const struct run_target *targ
     return fabs(target->t) < T_UNREACHABLE ? (run->t - t_begin) / (target->t - t_begin) : -1;
 }
 
+/* The pace begins anew when the user changes the speed, and when the run trails the clock by more
+ * than CLOCK_LAG_MAX. */
 void live_advance(struct session *session, struct run *run, const struct run_target *target,
                   bool clocked)
 {
@@ -154,9 +166,9 @@ void live_refresh(struct session *session)
         slot ? journal_changes(slot->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
 }
 
-/* ---- parameters on the way ---- */
+/* ---- changes during a run ---- */
 
-/* One scene, perhaps with other lines. */
+/* Returns true if both models are the same scene, perhaps with other typed lines. */
 static bool same_scene(const struct model *a, const struct model *b)
 {
     const struct model *base = typed_base(a);
@@ -188,6 +200,7 @@ bool live_bind(struct session *session, int param, double *t_start, struct error
     if (live->changing && index < 0)
         return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number,
                          name);
+    /* the run takes the change over if it advances, is paused at a prompt, or is to be changed */
     const bool going = run && (live->state == LIVE_RUNNING ||
                                (session->execution.typed && stop_is_pause(run->stop)) ||
                                live->changing || session->execution.reacting);
@@ -211,8 +224,9 @@ bool live_bind(struct session *session, int param, double *t_start, struct error
     }
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && !session->execution.reacting) {
+        /* a file needs the change as commands, since `set` alone changes no paused run in it */
         journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
-                      &session->history.happened); /* `set` alone would not do it in a file */
+                      &session->history.happened);
         if (!now->chosen[param])
             buffer_format(&session->history.happened, "unset %s\n", name);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The modules of this build, and what they keep in a session. */
+/* The modules of this build: their list, which the build generates, what they offer the core, and
+ * their parts of a session. */
 #include <hooke/module.h>
 #include <hooke/session/stored.h>
 
@@ -38,8 +39,10 @@ void modules_label(const struct session *session, struct buffer *text)
             module_list[i]->prompt.label(session, text);
 }
 
-/* ---- those that are not in ---- */
+/* ---- modules that were left out ---- */
 
+/* Returns true if the command or option `what` is part of this build; otherwise sets an error that
+ * names its module. */
 bool module_is_in(const char *what, struct text word, struct error *error)
 {
     static const char *const missing[][2] = {
@@ -58,8 +61,9 @@ bool module_is_in(const char *what, struct text word, struct error *error)
     return error_hint(error, "'hooke --version' names the modules that are in");
 }
 
-/* ---- what was stopped ---- */
+/* ---- studies that were stopped and can continue ---- */
 
+/* Returns the module with a stopped study that can continue, or NULL. */
 const struct module *module_waiting(const struct session *session)
 {
     for (size_t i = 0; module_list[i]; i++)
@@ -75,7 +79,7 @@ void modules_forget_stopped(struct session *session)
             module_list[i]->stopped.forget(session);
 }
 
-/* ---- what they offer the core ---- */
+/* ---- functions that modules offer the core ---- */
 
 const struct series_tools *series_tools(void)
 {
@@ -109,7 +113,7 @@ const struct picture_writer *module_pictures(void)
     return module_list[i] ? &module_list[i]->pictures : NULL;
 }
 
-/* ---- their parts of a session ---- */
+/* ---- parts of a session ---- */
 
 void *session_part_if_made(const struct session *session, const struct module *module)
 {

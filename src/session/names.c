@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Meaning of names in expressions: state and observables of the current run first, then parameters
- * and derived quantities of the scene, settings, variables, results. Parameters that a user has
- * typed come before observables.
- */
+/* Names in expressions: which quantity a name means and its value. State and observables of the
+ * current run come first, then parameters and derived quantities of the scene, settings, variables,
+ * results. Parameters that a user has typed come before observables. */
 #include <hooke/run.h>
 #include <hooke/base/unit.h>
 #include <hooke/session/log.h>
@@ -13,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Kinds of names, and where their index points to. */
 enum name_kind {
     NAME_STATE,
     NAME_OBSERVED,
@@ -24,8 +23,10 @@ enum name_kind {
     NAME_RESULT
 };
 
-#define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
+/* A slot, by which compiled expressions refer to a name, is kind << SLOT_KIND | index. */
+#define SLOT_KIND 16
 
+/* Finds a variable or result by name and sets *index. Returns false if there is none. */
 static bool in_values(const struct named_value *values, int count, struct text name, int *index)
 {
     for (int i = 0; i < count; i++)
@@ -36,13 +37,14 @@ static bool in_values(const struct named_value *values, int count, struct text n
     return false;
 }
 
-/* Settings that are a number, not a choice. */
+/* Returns true if the row is a setting with a number as value, not a choice. */
 static bool setting_is_number(const struct row *row)
 {
     const struct setting *setting = setting_from(row);
     return setting && setting->max > 0;
 }
 
+/* Finds a row by name and sets *index. Returns false if there is none. */
 static bool in_catalog(const struct catalog *catalog, struct text name, int *index)
 {
     const struct row *row = catalog_find(catalog, name);
@@ -51,6 +53,7 @@ static bool in_catalog(const struct catalog *catalog, struct text name, int *ind
     return row != NULL;
 }
 
+/* Returns the run whose state and observables the names mean; NULL if there is none yet. */
 static const struct run *run_of(const struct names *names)
 {
     return names->run || names->expects_run ? names->run : session_run(names->session);
@@ -62,21 +65,23 @@ static bool has_state(const struct names *names)
     return names->expects_run || run_of(names);
 }
 
-/* Returns the model whose state and observables these are: the run's or, if there is no run, the
- * scene's. */
+/* Returns the model whose state and observables the names mean: the run's or, if there is no run,
+ * the scene's. */
 static const struct model *state_model(const struct names *names)
 {
     const struct run *run = run_of(names);
     return run ? run->system.model : names->session->setup.scene.model;
 }
 
+/* Finds a state variable of the model and sets *index. Returns false if there is none. */
 static bool in_state(const struct model *model, struct text name, int *index)
 {
     *index = model_variable(model, name);
     return *index >= 0;
 }
 
-/* Returns the scene whose parameters have names. */
+/* Returns the scene whose parameters the names mean; for a run in progress its scene with the
+ * changes so far, which is kept until the journal grows. */
 static const struct scene *scene_of(const struct names *names)
 {
     struct in_force *force = names->in_force;
@@ -90,14 +95,16 @@ static const struct scene *scene_of(const struct names *names)
     return &force->scene;
 }
 
-/* Typed forces without a potential have no energy. */
+/* Returns true if the observable needs an energy that the run does not have, because its typed
+ * forces have no potential. */
 static bool lacks_energy(const struct run *run, const struct observable *observable)
 {
     return run && observable && observable->needs & NEED_ENERGY && run->system.order == 2 &&
            !run->system.energy;
 }
 
-/* Finds the newest result that is printed as T or A. */
+/* Finds the newest result that the program prints as T or A, and sets *index. Returns false if
+ * there is none. */
 static bool in_letters(const struct session *session, struct text name, int *index)
 {
     static const struct {
@@ -114,6 +121,8 @@ static bool in_letters(const struct session *session, struct text name, int *ind
     return false;
 }
 
+/* Finds the meaning of a name, in the order at the top of this file, and sets *slot. Returns false
+ * if it has none. */
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
@@ -153,11 +162,13 @@ static bool find_name(const struct names *names, struct text name, int *slot)
     return true;
 }
 
+/* Implements find of struct expr_scope; context is a struct names. */
 static bool scope_find(const void *context, struct text name, int *slot)
 {
     return find_name(context, name, slot);
 }
 
+/* Returns the value of a setting that is a number. */
 static double setting_number(const struct settings *settings, const struct setting *setting)
 {
     double value;
@@ -165,6 +176,8 @@ static double setting_number(const struct settings *settings, const struct setti
     return value;
 }
 
+/* Returns value, uncertainty and quantity of what a slot means; the value is NAN if it needs a run
+ * and there is none. */
 static struct named_value slot_value(const struct names *names, int slot)
 {
     const struct session *session = names->session;
@@ -220,11 +233,14 @@ static struct named_value slot_value(const struct names *names, int slot)
     return value;
 }
 
+/* Implements load of struct expr_scope: the value of a slot at present. */
 static double scope_load(const void *context, int slot)
 {
     return slot_value(context, slot).value;
 }
 
+/* Offers every name that has a meaning, with its description; moving is the model of state and
+ * observables. */
 static void each_name(const struct session *session, const struct model *moving,
                       void (*offer)(void *context, const char *name, const char *brief),
                       void *context)
@@ -257,12 +273,14 @@ void names_each(const struct session *session,
     each_name(session, run ? run->system.model : session->setup.scene.model, offer, context);
 }
 
+/* Passes a name on to a struct suggestion, for each_name(). */
 static void suggest(void *context, const char *name, const char *brief)
 {
     (void)brief;
     suggestion_offer(context, name);
 }
 
+/* Implements offer of struct expr_scope: candidates for a misspelled name. */
 static void scope_offer(const void *context, struct suggestion *suggestion)
 {
     const struct names *names = context;
@@ -270,7 +288,8 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
     suggestion_offer(suggestion, "pi");
 }
 
-/* Uses the scope of the run (run_scope). */
+/* Implements moving of struct expr_scope: numbers what changes during a run (state, observations,
+ * observables) as run_scope() does; -1 for what is constant. */
 static int scope_moving(const void *context, int slot)
 {
     const struct model *moving = state_model(context);
@@ -287,7 +306,7 @@ static int scope_moving(const void *context, int slot)
     }
 }
 
-/* The quantity of an observation of a typed scene is unknown. */
+/* Implements quantity of struct expr_scope; that of an observation of a typed scene is unknown. */
 static enum quantity scope_quantity(const void *context, int slot)
 {
     return slot >> SLOT_KIND == NAME_OBSERVED ? QUANTITY_OTHER : slot_value(context, slot).quantity;
@@ -306,6 +325,7 @@ int names_of_scene(int slot, bool *derived)
     return *derived || kind == NAME_PARAM ? slot & ((1 << SLOT_KIND) - 1) : -1;
 }
 
+/* Adds the size below which a state variable has no certain digit. */
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
     const struct names names = {.session = session, .letters = true};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Choices for the screen: layouts, and the points that cursors snap to. */
+/* Choices for the screen: layouts of panes, with the smallest screen [cell] for each, and the
+ * points that cursors snap to. */
 #include <hooke/session/subject.h>
 
 #define ROW(name, brief)                                                                           \

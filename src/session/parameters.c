@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Parameters, derived quantities and variables of a scene by name. They depend on its model. */
+/* Parameters, derived quantities and variables by name; they depend on the model of the scene.
+ * Typed scenes as commands. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/session/subject.h>
@@ -17,6 +18,7 @@ void scene_lines(const struct scene *scene, const char *prefix, struct buffer *t
     }
 }
 
+/* Writes lines by kind, so that each name is defined before it is used. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text)
 {
     static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
@@ -30,10 +32,12 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
         }
 }
 
+/* Things that change when a parameter changes: nothing, the start only, or the equations. */
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
-/* Returns the effect of the parameter in the present scene: the frequency of a drive that does not
- * exist has none. */
+/* Returns what changes if the parameter changes in the present scene (the frequency of a drive
+ * without amplitude changes nothing), by comparing the systems bound with both values. a and b are
+ * scratch memory. */
 static enum effect effect_between(const struct scene *scene, int index, struct system *a,
                                   struct system *b)
 {
@@ -51,6 +55,7 @@ static enum effect effect_between(const struct scene *scene, int index, struct s
     return moved ? EFFECT_START : EFFECT_NONE;
 }
 
+/* Returns what a change of the parameter changes; EFFECT_FORCE if out of memory. */
 static enum effect effect_of(const struct scene *scene, int index)
 {
     struct system *both = malloc(2 * sizeof *both);
@@ -89,6 +94,7 @@ int model_observation(const struct model *model, struct text name)
     return -1;
 }
 
+/* Returns true if name is a parameter, derived quantity or variable of the model. */
 static bool model_has(const struct model *model, struct text name)
 {
     return catalog_find(model->params, name) || catalog_find(model->derived, name) ||
@@ -103,7 +109,7 @@ const struct model *model_with(struct text name)
     return NULL;
 }
 
-/* name of a scene that is one */
+/* Returns the name of a preset with that model. */
 static const char *model_scene(const struct model *model)
 {
     for (size_t i = 0; i < preset_catalog.count; i++) {
@@ -127,6 +133,7 @@ const struct observable *model_observable(const struct model *model, struct text
     return observable_from(row);
 }
 
+/* Returns true unless the observable needs what a model of this order never has. */
 bool model_offers(const struct model *model, const struct observable *observable)
 {
     const unsigned never =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of the runs and the measurements of a session, for programs and files. */
+/* Columns of runs and measurements: their names are the headings of tables and the keys in JSON. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/unit.h>
@@ -16,7 +16,7 @@ static const char *measurement_unit(const void *row)
 
 #define AT(member) .offset = offsetof(struct measurement, member)
 
-/* The unit is a column: rows differ in it. */
+/* The unit is a column of its own, because it differs between rows. */
 static const struct result_column of_measurement[] = {
     {.name = "quantity", .kind = COLUMN_CHARS, AT(quantity)},
     {.name = "value", AT(value.value)},
@@ -36,11 +36,13 @@ static const struct run *run_of(const void *row)
     return ((const struct run_row *)row)->run;
 }
 
+/* Returns the step of a run with fixed steps, else NAN. */
 static double run_dt(const void *row)
 {
     return run_of(row)->plan.adaptive ? NAN : run_of(row)->settings.dt;
 }
 
+/* Returns the tolerance of an adaptive run, else NAN. */
 static double run_tol(const void *row)
 {
     return run_of(row)->plan.adaptive ? run_of(row)->settings.tol : NAN;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The last lines that commands said: a ring. How a line is broken into the rows of a pane. */
+/* The log pane: a ring of the last lines that commands printed, and how a line is broken into rows
+ * of the pane. */
 #include <hooke/base/safe_text.h>
 #include <hooke/session/subject.h>
 
 #include <stdlib.h>
 
-#define INDENT_CELLS 2 /* Indentation of the further rows of a line [cell]. */
-#define INDENT_MIN 8   /* [cell] of width: below, every cell is for the words */
+#define INDENT_CELLS 2 /* [cell] indentation of the second and later rows of a line */
+#define INDENT_MIN 8   /* [cell] width below which rows are not indented */
 
+/* Adds a line, made safe for terminals, and drops the oldest if the ring is full. A line for which
+ * there is no memory is lost. */
 static void add_line(struct log *log, struct text line)
 {
     struct buffer safe = {0};
@@ -28,7 +31,7 @@ static void add_line(struct log *log, struct text line)
     log->said++;
 }
 
-/* Leaves the last LIMIT_LOG lines of the text, which are all that will be kept of it. */
+/* Removes all but the last LIMIT_LOG lines from *text, and counts the removed ones as said. */
 static void skip_lines(struct log *log, struct text *text)
 {
     size_t begin = text->len;
@@ -61,6 +64,7 @@ const char *log_line(const struct log *log, int i)
                                     : NULL;
 }
 
+/* Breaks at the last space that fits, else within a word. */
 struct text log_row(struct text line, size_t *offset, int width, int *indent)
 {
     const struct text rest = {line.data + *offset, line.len - *offset};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The session: its runs, recordings and results. */
+/* The session: creating and freeing it, its lists of runs and recordings, results by name, and what
+ * follows from its settings. */
 #include <hooke/session.h>
 #include <hooke/run.h>
 #include <hooke/method.h>
@@ -124,7 +125,7 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
                                   .id = session->runs.next_id++};
         memcpy(slot->origin, session->setup.origin, sizeof slot->origin);
         run->cancel = session->front.cancel;
-        /* A run that comes from a study has been somewhere already. */
+        /* a run that comes from a study has made steps already, which the journal has to know */
         const double t0 = run->system.t0,
                      t = run->stop == STOP_END ? run->t : copysign(T_UNREACHABLE, run->t - t0);
         if (run->steps > 0 &&
@@ -175,8 +176,8 @@ bool session_add_recording(struct session *session, struct recording *recording,
     return true;
 }
 
-/* Returns the index of the current item after item `dropped` has been removed from a list that has
- * `count` left: that of the last one if it was the current one itself. */
+/* Returns the index of the current item after item `dropped` was removed from a list that has count
+ * items left; the last item becomes current if the current one was removed. */
 static int after_drop(int current, int dropped, int count)
 {
     if (current > dropped)
@@ -226,6 +227,7 @@ int session_find_recording(const struct session *session, struct text name)
 
 /* ---- results ---- */
 
+/* Moves the name to the end of the list, so that the oldest result is the first. */
 void session_set_result(struct session *session, const char *name, struct measured value,
                         enum quantity quantity)
 {
@@ -284,6 +286,7 @@ struct run_settings session_run_settings(const struct session *session)
                                  .record = settings->record};
 }
 
+/* Chooses braille or ASCII by the terminal if the setting is auto. */
 const struct charset *session_charset(const struct session *session)
 {
     const struct charset_choice *choice =

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The settings that are not part of the scene: one row each. */
+/* The settings, which are not part of the scene: the catalog of settings.def, and reading, showing
+ * and copying of values. */
 #include <hooke/run.h>
 #include <hooke/run/timing.h>
 #include <hooke/figure.h>
@@ -125,6 +126,7 @@ static const struct row phase_rows[] = {
 };
 const struct catalog phase_axes_catalog = CATALOG("kind of axes", phase_rows);
 
+/* Reads the tolerance, or off (0). Returns false with the error set. */
 static bool parse_tol(struct settings *settings, struct text value, struct error *error)
 {
     double tol;
@@ -147,6 +149,7 @@ void put_tol_floor(struct buffer *text, double tol)
         buffer_format(text, " (below rounding: %.2g is used)", floor);
 }
 
+/* Appends the tolerance as parse_tol() reads it. */
 static void show_tol(const struct settings *settings, struct buffer *text)
 {
     if (settings->tol > 0)
@@ -155,6 +158,8 @@ static void show_tol(const struct settings *settings, struct buffer *text)
         buffer_put(text, TEXT("off"));
 }
 
+/* Reads the rule by which rows are recorded: auto, all, every N steps, or every TIME with its unit.
+ * Returns false with the error set. */
 static bool parse_record(struct settings *settings, struct text value, struct error *error)
 {
     struct text word = peek_word(value, "");
@@ -184,6 +189,7 @@ static bool parse_record(struct settings *settings, struct text value, struct er
     return error_hint(error, "for example: set record every 10; set record every 0.1 s");
 }
 
+/* Appends the rule as parse_record() reads it. */
 static void show_record(const struct settings *settings, struct buffer *text)
 {
     if (settings->record.rule == RECORD_EVERY)
@@ -196,6 +202,8 @@ static void show_record(const struct settings *settings, struct buffer *text)
         buffer_put(text, settings->record.rule == RECORD_ALL ? TEXT("all") : TEXT("auto"));
 }
 
+/* Reads the size of plots as WIDTHxHEIGHT [cell], or auto (0x0). Returns false with the error
+ * set. */
 static bool parse_size(struct settings *settings, struct text value, struct error *error)
 {
     struct text rest = value, width;
@@ -214,6 +222,7 @@ static bool parse_size(struct settings *settings, struct text value, struct erro
     return true;
 }
 
+/* Appends the size as parse_size() reads it. */
 static void show_size(const struct settings *settings, struct buffer *text)
 {
     if (settings->width > 0)
@@ -222,6 +231,7 @@ static void show_size(const struct settings *settings, struct buffer *text)
         buffer_put(text, TEXT("auto"));
 }
 
+/* Reads the number of significant digits. Returns false with the error set. */
 static bool parse_digits(struct settings *settings, struct text value, struct error *error)
 {
     double digits;
@@ -237,6 +247,7 @@ static void show_digits(const struct settings *settings, struct buffer *text)
     buffer_format(text, "%d", settings->digits);
 }
 
+/* Reads the frame rate of the live view. Returns false with the error set. */
 static bool parse_fps(struct settings *settings, struct text value, struct error *error)
 {
     double fps;
@@ -263,7 +274,7 @@ static void show_fps(const struct settings *settings, struct buffer *text)
 #include "lists/settings.def"
 #undef MODULE_CATALOGS
 
-/* Places of the settings of modules in struct settings. */
+/* Indices of the settings of modules in of_modules of struct settings. */
 enum {
 #define MODULE_SETTING(name, ...) MODULE_SETTING_##name,
 #include "lists/settings.def"
@@ -336,6 +347,7 @@ void session_default_settings(struct settings *settings)
     };
 }
 
+/* Returns the flag that the user has set the setting; NULL if the setting has none. */
 static bool *chosen_flag(const struct setting *setting, struct settings *settings)
 {
     return setting->chosen ? (bool *)(void *)((char *)settings + setting->chosen) : NULL;
@@ -374,6 +386,7 @@ const struct row *setting_choice(const struct setting *setting, const struct set
     return catalog_row(setting->choices, (size_t)index);
 }
 
+/* Appends the value, exactly or with the digits that are shown. */
 static void put_setting(const struct setting *setting, const struct settings *settings, bool exact,
                         struct buffer *text)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* References that a series is compared with, and the residuals. */
+/* The scene that a run or a recording is measured against, its period, and measurements that are
+ * kept. */
 
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>
@@ -24,6 +25,7 @@ double derived_value(const struct scene *scene, const char *name)
     return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
 }
 
+/* Takes the first of these derived quantities that the scene has and that is finite. */
 double scene_period(const struct scene *scene)
 {
     static const char *const names[] = {"T_d", "period", "T0"};
@@ -49,7 +51,7 @@ bool session_add_measurement(struct session *session, const char *name, const ch
                              struct measured value, enum quantity unit, double periods,
                              struct error *error)
 {
-    /* full at every power of two */
+    /* the capacity is a power of two, and doubles when the list is full */
     if (session->measurements < LIMIT_MEASUREMENTS &&
         (session->measurements & (session->measurements - 1)) == 0) {
         const size_t capacity = session->measurements ? 2 * (size_t)session->measurements : 1;

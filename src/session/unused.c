@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Removal of definitions that nothing uses: neither the set-up, a run, a result, nor undo and
- * checkpoints. */
+/* Frees typed scenes and lists of events that nothing uses any more: neither the set-up, runs and
+ * results, nor undo and checkpoints. */
 #include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/module.h>
@@ -25,13 +25,15 @@ bool run_slot_uses(const struct run_slot *slot, const struct model *model,
     return (events && slot->events == events) || (model && scene_uses(&slot->run->scene, model));
 }
 
+/* Returns true if set-up, runs, undo or checkpoints use the model or the events; either may be
+ * NULL. */
 static bool is_used(const struct session *session, const struct model *model,
                     const struct events *events)
 {
     bool used = setup_uses(&session->setup, model, events);
     for (int i = 0; i < session->runs.count && !used; i++)
         used = run_slot_uses(session->runs.slot[i], model, events);
-    /* the latest first: that is where most are found */
+    /* the latest first, where most definitions are used */
     for (int i = session->undo.undos + session->undo.redos; i-- > 0 && !used;)
         used = snapshot_uses(session->undo.state[i], model, events);
     for (int i = session->undo.checkpoints; i-- > 0 && !used;)
@@ -44,6 +46,7 @@ static bool events_are_used(const struct session *session, const struct events *
     return is_used(session, NULL, events);
 }
 
+/* Returns true if the session (context) or a module's part of it uses the model. */
 static bool model_is_used(const void *context, const struct model *model)
 {
     const struct session *session = context;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Angles of points, lengths and cube roots. */
+/* Arc functions, atan2, hypot and cbrt, with the same bits on every machine. Each has a polynomial
+ * for the difference from its leading term, which is added last. */
 #include <hooke/base/text.h>
 #include <stdbool.h>
 
@@ -26,12 +27,14 @@ static const struct wide centre_angle[] = {
     {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
 };
 
+/* Constants as sums of two doubles. */
 static const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
                          pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 
-/* The polynomial gives atan x - x up to this |x|, by Remez exchange in 400 bits, to 2^-64.5 of
- * atan x. */
+/* Largest |x| for which angle_rest() is accurate. */
 #define ATAN_POLYNOMIAL_MAX 0.1875
+/* Returns atan x - x for |x| <= ATAN_POLYNOMIAL_MAX, by a polynomial (Remez exchange in 400 bits),
+ * with an error of 2^-64.5 of atan x. */
 static double angle_rest(double x)
 {
     const double s = x * x, q = s * s;
@@ -42,17 +45,16 @@ static double angle_rest(double x)
     return x * s * (low + q * q * high);
 }
 
-/* a - b, a known in two parts */
+/* Returns a - b, rounded once. */
 static double wide_less(struct wide a, struct wide b)
 {
     const struct wide sum = ordered_sum(a.high, -b.high);
     return sum.high + (sum.low + (a.low - b.low));
 }
 
-/*
- * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of the centre and atan
- * t, t = (y - c x)/(x + c y), |t| < 0.034; c x in two exact parts. Where y/x is small it is t.
- */
+/* Returns the angle of the point (x, y), 0 <= y <= x, as the sum of two angles: with c = j/16 next
+ * to y/x, atan c from the table and atan t with t = (y - c x)/(x + c y), |t| < 0.034. Products c x
+ * are exact, in two parts. For a small y/x the angle is found from y/x alone. */
 INLINE struct wide first_angle(double y, double x)
 {
     const double ratio = y / x;
@@ -69,7 +71,7 @@ INLINE struct wide first_angle(double y, double x)
     return (struct wide){most.high, most.low + (centre.low + angle_rest(t))};
 }
 
-/* Returns the angle from 0 to pi of a point with y >= 0. */
+/* Returns the angle from 0 to pi of a point with y >= 0, both coordinates of normal size. */
 static double angle(double y, double x)
 {
     const double x_size = fabs(x);
@@ -84,6 +86,8 @@ static double angle(double y, double x)
     return sum.high + (sum.low + (base.low + sign * a.low));
 }
 
+/* Adds the angle of a centre c = j/16 near |x| (or near 1/|x| if |x| > 1) and a small angle, as
+ * first_angle() does. */
 double fixed_atan(double x)
 {
     const double size = fabs(x);
@@ -104,6 +108,8 @@ double fixed_atan(double x)
     return copysign(is_inverted ? wide_less(half_pi, found) : found.high + found.low, x);
 }
 
+/* Treats zeros, infinities and extreme ratios first; scales both coordinates if one of them is
+ * extreme. */
 double fixed_atan2(double y, double x)
 {
     if (x != x || y != y)
@@ -125,8 +131,8 @@ double fixed_atan2(double y, double x)
     return copysign(angle(y_size, x < 0 ? -x_size : x_size), y);
 }
 
-/* asin x - x, |x| <= 1/2, by Remez exchange in 400 bits, to 2^-59.9 of asin x
- */
+/* Returns asin x - x for |x| <= 1/2, by a polynomial (Remez exchange in 400 bits), with an error of
+ * 2^-59.9 of asin x. */
 static double arc_rest(double x)
 {
     const double s = x * x, q = s * s, p = q * q;
@@ -139,8 +145,7 @@ static double arc_rest(double x)
     return x * s * (low + p * (middle + p * (high + p * 0x1.0b8072c58c6f9p-5)));
 }
 
-/* acos x = 2 asin sqrt((1 - x)/2), 1/2 <= x <= 1: the root, and the rest of the
- * arc */
+/* Returns acos(x)/2 = asin sqrt((1 - x)/2) for 1/2 <= x <= 1, as the root and its correction. */
 static struct wide half_arc(double x)
 {
     const double square = (1 - x) * 0.5, root = sqrt(square);
@@ -150,6 +155,7 @@ static struct wide half_arc(double x)
     return (struct wide){root, ((square - p.high) - p.low) / (2 * root) + arc_rest(root)};
 }
 
+/* Uses the polynomial up to 1/2, beyond it pi/2 - acos |x|. */
 double fixed_asin(double x)
 {
     const double size = fabs(x);
@@ -161,6 +167,7 @@ double fixed_asin(double x)
     return copysign(wide_less(half_pi, (struct wide){2 * half.high, 2 * half.low}), x);
 }
 
+/* Uses pi/2 - asin x up to 1/2, beyond it half_arc(). */
 double fixed_acos(double x)
 {
     if (!(fabs(x) <= 1))
@@ -171,6 +178,8 @@ double fixed_acos(double x)
     return x > 0 ? arc.high + arc.low : wide_less(pi, arc);
 }
 
+/* Returns sqrt(a^2 + b^2) for a >= b whose squares are normal, corrected by the rounding errors of
+ * squares and root. */
 static double length(double a, double b)
 {
     const struct wide aa = wide_product(a, a), bb = wide_product(b, b),
@@ -180,6 +189,7 @@ static double length(double a, double b)
     return root + ((square - p.high) - p.low + rest) / (2 * root);
 }
 
+/* Scales the sides if their squares would overflow or underflow. */
 double fixed_hypot(double x, double y)
 {
     const double p = fabs(x), q = fabs(y), a = p < q ? q : p, b = p < q ? p : q;
@@ -195,10 +205,9 @@ double fixed_hypot(double x, double y)
     return length(a * scale, b * scale) / scale;
 }
 
-/*
- * |x| = u 2^3k, 1 <= u < 8: u^(-1/3) by a polynomial (Remez exchange, to 2^-14.7) and Newton's
- * step to 2^-28; of it the root to 26 bits, whose square is exact, and what its cube leaves.
- */
+/* Writes |x| as u 2^3k with 1 <= u < 8 and estimates u^(-1/3) by a polynomial (Remez exchange, to
+ * 2^-14.7), which a Newton step improves to 2^-28. The root u y^2 is cut to 26 bits, so that its
+ * square is exact, and corrected by what its cube lacks. */
 double fixed_cbrt(double x)
 {
     static const double shrunk[] = {1, 0x1.965fea53d6e3dp-1, 0x1.428a2f98d728bp-1}; /* 2^(-i/3) */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sin, cos, tan of anything. */
+/* sin, cos and tan of any double, with the same bits on every machine; and of arrays, in loops that
+ * compilers turn into vectors. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
 #endif
@@ -10,7 +11,7 @@
 
 /* ---- large arguments (Payne & Hanek 1983) ---- */
 
-/* 2/pi, the bits behind the binary point */
+/* Bits of 2/pi behind the binary point, 64 in a word. */
 static const uint64_t two_over_pi[] = {
     0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 0xdb6295993c439041, 0xfe5163abdebbc561,
     0xb7246e3a424dd2e0, 0x06492eea09d1921c, 0xfe1deb1cb129a73e, 0xe88235f52ebb4484,
@@ -19,7 +20,7 @@ static const uint64_t two_over_pi[] = {
     0x3d0739f78a5292ea, 0x6bfb5fb11f8d5d08, 0x56033046fc7b6bab, 0xf0cfbc209af4361d,
 };
 
-/* 64 bits from that position on; those before the point are 0. */
+/* Returns 64 bits of 2/pi from a position on; bits before the binary point (position < 0) are 0. */
 static uint64_t bits_from(int position)
 {
     const int words = (int)COUNT_OF(two_over_pi), word = (position + 1024) / 64 - 16,
@@ -29,7 +30,7 @@ static uint64_t bits_from(int position)
     return shift > 0 ? first << shift | second >> (64 - shift) : first;
 }
 
-/* a b: the upper 64 bits; the lower are a * b */
+/* Returns the upper 64 bits of the product a b. */
 static uint64_t upper_product(uint64_t a, uint64_t b)
 {
     const uint64_t mask = 0xFFFFFFFF, a1 = a >> 32, a0 = a & mask, b1 = b >> 32, b0 = b & mask;
@@ -37,11 +38,10 @@ static uint64_t upper_product(uint64_t a, uint64_t b)
     return a1 * b1 + (middle >> 32) + (other >> 32);
 }
 
-/*
- * Reduces a finite x >= 2^-20. With x = m 2^e it multiplies m by the bits of 2/pi from 2^(1 - e)
- * on, without those of weight 4 and above. Two bits of the product count quarters, the following
- * ones are the fraction.
- */
+/* Reduces a finite x >= 2^-20 to *r + *low, |*r| <= pi/4, and returns the number of quarter turns,
+ * of which the lowest two bits are right. With x = m 2^e it multiplies m by the bits of 2/pi from
+ * 2^(1 - e) on, without those of weight 4 and above. Two bits of the product count quarters, the
+ * following ones are the fraction. */
 static uint64_t quarters_far(double x, double *r, double *low)
 {
     const int e = (int)(to_bits(x) >> EXPONENT_SHIFT) - 1075;
@@ -71,7 +71,8 @@ static uint64_t quarters_far(double x, double *r, double *low)
     return quarters;
 }
 
-/* x >= 0, finite */
+/* Reduces a finite x >= 0 to *r + *low; returns the number of quarter turns, in its lowest two
+ * bits. */
 static uint64_t quarters_of(double x, double *r, double *low)
 {
     uint64_t fine;
@@ -79,8 +80,9 @@ static uint64_t quarters_of(double x, double *r, double *low)
     return fine ? quarters : quarters_far(x, r, low);
 }
 
-/* ---- one ---- */
+/* ---- one argument ---- */
 
+/* An odd number of quarter turns exchanges sine and cosine; two change the sign. */
 double fixed_sin(double x)
 {
     const double size = fabs(x);
@@ -94,6 +96,7 @@ double fixed_sin(double x)
     return (x < 0) != ((quarters & 2) != 0) ? -value : value;
 }
 
+/* The cosine is the sine of one more quarter turn. */
 double fixed_cos(double x)
 {
     const double size = fabs(x);
@@ -109,7 +112,7 @@ double fixed_cos(double x)
 
 #define TANGENT_SERIES 0.125 /* a series is used up to this |x|, for cot one of 1/x */
 
-/* tan(r + low), 0 <= r < TANGENT_SERIES, to 2^-60.9 of it */
+/* Returns tan(r + low) for 0 <= r < TANGENT_SERIES, with a relative error of 2^-60.9. */
 INLINE double tangent_small(double r, double low)
 {
     const double s = r * r, q = s * s;
@@ -119,7 +122,7 @@ INLINE double tangent_small(double r, double low)
     return r + (r * s * sum + (low + low * s));
 }
 
-/* cot(r + low), 0 < r < TANGENT_SERIES, to 2^-62.5 of it */
+/* Returns cot(r + low) for 0 < r < TANGENT_SERIES, with a relative error of 2^-62.5. */
 INLINE double cotangent_small(double r, double low)
 {
     const double s = r * r;
@@ -131,8 +134,9 @@ INLINE double cotangent_small(double r, double low)
     return inverse.high + (inverse.low - r * sum);
 }
 
-/* tan(r + low) or, where odd, cot(r + low), r from TANGENT_SERIES to pi/4: with that of j/32, T,
- * and t = tan(r + low - j/32) T + (1 + T^2) t/(1 - T t), of cot with other signs. */
+/* Returns tan(r + low), or cot(r + low) if odd, for r from TANGENT_SERIES to pi/4. With T =
+ * tan(j/32) of the table and t = tan(r + low - j/32) it is T + (1 + T^2) t/(1 - T t); cot has the
+ * same form with other signs. */
 INLINE double tangent_rows(uint64_t odd, double r, double low)
 {
     const double j = (r * 32 + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
@@ -147,6 +151,7 @@ INLINE double tangent_rows(uint64_t odd, double r, double low)
     return odd ? -value : value;
 }
 
+/* An odd number of quarter turns makes it the cotangent with changed sign. */
 double fixed_tan(double x)
 {
     const double size = fabs(x);
@@ -167,7 +172,8 @@ double fixed_tan(double x)
     return (x < 0) != (r < 0) ? -value : value;
 }
 
-/* ---- many ---- */
+/* ---- arrays, in blocks of 64: if an argument of a block is too large for the loop, the block is
+ * computed again one by one ---- */
 
 CLONES void fixed_sines(int n, const double *x, double *results)
 {

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * sin and cos of what is not too large, without a branch: in loops it becomes
- * vectors, and both forms are one text.
- */
+/* sin and cos of arguments that are not too large, without branches: in loops they become vectors.
+ * circle.c uses the same code for single values, so that both give the same bits. */
 #pragma once
 
 #include "base/elementary/wide.h"
 
+/* Select one of two coefficients of CIRCLE_SERIES. */
 #define OF_SINE(sine, cosine) (sine)
 #define OF_COSINE(sine, cosine) (cosine)
 
-/* sin(r + low) - r */
+/* Returns sin(r + low) - r, |r| <= pi/4. */
 INLINE double sine_rest(double r, double low)
 {
     const double s = r * r, q = s * s;
@@ -18,7 +17,7 @@ INLINE double sine_rest(double r, double low)
     return r * s * sum + low * (1 - s * (0.5 - s * (1. / 24)));
 }
 
-/* cos(r + low) - *most, the larger part */
+/* Sets *most to the larger part of cos(r + low). Returns the difference from it. */
 INLINE double cosine_rest(double r, double low, double *most)
 {
     const double s = r * r, q = s * s, half = s * 0.5;
@@ -27,6 +26,7 @@ INLINE double cosine_rest(double r, double low, double *most)
     return q * sum + (((1 - *most) - half) - low * (r - r * s * (1. / 6)));
 }
 
+/* sin and cos of r + low, |r| <= pi/4. */
 INLINE double sine_near(double r, double low)
 {
     return r + sine_rest(r, low);
@@ -39,8 +39,8 @@ INLINE double cosine_near(double r, double low)
     return most + rest;
 }
 
-/* |x|, 0 <= x <= CIRCLE_FAR, as quarters pi/2 + r + low; quarters in the lowest
- * bits of what is returned. *fine: all of these digits are right */
+/* Reduces x, 0 <= x <= CIRCLE_FAR, to quarters pi/2 + *r + *low. Returns quarters, of which only
+ * the lowest two bits are right. *fine becomes 1 if all digits of *r and *low are right, else 0. */
 INLINE uint64_t quarters_near(double x, double *r, double *low, uint64_t *fine)
 {
     const double turned = x * TWO_OVER_PI + ROUND_TO_INTEGER, n = turned - ROUND_TO_INTEGER;
@@ -51,7 +51,7 @@ INLINE uint64_t quarters_near(double x, double *r, double *low, uint64_t *fine)
     return to_bits(turned);
 }
 
-/* sin(r + low + quarters pi/2) */
+/* Returns sin(r + low + quarters pi/2). */
 INLINE double circle_turned(uint64_t quarters, double r, double low)
 {
     const uint64_t odd = -(quarters & 1);
@@ -59,7 +59,7 @@ INLINE double circle_turned(uint64_t quarters, double r, double low)
                      (quarters & 2) << 62);
 }
 
-/* sin x; *doubt: what is not to be used has its lowest bit set */
+/* Returns sin x; sets the lowest bit of *doubt if the result must not be used. */
 INLINE double sine_in_loop(double x, uint64_t *doubt)
 {
     double r, low;
@@ -69,6 +69,7 @@ INLINE double sine_in_loop(double x, uint64_t *doubt)
     return from_bits(to_bits(circle_turned(quarters, r, low)) ^ (to_bits(x) & SIGN_BIT));
 }
 
+/* Returns cos x; sets the lowest bit of *doubt if the result must not be used. */
 INLINE double cosine_in_loop(double x, uint64_t *doubt)
 {
     double r, low;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* exp and what is made of it; polynomials by scripts/elementary. */
+/* exp, expm1, sinh, cosh and tanh, with the same bits on every machine. Polynomials are computed by
+ * scripts/elementary. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
 #endif
@@ -10,7 +11,7 @@
 #define EXP_SAFE 690     /* |x| up to which the result and its parts are normal */
 #define EXP_ALONE_MIN 40 /* smallest x at which 1 is less than the last place of e^x */
 
-/* 2^shift e^x, |shift| <= 1 */
+/* Returns 2^shift e^x for any x, |shift| <= 1, also if e^x alone would overflow or underflow. */
 static double exp_shifted(double x, int shift)
 {
     double r;
@@ -29,6 +30,8 @@ double fixed_exp(double x)
     return exp_sum(n, r);
 }
 
+/* Works in blocks of 64; if an argument of a block is too large for the loop, the block is computed
+ * again one by one. */
 CLONES void fixed_exponentials(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {
@@ -47,11 +50,13 @@ CLONES void fixed_exponentials(int n, const double *x, double *results)
     }
 }
 
-/* ---- less 1, and of both signs ---- */
+/* ---- differences from 1 and hyperbolic functions ---- */
 
 /* Smaller arguments have series of their own, in which nothing cancels. */
 #define SERIES_X_MAX 0.125
 
+/* Uses a series for small |x|; beyond it subtracts 1 from the larger part of e^x, which is exact in
+ * two parts. */
 double fixed_expm1(double x)
 {
     if (!(fabs(x) <= EXP_ALONE_MIN))
@@ -73,7 +78,8 @@ double fixed_expm1(double x)
     return sum.high + (sum.low + rest);
 }
 
-/* e^x + sign e^-x, SERIES_X_MAX <= x <= EXP_ALONE_MIN or sign > 0 */
+/* Returns e^x + sign e^-x, for SERIES_X_MAX <= x <= EXP_ALONE_MIN, or any smaller x >= 0 if sign >
+ * 0. */
 INLINE double both_signs(double x, double sign)
 {
     double r, growing, decaying;
@@ -101,9 +107,9 @@ double fixed_cosh(double x)
     return size <= EXP_ALONE_MIN ? both_signs(size, 1) * 0.5 : exp_shifted(size, -1);
 }
 
-#define TANH_SERIES 0.25
+#define TANH_SERIES 0.25 /* largest |x| for tanh_rest() */
 
-/* tanh x - x, |x| < TANH_SERIES, to 2^-57.6 of tanh x */
+/* Returns tanh x - x for |x| < TANH_SERIES, with an error of 2^-57.6 of tanh x. */
 INLINE double tanh_rest(double x)
 {
     const double s = x * x, q = s * s;
@@ -114,7 +120,7 @@ INLINE double tanh_rest(double x)
     return x * s * (low + q * q * high);
 }
 
-/* 1 - 2/(e^2x + 1), the quotient in two parts */
+/* Computes 1 - 2/(e^2x + 1), with the quotient in two parts. */
 double fixed_tanh(double x)
 {
     const double size = fabs(x);

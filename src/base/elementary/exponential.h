@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * e^x after Tang (1989, ACM Trans. Math. Softw. 15:144): x = n ln 2/128 + r, ln 2/128 in two
- * parts, of which n times the first is exact; 2^(n/128) by a table, e^r by a polynomial (Remez
- * exchange, to 2^-65).
+ * The parts of e^x, after Tang (1989, ACM Trans. Math. Softw. 15:144): x = n ln 2/128 + r, ln 2/128
+ * in two parts, of which n times the first is exact; 2^(n/128) by a table, e^r by a polynomial
+ * (Remez exchange, to 2^-65).
  */
 #pragma once
 
 #include "base/elementary/tables.h"
 #include "base/elementary/wide.h"
 
-#define LN_2_1 0x1.62e42fef80000p-8 /* 34 bits, and what follows; of ln 2/128 */
+#define LN_2_1 0x1.62e42fef80000p-8 /* ln 2/128: its first 34 bits, and the remainder */
 #define LN_2_2 0x1.1cf79abc9e3b4p-43
-#define ROWS_PER_LN_2 0x1.71547652b82fep+7
+#define ROWS_PER_LN_2 0x1.71547652b82fep+7 /* 128/ln 2 */
 
-/* x = n ln 2/128 + r, |r| <= ln 2/256, |x| < 1000; n, also negative */
+/* Returns n, which may be negative (as two's complement), and sets *r so that x = n ln 2/128 + r
+ * with |r| <= ln 2/256, for |x| < 1000. */
 INLINE uint64_t exp_reduced(double x, double *r)
 {
     const double turned = x * ROWS_PER_LN_2 + ROUND_TO_INTEGER, n = turned - ROUND_TO_INTEGER;
@@ -21,7 +22,8 @@ INLINE uint64_t exp_reduced(double x, double *r)
     return to_bits(turned) - to_bits(ROUND_TO_INTEGER);
 }
 
-/* 2^(n/128) e^r - *most, the power of two without tail; 2^(n/128) from 2^-1021 to 2^1023 */
+/* Sets *most to the power of two of the table without its tail, and returns 2^(n/128) e^r - *most;
+ * for 2^(n/128) from 2^-1021 to 2^1023. */
 INLINE double exp_rest(uint64_t n, double r, double *most)
 {
     const uint64_t row = powers_of_two[n % TABLE_ROWS],
@@ -35,6 +37,7 @@ INLINE double exp_rest(uint64_t n, double r, double *most)
     return (scale * (tail + r) + sum) + next;
 }
 
+/* Returns 2^(n/128) e^r, in the range of exp_rest(). */
 INLINE double exp_sum(uint64_t n, double r)
 {
     double most;
@@ -42,7 +45,7 @@ INLINE double exp_sum(uint64_t n, double r)
     return most + rest;
 }
 
-/* 2^n x, rounded once, x about 1 */
+/* Returns 2^n x, rounded once, for an x near 1 and any n. */
 INLINE double scaled(double x, int64_t n)
 {
     if (n > 1023)
@@ -52,7 +55,7 @@ INLINE double scaled(double x, int64_t n)
     return x * power_of_two(n);
 }
 
-/* 2^(n/128 + shift) e^r, |shift| <= 1, also where that is too large or too small */
+/* Returns 2^(n/128 + shift) e^r, |shift| <= 1, also if it overflows or underflows. */
 INLINE double exp_scaled(uint64_t n, double r, int shift)
 {
     const uint64_t row = n % TABLE_ROWS;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* log and pow, with products rounded once where the machine can. */
+/* log, log10 and pow, with the same bits on every machine; they use fused multiply-add where the
+ * processor has it, which gives the same results faster. */
 #include <hooke/base/text.h>
 #include "base/elementary/logarithm.h"
 
-/* Returns the result for numbers without a finite logarithm. */
+/* Returns the logarithm of numbers without a finite one: -infinity for 0, NaN for negative ones. */
 static double no_logarithm(double x)
 {
     return x == 0 ? -HUGE_VAL : x < 0 ? (double)NAN : x;
@@ -57,7 +58,7 @@ static bool is_odd(double y)
     return is_whole(y) && !is_whole(y / 2);
 }
 
-/* x^y where one of them is 0, 1, infinite or not a number. */
+/* Returns x^y if one of them is 0, infinite or not a number, or x is 1. */
 static double special_power(double x, double y)
 {
     if (y == 0 || x == 1)
@@ -71,6 +72,7 @@ static double special_power(double x, double y)
     return signbit(x) && is_odd(y) ? -size : size;
 }
 
+/* Computes |x|^y; a negative x has a power only for whole y, with the sign minus if y is odd. */
 double fixed_pow(double x, double y)
 {
     const double size = fabs(x);

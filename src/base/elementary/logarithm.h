@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * log and pow, after Tang (1990, ACM Trans. Math. Softw. 16:378): x = 2^k m, 0.697 <= m < 1.395,
- * and m c = 1 + r with a short c near 1/m, so that r is a double, |r| < 0.00528; log x = k ln 2 -
- * log c + log(1 + r). The table and the polynomial, to 2^-70, by scripts/elementary.
+ * The parts of log and pow, after Tang (1990, ACM Trans. Math. Softw. 16:378): x = 2^k m, 0.697 <=
+ * m < 1.395, and m c = 1 + r with a short c near 1/m, so that r is a double, |r| < 0.00528; log x =
+ * k ln 2 - log c + log(1 + r). The table and the polynomial, accurate to 2^-70, come from
+ * scripts/elementary. `fused` selects multiply-add in one operation (wide.h).
  */
 #pragma once
 
 #include "base/elementary/exponential.h"
 
-#define LN_2_HIGH 0x1.62e42fefa2000p-1 /* 41 bits, and what follows */
+#define LN_2_HIGH 0x1.62e42fefa2000p-1 /* ln 2: its first 41 bits, and the remainder */
 #define LN_2_LOW 0x1.9ef35793c7673p-41
 
-/* Summands of log x: `whole`, which is exact, and 0 or more than r; log(1 + r); `rest`. */
+/* Summands of log x = whole + log(1 + r) + rest: whole is exact, and 0 or larger than r. */
 struct log_parts {
     double whole, r, rest;
 };
 
-/* x > 0, finite */
+/* Splits the logarithm of a finite x > 0, which may be subnormal. */
 INLINE struct log_parts parts_of(double x, bool fused)
 {
     const bool tiny = x < 0x1p-1022;
@@ -33,7 +34,7 @@ INLINE struct log_parts parts_of(double x, bool fused)
                               row->low + k * LN_2_LOW};
 }
 
-/* log(1 + r) - r + r^2/2 */
+/* Returns log(1 + r) - r + r^2/2. */
 INLINE double cubic_part(double r)
 {
     const double s = r * r, cube = r * s;
@@ -43,6 +44,7 @@ INLINE double cubic_part(double r)
                 s * (0x1.24956082fa00ep-3 - r * 0x1.0003627cfacfbp-3));
 }
 
+/* Returns log x for a finite x > 0. */
 INLINE double log_in(double x, bool fused)
 {
     const struct log_parts parts = parts_of(x, fused);
@@ -61,9 +63,10 @@ INLINE struct wide wide_log(double x, bool fused)
                                       ((parts.rest - 0.5 * square.low) + cubic_part(parts.r)));
 }
 
-#define PER_LN_10_1 0x1.bcb7b10000000p-2 /* 25 bits, and what follows */
+#define PER_LN_10_1 0x1.bcb7b10000000p-2 /* 1/ln 10: its first 25 bits, and the remainder */
 #define PER_LN_10_2 0x1.49b9438ca9aaep-28
 
+/* Returns log10 x for a finite x > 0. */
 INLINE double log10_in(double x, bool fused)
 {
     const struct wide log = wide_log(x, fused);
@@ -72,7 +75,7 @@ INLINE double log10_in(double x, bool fused)
            (lower * PER_LN_10_1 + (log.high * PER_LN_10_2 + log.low * PER_LN_10_1));
 }
 
-/* e^(y log x), the logarithm and the product in two parts */
+/* Returns x^y = e^(y log x) for a finite x > 0, with logarithm and product in two parts. */
 INLINE double power_in(double x, double y, bool fused)
 {
     const struct wide log = wide_log(x, fused);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Written by scripts/elementary. */
+/* Written by scripts/elementary; tables.h says what the tables hold. */
 #include "base/elementary/tables.h"
 
 const uint64_t powers_of_two[TABLE_ROWS] = {

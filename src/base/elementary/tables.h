@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables of constants: powers of two, elementary_reciprocals of few bits with their logarithms,
- * elementary_tangents. */
+/* Tables of constants for exp (powers_of_two), log (elementary_reciprocals) and tan
+ * (elementary_tangents); scripts/elementary writes them. */
 #pragma once
 
 #include "base/elementary/wide.h"
@@ -9,8 +9,8 @@
 #define ROW_SHIFT 45 /* shifts the bits of a double to the number of the row */
 
 /*
- * 2^(j/128) = T (1 + (t - 2^14) 2^-67), T = 1 + j/128 - d: t, and below TAIL_SHIFT d in bits of T.
- * In one number, which vectors gather.
+ * Row j holds 2^(j/128) = T (1 + (t - 2^14) 2^-67) with T = 1 + j/128 - d. One word has t from bit
+ * TAIL_SHIFT on and d, in units of the last place of T, below it, so that vectors gather one word.
  */
 #define TAIL_SHIFT 49
 #define TAIL_ONE 0x1p-15 /* its last place is that of tails */
@@ -29,6 +29,6 @@ struct reciprocal {
 };
 extern const struct reciprocal elementary_reciprocals[TABLE_ROWS];
 
-/* tan j/32 and cot j/32, 4 <= j */
+/* tan j/32 in the first and cot j/32 in the second row, for 4 <= j; others are 0. */
 #define TANGENT_ROWS 26
 extern const struct wide elementary_tangents[2][TANGENT_ROWS];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers as sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and
- * doubles as bits. */
+/* Numbers as unevaluated sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and doubles as
+ * bits. */
 #pragma once
 
 #include <hooke/base/circle.h>
@@ -30,23 +30,26 @@ INLINE double from_bits(uint64_t bits)
     return x;
 }
 
-/* 2^n, -1022 <= n <= 1023 */
+/* Returns 2^n, -1022 <= n <= 1023. */
 INLINE double power_of_two(int64_t n)
 {
     return from_bits((uint64_t)(n + 1023) << EXPONENT_SHIFT);
 }
 
+/* The number high + low, with |low| at most half a last place of high unless a function tells
+ * otherwise. */
 struct wide {
     double high, low;
 };
 
-/* a + b, |a| >= |b| or a = 0 */
+/* Returns a + b exactly, for |a| >= |b| or a = 0. */
 INLINE struct wide ordered_sum(double a, double b)
 {
     const double high = a + b;
     return (struct wide){high, b - (high - a)};
 }
 
+/* Returns a + b exactly, for any a and b. */
 INLINE struct wide wide_sum(double a, double b)
 {
     const double high = a + b, of_b = high - a;
@@ -69,7 +72,8 @@ INLINE struct wide wide_sum(double a, double b)
 #define fused_here() __builtin_cpu_supports("fma")
 #endif
 
-/* a b; |a|, |b| < 2^900 (Veltkamp's halves, Dekker's product), |a b| > 2^-900 or 0 */
+/* Returns a b exactly, for |a|, |b| < 2^900 and |a b| > 2^-900 or 0 (Veltkamp's halves, Dekker's
+ * product). */
 INLINE struct wide exact_product(double a, double b, bool fused)
 {
     const double high = a * b;
@@ -80,24 +84,27 @@ INLINE struct wide exact_product(double a, double b, bool fused)
     return (struct wide){high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
 }
 
+/* Returns a b exactly, in the range of exact_product(). */
 INLINE struct wide wide_product(double a, double b)
 {
     return exact_product(a, b, HAS_FUSED_MULTIPLY);
 }
 
+/* Returns a b to about twice the digits of a double. */
 INLINE struct wide wide_times(struct wide a, struct wide b)
 {
     const struct wide p = wide_product(a.high, b.high);
     return ordered_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
 }
 
-/* x to 26 bits: products of two such are exact */
+/* Returns x cut to 26 bits; products of two such numbers are exact. */
 INLINE double upper_part(double x)
 {
     return from_bits(to_bits(x) & ~UINT64_C(0x7FFFFFF));
 }
 
-/* The quotient to 26 bits, of which the products with both parts of b are exact, and the rest. */
+/* Returns a/b: high has 26 bits, so that its products with both parts of b are exact, and low is
+ * the remainder. */
 INLINE struct wide wide_quotient(struct wide a, struct wide b)
 {
     const double per_b = 1 / b.high, q = upper_part(a.high * per_b), b1 = upper_part(b.high);

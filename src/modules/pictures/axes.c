@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Axes of a picture: room for the plot, ticks, labels, titles. */
+/* Axes of a picture: choice of the plot's area, ticks, labels, titles. */
 #include "modules/pictures/picture.h"
 #include "modules/pictures/symbols.h"
 
@@ -13,6 +13,7 @@ void page_straight(const struct page *page, double x0, double y0, double x1, dou
     surface_paint(page->surface, &(struct brush){.color = color, .width = width});
 }
 
+/* Scales by the factor of the axis, whose labels may be in another unit than its data. */
 double page_tick(const struct page *page, bool vertical, double shown)
 {
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
@@ -42,6 +43,7 @@ void page_grid(struct page *page, bool vertical)
     }
 }
 
+/* Draws one tick outwards from the frame at a position on the page. */
 static void draw_tick(struct page *page, bool vertical, double position, double length)
 {
     const double width = page->style.frame_line;
@@ -53,6 +55,7 @@ static void draw_tick(struct page *page, bool vertical, double position, double 
                       width);
 }
 
+/* Returns `text` as rewritten by put(), in the scratch memory of the page. */
 static const char *page_symbols(const struct page *page,
                                 void (*put)(struct buffer *output, struct text text),
                                 const char *text)
@@ -63,6 +66,7 @@ static const char *page_symbols(const struct page *page,
     return buffer_view(page->text);
 }
 
+/* Returns the label of tick i with symbols, in the scratch memory of the page. */
 static const char *tick_label(const struct page *page, bool vertical, int i)
 {
     char text[TICK_TEXT_SIZE];
@@ -71,14 +75,15 @@ static const char *tick_label(const struct page *page, bool vertical, int i)
     return page_symbols(page, put_number_symbols, text);
 }
 
-/* Draws ticks without labels, if there is room: unlabelled decades, 2, 3 … 9 in each decade, or
- * parts of a step that are whole in its digit. */
+/* Draws unlabelled ticks, if they are far enough apart: omitted decades, 2, 3 … 9 in each decade,
+ * or parts of a step that are round numbers. */
 static void draw_minor_ticks(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
     const double low = vertical ? page->top : page->left;
     const double high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
+    /* number of parts into which minor ticks divide the step between two labels */
     const int parts = decades ? (ticks->step > 1 ? (int)ticks->step : 9) : tick_parts(ticks);
     const double length = fabs(page_tick(page, vertical, tick_value(ticks, 1, decades)) -
                                page_tick(page, vertical, tick_value(ticks, 0, decades)));
@@ -99,7 +104,8 @@ static void draw_minor_ticks(struct page *page, bool vertical)
     }
 }
 
-/* The last label may not leave the page. */
+/* Returns where the middle of a label of x is drawn: at its tick, or left of it where the label
+ * would leave the page. */
 static double x_label_middle(const struct page *page, double position, double width)
 {
     return fmin(position, page->to_x + 1.5 * page->style.edge - width / 2);
@@ -128,7 +134,8 @@ static void draw_ticks(struct page *page, bool vertical)
     draw_minor_ticks(page, vertical);
 }
 
-/* Cuts off letters at the end until the text is no wider; then it ends in three dots. */
+/* Cuts off characters at the end until the text is no wider than `width` [pt]; it then ends in
+ * three dots. */
 static void shorten(const struct page *page, struct buffer *text, double size, double width)
 {
     static const char dots[] = "…";
@@ -145,6 +152,7 @@ static void shorten(const struct page *page, struct buffer *text, double size, d
     }
 }
 
+/* `end`, which holds the unit, is never shortened. */
 double page_fit(const struct page *page, struct buffer *text, const char *end, double size,
                 double room)
 {
@@ -184,8 +192,8 @@ static void put_axis_unit(const struct ticks *ticks, struct text unit, struct bu
     }
 }
 
-/* Draws the title in the middle of the plot, or shifted if it is longer; never longer than the
- * panel. */
+/* Draws the title of an axis in the middle of the plot, or shifted if it is longer than the plot;
+ * shortens it to the panel. */
 static void draw_axis_title(struct page *page, bool vertical)
 {
     const struct picture_style *style = &page->style;
@@ -225,6 +233,7 @@ void page_axes(struct page *page)
         draw_axis_title(page, false);
 }
 
+/* Returns the width [pt] of the widest label of y. */
 static double widest_label(struct page *page)
 {
     double width = 0;
@@ -233,7 +242,7 @@ static double widest_label(struct page *page)
     return width;
 }
 
-/* Returns true if all labels are far enough apart. */
+/* Returns true if the labels of an axis do not come too close to each other. */
 static bool labels_apart(const struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
@@ -251,7 +260,8 @@ static bool labels_apart(const struct page *page, bool vertical)
     return true;
 }
 
-/* Points of a plane do not lie on its frame. */
+/* Adds a margin to the range of x if the figure is a plane of points only, so that none lies on the
+ * frame. */
 static void widen_plane(const struct figure *figure, struct extent *extent)
 {
     bool points = figure->plane && !figure->x.fixed && !figure->x.log && !figure->equal;
@@ -264,14 +274,15 @@ static void widen_plane(const struct figure *figure, struct extent *extent)
     }
 }
 
-/* The room for the plot; ranges and ticks as for a text figure whose cells are digit x row. */
+/* Chooses ranges and ticks as for a text figure with cells of digit x row points; reduces the
+ * number of ticks until labels do not overlap. */
 void page_lay_out(struct page *page)
 {
     struct figure figure = *page->figure;
     struct extent x = axis_extent(&figure, false, true), y = axis_extent(&figure, true, true);
     const struct picture_style *style = &page->style;
     struct dot_grid grid = charset_braille.dots;
-    double gutter = page->gutter, density = 1; /* number of ticks, relative */
+    double gutter = page->gutter, density = 1; /* number of ticks relative to a text figure's */
     bool fits;
 
     widen_plane(&figure, &x);
@@ -281,7 +292,7 @@ void page_lay_out(struct page *page)
     page->bottom = page->to_y - (page->x_labels ? page_labels_height(style) : 0);
     page->bottom = fmax(page->bottom, page->top + 1);
     page->right = page->to_x;
-    do { /* the labels need room, and the room decides on the labels */
+    do { /* the labels of y need room, and the room determines the labels */
         gutter = fmax(gutter, widest_label(page));
         page->left =
             fmin(page->from_x + style->font + style->edge + gutter + style->tick + style->tick_gap,
@@ -289,7 +300,7 @@ void page_lay_out(struct page *page)
         double width = page->right - page->left, height = page->bottom - page->top;
         page->layout.columns = (int)fmax(density * width / style->digit, 1);
         page->layout.rows = (int)fmax(density * height / style->row, 1);
-        /* So that equal axes are equal in points. */
+        /* Equal axes have to be equal in points, not in cells. */
         figure.aspect = height / width * (page->layout.columns - 1.0 / grid.dots_horizontal) /
                         (page->layout.rows - 1.0 / grid.dots_vertical);
         layout_scales(&figure, &page->layout, x, y);

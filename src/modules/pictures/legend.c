@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Title and legend of a picture: which curve is which, in the plot where that covers nothing, or
- * above. */
+/* Title and legend of a picture, which name its curves. The legend is placed inside the plot where
+ * it covers nothing (legend_place, legend_draw), or above it behind the title (page_heading). */
 #include "modules/pictures/picture.h"
 #include "modules/pictures/symbols.h"
 
@@ -9,14 +9,16 @@
 
 #define LEGEND_ENTRIES_MAX 8 /* Largest number of entries of a legend inside the plot. */
 
+/* One line of the legend: a curve, or the band around a curve. */
 struct legend_entry {
     int curve;
     bool band;
     const char *label;
-    double sample, width; /* [pt] of what stands before the label, and of all */
+    double sample, width; /* [pt] width of the sample with its gap, and of sample and label */
 };
 
-/* A name that stands in the label of the axis is printed as there: theta1 as θ₁. */
+/* Returns the label as printed: with symbols (theta1 as θ₁) if it is a name in the title of the
+ * axis, whose symbols it has to match, else unchanged. */
 static const char *shown_label(struct page *page, const char *label)
 {
     const struct figure *figure = page->figure;
@@ -28,7 +30,8 @@ static const char *shown_label(struct page *page, const char *label)
     return buffer_view(page->text);
 }
 
-/* Finds entry e: curves come first, then bands. Returns false if that entry has no label. */
+/* Finds entry e of 2 * curves: curves come first, then bands. Returns false if that curve has no
+ * label or is not drawn. */
 static bool entry_at(struct page *page, int e, struct legend_entry *entry)
 {
     const int i = e % page->figure->curves;
@@ -46,7 +49,8 @@ static bool entry_at(struct page *page, int e, struct legend_entry *entry)
     return true;
 }
 
-/* sample: [pt] from x to the label */
+/* Draws an entry with its left edge at x, its middle at height y. Samples are centred in the width
+ * `sample` [pt], after which the label begins. */
 static void put_entry(struct page *page, const struct legend_entry *entry, double sample, double x,
                       double y)
 {
@@ -55,6 +59,7 @@ static void put_entry(struct page *page, const struct legend_entry *entry, doubl
     page_text(page, x + sample, y, 0, style_black, shown_label(page, entry->label));
 }
 
+/* Entries that do not fit into a third of the page's height are counted and left out. */
 double page_heading(struct page *page, bool legend, bool draw)
 {
     const struct figure *figure = page->figure;
@@ -121,6 +126,7 @@ static bool band_meets(const struct page *page, const struct curve *curve, const
     return false;
 }
 
+/* Returns true if no curve, band, error bar or line of zero passes through the box. */
 static bool is_free(const struct page *page, const double box[4])
 {
     const struct figure *figure = page->figure;
@@ -138,8 +144,8 @@ static bool is_free(const struct page *page, const double box[4])
     return true;
 }
 
-/* Samples and labels stand below each other. [pt] *sample: the widest sample; returns the width of
- * all. */
+/* Finds the number of entries and the width of the widest sample [pt]. Returns the width of the
+ * legend when its entries are placed below each other. */
 static double measure_entries(struct page *page, double *sample, int *entries)
 {
     double label = 0;
@@ -155,8 +161,10 @@ static double measure_entries(struct page *page, double *sample, int *entries)
     return *sample + label;
 }
 
+/* The legend may fill at most half of the width and of the height of the plot. */
 bool legend_place(struct page *page, const struct page *panel, double box[4])
 {
+    /* corners first, then the middle of the sides, then in between; 0 is left and top */
     static const double places[][2] = {
         {1, 0},    {0, 0},    {1, 1},   {0, 1},   {0.5, 0}, {0.5, 1},  {1, 0.2},  {1, 0.8},
         {1, 0.35}, {1, 0.65}, {1, 0.5}, {0, 0.2}, {0, 0.8}, {0, 0.35}, {0, 0.65}, {0, 0.5}};
@@ -180,6 +188,7 @@ bool legend_place(struct page *page, const struct page *panel, double box[4])
     return false;
 }
 
+/* The entries are placed below each other, in a frame. */
 void legend_draw(struct page *page, const double box[4])
 {
     const double edge = page->style.edge / 2;

@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Converts the samples of a curve to a path.
- *
- * Among successive samples in a column, the first, the last and the extremes are kept (M4: Jugel,
- * Jerzak, Hackenbroich, Markl 2014, as in raster.c). Points that a straight line represents as well
- * are left out, and so is a part that passes only where the curve has been already. If the path
- * then has too many corners, it is computed again on a coarser grid.
- */
+/* Converts the samples of a curve to a path, in three stages: trace_curve() keeps the first, last
+ * and extreme samples of each column (M4: Jugel, Jerzak, Hackenbroich, Markl 2014, as in raster.c),
+ * struct path_thinning leaves out corners on straight parts, and path_follow() leaves out what
+ * passes only where the curve has been already. If the path then has too many corners, it is
+ * computed again on a coarser grid. */
 #include "modules/pictures/path.h"
 
 #include <string.h>
 
-#define PATH_COLUMNS 8.0   /* columns per point at most; samples are summed up in each */
-#define PATH_STRAIGHT 0.05 /* [pt] */
+#define PATH_COLUMNS 8.0   /* [1/pt] most columns per point; each is reduced to four samples */
+#define PATH_STRAIGHT 0.05 /* [pt] largest distance of an omitted corner from the path */
 
+/* Appends a corner to the path. */
 static void path_put(struct path *path, double x, double y, bool begins)
 {
     const struct corner corner = {x, y, begins};
@@ -27,23 +25,22 @@ void path_free(struct path *path)
 
 /* ---- straight parts ---- */
 
-/*
- * Leaves out the corners that lie within `tolerance` of the line without them: the directions from
- * the last corner kept that pass all points since then so closely are a cone; a point outside of it
- * makes the one before it a corner (Williams 1978, Sklansky and Gonzalez 1980). So does a turn
- * back.
- */
+/* Leaves out corners that lie within `tolerance` [pt] of the path without them. The directions from
+ * the last retained corner that pass all points since then closely enough form a cone; a point
+ * outside of it, or a reversal, makes the point before it a corner (Williams 1978, Sklansky and
+ * Gonzalez 1980). */
 struct path_thinning {
     double tolerance;
-    void (*put)(void *context, double x, double y, bool begins);
+    void (*put)(void *context, double x, double y, bool begins); /* takes the retained corners */
     void *context;
-    double x, y;            /* the last corner kept */
-    double last[2];         /* the last point */
-    double low[2], high[2]; /* the cone's sides, if there is one */
-    double farthest;        /* distance from the corner */
-    bool is_down, moved, cone;
+    double x, y;               /* the last retained corner */
+    double last[2];            /* the last point */
+    double low[2], high[2];    /* the cone's sides, if there is one */
+    double farthest;           /* largest distance of a point since then from the corner */
+    bool is_down, moved, cone; /* a line has begun; it has a second point; there is a cone */
 };
 
+/* Ends the line that is being drawn, if any, at its last point. */
 static void thin_end(struct path_thinning *thinning)
 {
     if (thinning->is_down && thinning->moved)
@@ -51,11 +48,13 @@ static void thin_end(struct path_thinning *thinning)
     thinning->is_down = thinning->moved = false;
 }
 
+/* Returns the z component of a x b: positive if b is clockwise of a on the page. */
 static double cross(const double a[2], const double b[2])
 {
     return a[0] * b[1] - a[1] * b[0];
 }
 
+/* Puts the pen down at a point. */
 static void thin_begin(struct path_thinning *thinning, double x, double y)
 {
     thin_end(thinning);
@@ -67,7 +66,8 @@ static void thin_begin(struct path_thinning *thinning, double x, double y)
     thinning->farthest = 0;
 }
 
-/* Returns true if the point lies in the cone, which is narrowed to the directions that pass it. */
+/* Returns true if the point lies in the cone, and narrows the cone to the directions that pass the
+ * point within the tolerance. */
 static bool narrow(struct path_thinning *thinning, double x, double y)
 {
     const double dx = x - thinning->x, dy = y - thinning->y, distance = sqrt(dx * dx + dy * dy);
@@ -91,6 +91,7 @@ static bool narrow(struct path_thinning *thinning, double x, double y)
     return true;
 }
 
+/* Draws on to a point; the point before becomes a corner if the new one leaves the cone. */
 static void thin_to(struct path_thinning *thinning, double x, double y)
 {
     if (!narrow(thinning, x, y)) {
@@ -108,7 +109,8 @@ static void thin_to(struct path_thinning *thinning, double x, double y)
 
 /* ---- samples to lines ---- */
 
-/* Narrows [*begin, *end] to the parts s of a line where low <= point + s * way <= high. */
+/* Narrows [*begin, *end] to those s where low <= point + s * way <= high, for one coordinate of a
+ * line; an empty range has *begin > *end. */
 static void line_part_clip(double point, double way, double low, double high, double *begin,
                            double *end)
 {
@@ -122,22 +124,26 @@ static void line_part_clip(double point, double way, double low, double high, do
     *end = fmin(*end, fmax(a, b));
 }
 
+/* A sample as a point of the page [pt]. */
 struct spot {
     double x, y;
     size_t i; /* index of the sample */
 };
 
+/* State of trace_curve() between samples. */
 struct tracer {
     const struct plot_area *area;
     struct path_thinning thinning;
-    double columns;              /* columns per point */
+    double columns;              /* [1/pt] number of columns in a point */
     size_t samples;              /* number of samples since the last gap */
-    double column;               /* that the last samples are in */
+    double column;               /* number of the column of the last samples */
     struct spot low, high, last; /* extremes and last of the samples in the column */
-    double x, y;                 /* followed up to here */
-    bool whole;                  /* the pen is at that position */
+    double x, y;                 /* the last point that was passed on */
+    bool whole;                  /* the pen is at that point, which was not clipped */
 };
 
+/* Draws the part of a line to (x, y) that is within the margin around the plot. Lifts the pen where
+ * the line leaves it. */
 static void trace_line(struct tracer *tracer, double x, double y)
 {
     const struct plot_area *area = tracer->area;
@@ -164,12 +170,14 @@ static void trace_line(struct tracer *tracer, double x, double y)
     tracer->whole = !(end < 1);
 }
 
+/* Draws a line to a sample unless that is where the last line ended. */
 static void trace_to(struct tracer *tracer, const struct spot *spot)
 {
     if (spot->x != tracer->x || spot->y != tracer->y)
         trace_line(tracer, spot->x, spot->y);
 }
 
+/* Draws the extremes of the column in their order in time, then its last sample. */
 static void leave_column(struct tracer *tracer)
 {
     bool fell = tracer->high.i < tracer->low.i;
@@ -180,7 +188,7 @@ static void leave_column(struct tracer *tracer)
     trace_to(tracer, &tracer->last);
 }
 
-/* The pen leaves the paper. A sample between two gaps is a dot. */
+/* Ends the line at a gap. A sample between two gaps becomes a dot. */
 static void tracer_pen_lift(struct tracer *tracer)
 {
     leave_column(tracer);
@@ -191,6 +199,8 @@ static void tracer_pen_lift(struct tracer *tracer)
     tracer->whole = false;
 }
 
+/* Passes the curve as lines to put(), thinned within `tolerance` [pt] and reduced to a few samples
+ * in each of `columns` columns per point. NAN in the samples is a gap. */
 static void trace_curve(const struct curve *curve, const struct plot_area *area, double tolerance,
                         double columns, void (*put)(void *, double, double, bool), void *context)
 {
@@ -222,18 +232,21 @@ static void trace_curve(const struct curve *curve, const struct plot_area *area,
     tracer_pen_lift(&tracer);
 }
 
-/* ---- where the curve has been: grains of a grid on the page ---- */
+/* ---- where the curve has been ---- */
 
+/* A bitmap of the page with a bit for each grain, a small square; set bits are where something was
+ * drawn. */
 struct grains {
-    uint8_t *bit;      /* has a blank border of one grain */
+    uint8_t *bit;      /* the bitmap, with a blank border of one grain */
     int width, height; /* size with the border */
     int bytes;         /* bytes of a row */
     double density;    /* grains per point */
-    int run;           /* so many fresh grains in a row are worth a line */
-    bool wide;         /* lines also mark the neighbouring grains */
+    int run;           /* a line is drawn if it has this many blank grains in a row */
+    bool wide;         /* lines also mark the neighbouring grains, as a pen of that width covers */
     double left, top;  /* [pt] of the area, with its margin */
 };
 
+/* Allocates a blank bitmap for the area and its margin. Returns false if out of memory. */
 static bool grains_init(struct grains *grains, const struct plot_area *area, double density,
                         struct arena *arena)
 {
@@ -250,7 +263,8 @@ static bool grains_init(struct grains *grains, const struct plot_area *area, dou
     return grains->bit;
 }
 
-/* Returns the byte of a grain, or NULL: a line may pass beside the area by a part of a grain. */
+/* Returns the byte of a grain, or NULL outside of the bitmap: rounding may put a line beside the
+ * area by a fraction of a grain. */
 static uint8_t *byte_of(const struct grains *grains, int x, int y)
 {
     return x >= 0 && x < grains->width && y >= 0 && y < grains->height
@@ -271,8 +285,8 @@ static void grain_mark(struct grains *grains, int x, int y)
         *byte |= (uint8_t)(1U << x % 8);
 }
 
-/* Returns true if a line passes a run of grains where no other has passed, and marks its grains
- * then. */
+/* Returns true if the line crosses enough blank grains in a row to be worth drawing, and then marks
+ * its grains. Positions are in points. */
 static bool grains_pass(struct grains *grains, double x0, double y0, double x1, double y1)
 {
     const double x = (x0 - grains->left) * grains->density + 1,
@@ -300,16 +314,18 @@ static bool grains_pass(struct grains *grains, double x0, double y0, double x1, 
 
 /* ---- lines ---- */
 
-/* Follows a line; draws what is new of it, until there are too many corners. */
+/* State of path_follow(), which adds to a path what is new of a line. */
 struct follower {
     struct path *path;
     struct grains *grains;
-    size_t most;
-    double pen[2];    /* the pen */
-    double end[2];    /* end of the drawn part */
-    bool begun, full; /* something was drawn since the pen was put down; too much */
+    size_t most;      /* number of corners from which the path is too long */
+    double pen[2];    /* end of the line so far, drawn or omitted */
+    double end[2];    /* end of the part that was drawn last */
+    bool begun, full; /* a part was drawn since the pen was put down; the path is too long */
 };
 
+/* Adds a line to the path unless it passes only marked grains. It is the last stage of
+ * trace_curve(). */
 static void path_follow(void *context, double x, double y, bool begins)
 {
     struct follower *f = context;
@@ -323,12 +339,12 @@ static void path_follow(void *context, double x, double y, bool begins)
     f->path->length += hypot(x - x0, y - y0);
     if (f->full || !grains_pass(f->grains, x0, y0, x, y))
         return;
-    /* The part that was left out since then cannot be seen, or is short and the line continues, or
-     * it was drawn as part of another turn. */
+    /* Length of the omitted part in grains. A short one is drawn, so that the line continues; a
+     * long one was drawn before, so that the pen is lifted. */
     const double skipped =
         f->begun ? (fabs(x0 - f->end[0]) + fabs(y0 - f->end[1])) * f->grains->density : INFINITY;
     if (skipped > 0)
-        path_put(f->path, x0, y0, skipped > 5);
+        path_put(f->path, x0, y0, skipped > 5); /* a gap of 5 grains is hardly seen */
     path_put(f->path, x, y, false);
     f->begun = true;
     f->end[0] = x;
@@ -336,15 +352,17 @@ static void path_follow(void *context, double x, double y, bool begins)
     f->full = path_count(f->path) > f->most;
 }
 
-/* The grids, in grains along a point. The first is so fine that a pen covers what it leaves out. */
+/* Grids from the finest, on which any pen covers what is left out, to the coarsest, with the number
+ * of grains along a point, the tolerance of thinning, and the width of the pen that covers gaps. */
 static const struct {
     double density;
     double tolerance; /* [pt] */
     double width;     /* [pt] */
 } grids[] = {{12, PATH_STRAIGHT, 0}, {4, 0.06, 0.75}, {2, 0.1, 1.5},
              {1.5, 0.1, 2},          {1, 0.15, 3},    {0.3, 0.3, 9}};
-#define GRID_ROUGH 4 /* a grain a point */
+#define GRID_ROUGH 4 /* index of the grid with one grain per point */
 
+/* Tries the grids in turn until the path is short enough. */
 bool path_of_line(const struct curve *curve, const struct plot_area *area,
                   const struct path_limit *limit, struct path *path)
 {
@@ -372,6 +390,7 @@ bool path_of_line(const struct curve *curve, const struct plot_area *area,
 
 /* ---- dots ---- */
 
+/* Finds the position of sample i on the page. Returns true if it lies inside the plot. */
 static bool dot_at(const struct curve *curve, const struct plot_area *area, size_t i,
                    double place[2])
 {
@@ -382,7 +401,8 @@ static bool dot_at(const struct curve *curve, const struct plot_area *area, size
            place[1] >= area->top - edge && place[1] <= area->bottom + edge;
 }
 
-/* One dot in each square of this size that has any, up to `most`. */
+/* Draws one dot for each square of this size [pt] that holds a sample, and stops when there are
+ * more than `most`. Returns false if out of memory or cancelled. */
 static bool single_dots(const struct curve *curve, const struct plot_area *area, double square,
                         size_t most, struct arena *arena, struct path *path)
 {
@@ -403,6 +423,7 @@ static bool single_dots(const struct curve *curve, const struct plot_area *area,
     return !cancelled(curve->cancel);
 }
 
+/* Tries squares of increasing size until there are few enough dots. */
 bool path_of_dots(const struct curve *curve, const struct plot_area *area,
                   const struct path_limit *limit, struct path *path)
 {
@@ -420,6 +441,7 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area,
     return ok && !path->corners.failed;
 }
 
+/* A corner that begins is a line of length 0. */
 bool path_meets(const struct path *path, double left, double top, double right, double bottom)
 {
     const struct corner *corner = path_corners(path);

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pictures: the page, its axes, titles and legend. */
+/* Draws a figure as a page: divides it into panels, and draws title, legend, panels and the lines
+ * at the foot. picture_draw() is the entry. */
 #include "modules/pictures/picture.h"
 #include "modules/pictures/symbols.h"
 
 /* ---- panels ---- */
 
+/* A page with one or two panels, one above or beside the other. */
 struct picture_sheet {
-    const struct figure *figure; /* all of it: title, legend, caption */
-    struct figure part[PANELS_MAX];
-    int parts;
-    struct page page[PANELS_MAX]; /* one for each panel */
+    const struct figure *figure;    /* the whole figure: title, legend, caption */
+    struct figure part[PANELS_MAX]; /* the figure of each panel */
+    int parts;                      /* number of panels */
+    struct page page[PANELS_MAX];   /* one for each panel */
 };
 
-/* Divides the page from top to bottom. */
+/* Divides the area between top and bottom [pt] among the panels and lays them out. Two panels that
+ * would be too small are drawn as one. */
 static void place_panels(struct picture_sheet *sheet, double top, double bottom)
 {
     struct page *page = sheet->page;
@@ -52,7 +55,7 @@ static void place_panels(struct picture_sheet *sheet, double top, double bottom)
     }
     for (int i = 0; i < sheet->parts; i++)
         page_lay_out(&page[i]);
-    if (sheet->parts > 1 && !is_horizontal) {
+    if (sheet->parts > 1 && !is_horizontal) { /* their frames are aligned */
         double gutter = fmax(page[0].gutter, page[1].gutter);
         for (int i = 0; i < sheet->parts; i++) {
             page[i].gutter = gutter;
@@ -61,16 +64,18 @@ static void place_panels(struct picture_sheet *sheet, double top, double bottom)
     }
 }
 
-/* Lines below all: what the panels have to say, and the caption behind the last of them. */
+/* Lines below everything: notes of the panels, such as hidden points, and the caption behind the
+ * last of them. */
 struct foot {
     struct buffer line[PANELS_MAX];
     int lines;
     bool caption;
 };
 
-#define FOOT_PART 6 /* largest part of a page's height for the foot, as a divisor */
+#define FOOT_PART 6 /* the foot takes at most 1/FOOT_PART of the page's height */
 
-/* All in one line if that has room for it, else a line for each panel, else with less detail. */
+/* Writes the notes of all panels in one line if there is room, else in a line for each panel, else
+ * with less detail. */
 static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
 {
     const struct page *page = sheet->page;
@@ -80,7 +85,7 @@ static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
                  available =
                      room - (*caption ? page_text_width(page, caption) + style->entry_gap : 0);
     const bool many = sheet->parts > 1 && page->height > 2 * FOOT_PART * style->leading;
-    for (int way = 0; way < 2; way++) {
+    for (int way = 0; way < 2; way++) { /* first in one line, then shorter or in two */
         const double each = way == 0 || many ? room : fmax(available, 1) / sheet->parts;
         for (int i = 0; i < PANELS_MAX; i++)
             buffer_clear(&foot->line[i]);
@@ -104,6 +109,7 @@ static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
                     *caption;
 }
 
+/* Draws the lines at the foot of the page, from the last to the first, and frees them. */
 static void draw_foot(struct picture_sheet *sheet, struct foot *foot)
 {
     struct page *page = sheet->page;
@@ -125,6 +131,7 @@ static void draw_foot(struct picture_sheet *sheet, struct foot *foot)
         buffer_free(&foot->line[i]);
 }
 
+/* Draws one panel: heat map, grid, line of zero, curves, frame, axes. */
 static void draw_panel(struct page *page)
 {
     const struct picture_style *style = &page->style;
@@ -147,7 +154,7 @@ static void draw_panel(struct page *page)
         page_bar(page);
 }
 
-/* Divides what is below `top`, the foot left out. */
+/* Lays out the panels below `top` [pt] twice: the notes follow from their ranges, and take room. */
 static void place(struct picture_sheet *sheet, double top, struct foot *foot)
 {
     const struct page *page = sheet->page;
@@ -158,6 +165,7 @@ static void place(struct picture_sheet *sheet, double top, struct foot *foot)
         place_panels(sheet, top, end - foot->lines * page->style.leading);
 }
 
+/* Computes the paths of all panels. Returns false if out of memory. */
 static bool trace_panels(struct picture_sheet *sheet, bool rough, struct arena *arena)
 {
     bool traced = true;
@@ -166,13 +174,15 @@ static bool trace_panels(struct picture_sheet *sheet, bool rough, struct arena *
     return traced;
 }
 
+/* Frees the paths of all panels. */
 static void free_paths(struct picture_sheet *sheet)
 {
     for (int i = 0; i < sheet->parts; i++)
         page_free_paths(&sheet->page[i]);
 }
 
-/* The legend stands in one of the plots where it covers nothing, else above. */
+/* Draws the page. Rough paths tell whether the legend has room inside a plot; otherwise it is
+ * placed above the plots, which are laid out again. Returns false if out of memory. */
 static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 {
     struct page *page = sheet->page;
@@ -204,6 +214,7 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     return drawn;
 }
 
+/* The surface may fail as well, which its `failed` tells. */
 bool picture_draw(struct surface *surface, const struct figure *figure, double width, double height)
 {
     struct buffer text = {0};

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Curves of a picture: lines of their own dashes and marks, data as points, arrows where a run
- * leaves. */
+/* Draws the curves of a picture: lines with dashes and marks of their own, data as points with
+ * error bars, bands, arrows where a run leaves the plot. */
 #include "modules/pictures/picture.h"
 
 #define SHAPED_POINTS_MAX 150 /* Largest number of points that still get a shape. */
-#define LINE_MARKS 9          /* Number of marks along a line. */
+#define LINE_MARKS 9          /* Number of marks along a line, enough to follow it. */
 
-/* Corners on the unit circle, which has none itself; of a cross the ends of its strokes. */
+/* Shapes of marks as corners in units of their radius. The first is a circle, which has no corners;
+ * corners of a cross are the ends of its two strokes. */
 static const struct {
     int corners;
     bool cross;
@@ -19,14 +20,12 @@ static const struct {
               {4, true, {{-1, -1}, {1, 1}, {-1, 1}, {1, -1}}},
               {4, true, {{-1.3, 0}, {1.3, 0}, {0, -1.3}, {0, 1.3}}}};
 
-/*
- * Twelve marks: five shapes, full on lines and empty without, then the same the other way round,
- * then two crosses. With the colours and dashes, whose numbers have no common divisor, no two of
- * the first 42 curves look the same, and twelve differ by their marks alone.
- */
+/* Twelve marks: five shapes, filled on lines and empty elsewhere, then the same the other way
+ * round, then two crosses. As the numbers of colours (7) and dashes (6) have no common divisor, no
+ * two of the first 42 curves look the same. */
 enum { SOLID_SHAPES = 5, MARKS = 12 };
 
-/* Place of a curve, or of the one that it looks like, among those of its kind. */
+/* Returns how many lines, or points, precede the curve, or the one whose look it shares. */
 static size_t kind_of(const struct figure *figure, int curve)
 {
     size_t count = 0;
@@ -36,6 +35,7 @@ static size_t kind_of(const struct figure *figure, int curve)
     return count;
 }
 
+/* Returns the number of curves that are lines. */
 static int line_count(const struct figure *figure)
 {
     int lines = 0;
@@ -44,18 +44,20 @@ static int line_count(const struct figure *figure)
     return lines;
 }
 
-/* Place of the curve whose colour and shape it has. */
+/* Returns the index of the curve whose colour and shape this one has: often its own. */
 static int look_of(const struct page *page, int curve)
 {
     const int look = page->figure->curve[curve].look;
     return look ? look - 1 : curve;
 }
 
+/* Returns the colour of a curve. */
 static const double *color_of(const struct page *page, int curve)
 {
     return style_palette[(size_t)look_of(page, curve) % style_palette_count];
 }
 
+/* Returns the brush for a line of the curve, with its colour and dashes. */
 static struct brush line_ink(const struct page *page, int curve, double width)
 {
     const size_t dashes = kind_of(page->figure, curve) % style_dashes_count;
@@ -65,8 +67,8 @@ static struct brush line_ink(const struct page *page, int curve, double width)
                           .dash = page->style.dash};
 }
 
-/* A letter is the curve's name on the sheet; every other mark is a shape, which can be told apart
- * when it is small. */
+/* Returns true if the mark is a letter or digit, which is drawn as such. Other marks are drawn as
+ * shapes, which can be distinguished when they are small. */
 static bool has_letter(const struct curve *curve)
 {
     char c = curve->mark;
@@ -80,6 +82,7 @@ static bool on_line(const struct curve *curve)
     return !curve->points || curve->joined;
 }
 
+/* Adds the curve's mark to the path of the surface; paint_points() paints it. */
 static void add_mark(const struct page *page, int curve, double x, double y)
 {
     const size_t mark = kind_of(page->figure, curve) % MARKS,
@@ -107,7 +110,7 @@ static bool has_full_marks(const struct page *page, int curve)
     return mark < 2 * SOLID_SHAPES && on_line(&page->figure->curve[curve]) != inverted;
 }
 
-/* Paints the marks that were added. */
+/* Paints the marks or, if `dense`, the dots that were added. */
 static void paint_points(const struct page *page, int index, bool dense)
 {
     surface_paint(page->surface,
@@ -118,6 +121,7 @@ static void paint_points(const struct page *page, int index, bool dense)
 
 /* ---- paths ---- */
 
+/* Adds a path to that of the surface. */
 static void add_path(const struct page *page, const struct path *path)
 {
     const struct corner *corner = path_corners(path);
@@ -131,19 +135,20 @@ struct mark_place {
     double x, y;
 };
 
+/* Stores a position. Returns true if it lies inside the plot. */
 static bool put_spot(const struct page *page, double x, double y, struct mark_place *spot)
 {
     *spot = (struct mark_place){x, y};
     return x >= page->left && x <= page->right && y >= page->top && y <= page->bottom;
 }
 
-/* The first of such steps: each curve's lie between those of the others. */
+/* Returns where the first mark is, in steps between marks; marks of different curves alternate. */
 static double first_step(const struct page *page, int curve)
 {
     return 0.5 + (double)kind_of(page->figure, curve) / page->figure->curves;
 }
 
-/* Places in the plot at equal distances along a line. Returns how many. */
+/* Finds positions in the plot at equal distances along a line. Returns their number. */
 static int places_along(const struct page *page, int curve, struct mark_place *place, int max)
 {
     const struct path *path = &page->path[curve];
@@ -166,7 +171,7 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
     return n;
 }
 
-/* Places at samples, for a path of which most is left out. */
+/* Finds positions at samples, for a path of which most is left out. Returns their number. */
 static int places_inside(const struct page *page, int index, struct mark_place *place, int max)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -179,7 +184,8 @@ static int places_inside(const struct page *page, int index, struct mark_place *
     return n;
 }
 
-/* Draws marks; with paper below those that are empty, or that reaches halo [pt] beyond them. */
+/* Draws marks, on white if they are empty or if halo, its width [pt] around the marks, is above
+ * 0. */
 static void put_marks(const struct page *page, int curve, const struct mark_place *place, int marks,
                       double halo)
 {
@@ -196,6 +202,7 @@ static void put_marks(const struct page *page, int curve, const struct mark_plac
     }
 }
 
+/* Draws a line with its marks, thinner if it fills the plot; arrows are grey. */
 static void draw_line(struct page *page, int curve, bool marked)
 {
     const struct path *path = &page->path[curve];
@@ -223,7 +230,8 @@ static void draw_line(struct page *page, int curve, bool marked)
 
 /* ---- bands ---- */
 
-#define BAND_BIN_POINTS 0.5 /* Points within this width are one corner of a band's edge [pt]. */
+/* [pt] Points within this width become one corner of a band's edge. */
+#define BAND_BIN_POINTS 0.5
 
 static void paint_band(const struct page *page, int curve)
 {
@@ -232,7 +240,7 @@ static void paint_band(const struct page *page, int curve)
         &(struct brush){.color = color_of(page, curve), .opacity = STYLE_BAND, .fill = true});
 }
 
-/* One edge of the band, forwards (side 1, the upper one) or backwards. */
+/* Adds one edge of the band: the upper one forwards (side 1), the lower one backwards (-1). */
 static void add_edge(const struct page *page, const struct curve *curve, int side)
 {
     double bin = NAN, last_x = 0, edge = NAN;
@@ -255,6 +263,7 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
         surface_line(page->surface, last_x, edge);
 }
 
+/* Fills the band between the edges y + spread and y - spread of a curve. */
 static void draw_band(struct page *page, int index)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -279,6 +288,7 @@ double page_band_sample(struct page *page, int index, double x, double y, bool d
 
 /* ---- points ---- */
 
+/* Finds the position of sample i on the page. Returns true if it is inside the plot. */
 static bool point_position(const struct page *page, const struct curve *curve, size_t i, double *x,
                            double *y)
 {
@@ -289,7 +299,8 @@ static bool point_position(const struct page *page, const struct curve *curve, s
            *y <= page->bottom + edge;
 }
 
-/* More than can be told apart as shapes: dots below the lines, which would be hidden otherwise. */
+/* Returns true if the curve has too many points for shapes, so that it is drawn as dots below
+ * lines. */
 static bool is_dense(const struct page *page, const struct curve *curve)
 {
     size_t inside = 0;
@@ -306,7 +317,7 @@ static void put_letter(const struct page *page, int curve, double x, double y)
               (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
-/* Bars, with caps where there are few, and paper in the marks that will stand on them. */
+/* Draws error bars, with caps and white inside their marks unless the points are dense. */
 static void draw_bars(struct page *page, int index, bool dense)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -337,8 +348,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     surface_paint(page->surface, &paper);
 }
 
-/* Points as shapes or letters; dense ones as dots, that round ends turn lines without length into.
- */
+/* Draws points as shapes or letters, dense ones as dots: lines of length 0 with round ends. */
 static void draw_points(struct page *page, int index, bool dense)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -403,6 +413,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 
 /* ---- all ---- */
 
+/* Draws arrows where a run leaves the frame. */
 static void draw_exits(struct page *page, int index)
 {
     static const double ahead[4][2] = {{-1, 0}, {1, 0}, {0, 1}, {0, -1}};

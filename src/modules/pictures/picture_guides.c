@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Draws lines, areas and words that accompany the curves of a picture. */
+/* Draws what accompanies the curves of a picture: lines, shaded areas, and words beside points. */
 #include "modules/pictures/picture.h"
 
 void page_guides(const struct page *page)

@@ -1,35 +1,37 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Heat maps in a picture: coloured places, and the bar that says what the colours stand for. */
+/* Draws heat maps in a picture: coloured cells, and the bar that explains the colours. */
 #include "modules/pictures/picture.h"
 #include "modules/pictures/symbols.h"
 
 #include <math.h>
 
 enum {
-    LEVELS = 64,    /* colours of a map: neighbours are hardly told apart */
-    BAR_TICKS = 6,  /* numbers beside the bar, about */
-    CATEGORIES = 12 /* colours of maps whose values are numbers of something */
+    LEVELS = 64,    /* colours of a map; neighbouring ones are hardly distinguishable */
+    BAR_TICKS = 6,  /* wanted number of labels beside the bar */
+    CATEGORIES = 12 /* colours of maps whose values are numbers of categories, shown as letters */
 };
 
-/* viridis (Smith and van der Walt 2015): even steps of lightness, so that it is read in grey, too
- */
+/* Colour map viridis (Smith and van der Walt 2015), whose even steps of lightness can be read in
+ * grey. */
 static const double anchors[][3] = {{0.267, 0.005, 0.329}, {0.254, 0.265, 0.530},
                                     {0.164, 0.471, 0.558}, {0.135, 0.659, 0.518},
                                     {0.478, 0.821, 0.318}, {0.993, 0.906, 0.144}};
 
+/* Computes the colour of a level, from viridis by interpolation, or for a map of letters from the
+ * palette, lightened so that letters on it can be read. */
 static void level_color(const struct heat *heat, int level, double color[3])
 {
     enum { LAST = (int)COUNT_OF(anchors) - 1 };
-    const double place = (double)level / (LEVELS - 1) * LAST;
+    const double place = (double)level / (LEVELS - 1) * LAST; /* position among the anchors */
     const int anchor = place < LAST ? (int)place : LAST - 1;
     for (int c = 0; c < 3; c++)
-        color[c] = heat->letters /* letters stand on these */
+        color[c] = heat->letters
                        ? 0.65 + 0.35 * style_palette[(size_t)level % style_palette_count][c]
                        : anchors[anchor][c] +
                              (place - anchor) * (anchors[anchor + 1][c] - anchors[anchor][c]);
 }
 
-/* Returns the number of a value's colour, or -1 if there is no value. */
+/* Returns the level (colour number) of a value, or -1 if the value is NAN. */
 static int level_of(const struct heat *heat, const struct heat_scale *scale, double value)
 {
     if (isnan(value))
@@ -39,13 +41,15 @@ static int level_of(const struct heat *heat, const struct heat_scale *scale, dou
     return (int)fmin(LEVELS - 1, fmax(0, floor(heat_share(scale, value) * LEVELS)));
 }
 
+/* Fills the boxes that were added with a colour. */
 static void paint_level(const struct page *page, const double color[3])
 {
     /* An outline in the same colour closes the seams between neighbours. */
     surface_paint(page->surface, &(struct brush){.color = color, .width = 0.4, .fill = true});
 }
 
-/* Adds the boxes of one colour: places over each other that share it are one box. */
+/* Adds the boxes of one level to the path; cells over each other with the same level are joined to
+ * one box. */
 static void add_boxes(const struct page *page, const struct heat *heat,
                       const struct heat_scale *scale, int level)
 {
@@ -71,6 +75,7 @@ void page_heat(const struct page *page)
     const struct heat_scale scale = heat_scale_of(heat);
     double color[3];
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    /* one path for each colour, which keeps the file small; -1 are cells without a value */
     for (int level = -1; level < (heat->letters ? CATEGORIES : LEVELS); level++) {
         surface_new_path(page->surface);
         add_boxes(page, heat, &scale, level);
@@ -86,7 +91,7 @@ double page_bar_width(const struct picture_style *style)
     return style->entry_gap + style->sample / 2 + style->tick + style->tick_gap + 5 * style->font;
 }
 
-/* Numbers beside the bar, and the name of what is shown above it. */
+/* Draws numbers beside the bar, and above it the name of the quantity with its unit. */
 static void label_bar(const struct page *page, const struct heat *heat,
                       const struct heat_scale *scale, double right)
 {
@@ -131,7 +136,7 @@ void page_bar(const struct page *page)
     const double left = page->right + style->entry_gap, right = left + style->sample / 2,
                  step = (page->bottom - page->top) / LEVELS;
     double color[3];
-    if (heat->letters || !(scale.high > scale.low))
+    if (heat->letters || !(scale.high > scale.low)) /* letters need no bar, nor does one value */
         return;
     for (int level = 0; level < LEVELS; level++) {
         level_color(heat, level, color);

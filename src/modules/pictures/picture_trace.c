@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The paths of a picture's curves and of their error bars, short enough together. */
+/* Computes the paths of a picture's curves and error bars, few enough corners for a small file. */
 #include "modules/pictures/picture.h"
 
 #include <string.h>
 
-#define PATH_CORNERS_MAX 18000 /* that all curves have together: about 10 bytes of an SVG each */
-#define PATH_CORNERS_MIN 1000
+#define PATH_CORNERS_MAX 18000 /* most corners of all curves; each takes 10 bytes of an SVG */
+#define PATH_CORNERS_MIN 1000  /* most corners of a curve if there are very many curves */
 
 double page_dot(const struct page *page)
 {
@@ -15,7 +15,8 @@ double page_dot(const struct page *page)
     return page->style.dot;
 }
 
-/* Error bars as a curve with gaps between them. Returns false if out of memory. */
+/* Makes a curve of vertical lines with gaps between them from the error bars. Bars on a logarithmic
+ * axis that reach 0 begin at the lower end of the axis. Returns false if out of memory. */
 static bool bar_curve(const struct page *page, const struct curve *curve, struct arena *arena,
                       struct curve *bars)
 {
@@ -35,8 +36,8 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
     return true;
 }
 
-/* Computes a path, and that of its error bars, with up to `corners` corners each; 0 gives a
- * rough path. */
+/* Computes the path of a curve and that of its error bars with up to `corners` corners each; 0 asks
+ * for rough paths. Returns false if out of memory or cancelled. */
 static bool trace(const struct page *page, int index, size_t corners)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -57,6 +58,7 @@ static bool trace(const struct page *page, int index, size_t corners)
     return ok && !cancelled(curve->cancel);
 }
 
+/* Curves are computed again with fewer corners if all together have too many. */
 bool page_trace(struct page *page, bool rough, struct arena *arena)
 {
     const struct figure *figure = page->figure;

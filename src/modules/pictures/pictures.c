@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module pictures: figures as files that hold a picture. */
+/* The module pictures: `plot > FILE` writes figures as SVG, PDF and PNG. */
 #include "modules/pictures/pictures.h"
 
 #include <hooke/base/catalog.h>
@@ -14,6 +14,7 @@ static const struct row picture_rows[] = {
 static const struct catalog picture_catalog = CATALOG("picture", picture_rows);
 static const struct catalog *const catalogs[] = {&picture_catalog, NULL};
 
+/* Writes a figure as a picture of kind `kind`, a row of picture_rows. */
 static bool write_picture(const struct figure *figure, size_t kind, double width, double height,
                           struct buffer *output, struct error *error)
 {

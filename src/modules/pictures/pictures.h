@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module pictures: figures as SVG, PDF and PNG. */
+/* Figures as SVG, PDF and PNG files: figure_picture() is the entry of the module. */
 #pragma once
 
 #include <hooke/figure.h>
 
-/* PICTURE_PIXELS, which no file ends in: rows of words 0x00RRGGBB of the machine, from the top. */
+/* Kinds of pictures. PICTURE_PIXELS is not a file format: rows of 32-bit words 0x00RRGGBB in the
+ * byte order of the machine, from the top. */
 enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_PIXELS };
 #define PICTURE_PIXELS_EACH                                                                        \
     2 /* pixels per point, horizontally and vertically, in a PNG and in PICTURE_PIXELS */

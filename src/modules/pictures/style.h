@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * figure: the style sheet of pictures. Every length, line width and colour that is drawn stands
- * here; drawing code has none of its own.
- */
+/* The style sheet of pictures. Every length, line width and colour that is drawn is defined here;
+ * drawing code has none of its own. */
 #pragma once
 
 #include <stddef.h>
 
-/* X(name, [pt] at scale 1, what it is) */
+/* X(name, length [pt] at scale 1, meaning) */
 #define STYLE_LENGTHS(X)                                                                           \
     X(font, 10, "text")                                                                            \
     X(title, 12, "the title")                                                                      \
@@ -39,6 +37,7 @@
     X(arrow_half, 4.5, "half its width")                                                           \
     X(dash, 1, "unit of dashes")
 
+/* All lengths of a picture in points, scaled to the size of its page. */
 struct picture_style {
 #define LENGTH(name, value, brief) double name; /* [pt] */
     STYLE_LENGTHS(LENGTH)
@@ -51,9 +50,9 @@ struct picture_style {
  */
 struct picture_style picture_style(double width, double height);
 
-/* red, green, blue of 0..1 */
+/* Colours as red, green and blue, each from 0 to 1. */
 extern const double style_black[3], style_white[3], style_gray[3], style_grid[3];
-/* Colours of curves, told apart by colour-blind readers. */
+/* Colours of curves, which colour-blind readers can distinguish. */
 extern const double style_palette[][3];
 extern const size_t style_palette_count;
 #define STYLE_SHRINK                                                                               \

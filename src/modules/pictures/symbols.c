@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Symbols: from ASCII names, units and numbers to UTF-8. */
+/* Rewrites names, units and numbers from ASCII to UTF-8 as physics prints them: Greek letters,
+ * subscripts, superscripts, minus signs. */
 #include "modules/pictures/symbols.h"
 
 #include <string.h>
@@ -14,6 +15,7 @@ static bool is_symbol_letter(char c)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
+/* Appends digits and minus signs as superscripts; other characters are dropped. */
 static void put_superscript(struct buffer *output, struct text digits)
 {
     static const uint32_t superscript[] = {0x2070, 0xB9,   0xB2,   0xB3,   0x2074,
@@ -53,6 +55,8 @@ static size_t exponent_of(struct text text, struct text *power, bool *negative)
     return 1 + len;
 }
 
+/* Appends the number at the beginning of the text, its exponent as a power of ten. Returns its
+ * length in the text. */
 static size_t symbol_number_put(struct buffer *output, struct text text)
 {
     size_t len = digits_of(text, false);
@@ -61,7 +65,7 @@ static size_t symbol_number_put(struct buffer *output, struct text text)
     if (len < text.len && text.data[len] == '.')
         len += 1 + digits_of(text_after(text, len + 1), false);
     const size_t exponent = exponent_of(text_after(text, len), &power, &negative);
-    const bool unit = len == 1 && text.data[0] == '1';
+    const bool unit = len == 1 && text.data[0] == '1'; /* 1e-6 is printed as 10⁻⁶ */
     if (!exponent || !unit)
         buffer_put(output, (struct text){text.data, len});
     if (exponent && !unit)
@@ -75,12 +79,13 @@ static size_t symbol_number_put(struct buffer *output, struct text text)
     return len + exponent;
 }
 
-/* A number or a sign of arithmetic at `i`; 0 if there is none. */
+/* Appends the number, sign or comparison at position i with symbols. Returns the number of
+ * characters that it replaces, or 0 if there is none. */
 static size_t put_arithmetic(struct buffer *output, struct text text, size_t i)
 {
     const struct text rest = text_after(text, i);
     const char previous = i ? text.data[i - 1] : ' ';
-    const bool apart = strchr(" ([,;:/=", previous) != NULL;
+    const bool apart = strchr(" ([,;:/=", previous) != NULL; /* a sign, not a hyphen */
     if (is_digit_char(rest.data[0]) && !is_symbol_letter(previous))
         return symbol_number_put(output, rest);
     if (rest.data[0] == '-' && apart &&
@@ -111,7 +116,7 @@ void put_number_symbols(struct buffer *output, struct text text)
 
 /* ---- names ---- */
 
-/* The letter of this name; 0 if it is none. */
+/* Returns the code point of the Greek letter with this name, or 0 if there is none. */
 static uint32_t greek(struct text name)
 {
     static const struct {
@@ -129,7 +134,8 @@ static uint32_t greek(struct text name)
     return 0;
 }
 
-/* A word of letters and the digits after it. Returns its length. */
+/* Appends the word at the beginning of the text, with its digits as subscripts if it is a Greek
+ * letter or a single letter. Returns the length of word and digits. */
 static size_t symbol_name_put(struct buffer *output, struct text rest)
 {
     size_t letters = 0;
@@ -152,10 +158,12 @@ static size_t symbol_name_put(struct buffer *output, struct text rest)
     return len;
 }
 
+/* Appends a name or formula with symbols. */
 void put_name_symbols(struct buffer *output, struct text name)
 {
     for (size_t i = 0; i < name.len;) {
         const struct text rest = text_after(name, i);
+        /* a word begins here: not inside an identifier such as x_max */
         const bool word =
             is_symbol_letter(rest.data[0]) &&
             (i == 0 || (name.data[i - 1] != '_' && (unsigned char)name.data[i - 1] < 128));
@@ -177,6 +185,7 @@ void put_name_symbols(struct buffer *output, struct text name)
 
 /* ---- units ---- */
 
+/* Appends the symbol of one unit without its power: µm for "um", ° for "deg". */
 static void put_unit_name(struct buffer *output, struct text name)
 {
     if (text_is(name, "deg"))
@@ -191,10 +200,11 @@ static void put_unit_name(struct buffer *output, struct text name)
     }
 }
 
+/* Units are joined by middle dots; those behind "/" get negative powers. */
 void put_unit_symbols(struct buffer *output, struct text unit)
 {
     const size_t old_len = output->len;
-    bool in_denominator = false; /* the line of a fraction */
+    bool in_denominator = false; /* true behind the first '/' */
     for (size_t i = 0; i < unit.len;) {
         size_t len = 0;
         while (i + len < unit.len && !strchr("*/ ^()", unit.data[i + len]))

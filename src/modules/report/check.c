@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A hand-in, the folder of `report`, against what its session.hk gives when it is run again. */
+/* Compares a hand-in, the folder that `report` wrote, with the report that its session.hk gives
+ * when it is run again. */
 #define _GNU_SOURCE /* memmem */
 #include "modules/recording/known/handed_in.h"
 #include "modules/report/check.h"
@@ -14,11 +15,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define HANDED_MAX (1u << 28) /* [byte] a file of it */
+#define HANDED_MAX (1u << 28) /* [byte] largest file of a hand-in that is read */
 
 /* Longest part of a line that a difference quotes: a page holds figures of many kilobytes. */
 enum { QUOTE_MAX_BYTES = 160 };
 
+/* Cuts the detail at QUOTE_MAX_BYTES and makes it safe to print; adds a line and, but in CSV, an
+ * object to the list of differences. */
 void check_differs(struct check *check, const char *file, const char *what, struct text detail)
 {
     struct reply *reply = check->reply;
@@ -41,16 +44,18 @@ void check_differs(struct check *check, const char *file, const char *what, stru
     buffer_free(&safe);
 }
 
-/* ---- what is read ---- */
+/* ---- documents ---- */
 
-/* The recording that was taken from the folder, since its own file is not here; NULL if it is. */
+/* Returns the recording if its values were read from recording-N.csv of the folder, because neither
+ * its file nor a copy of that was found, else NULL. */
 static const struct recording *moved(const struct session *session, int index)
 {
     const struct recording *recording = session->recording[index]->recording;
     return strcmp(recording->format, HANDED_IN) == 0 ? recording : NULL;
 }
 
-/* Returns true if the line describes such a file: rows, separator. */
+/* Returns true if the line describes such a recording: number of rows and separator are those of
+ * recording-N.csv and differ from those of the file. */
 static bool is_of_moved(const struct session *session, struct text line)
 {
     for (int i = 0; i < session->recordings; i++) {
@@ -68,6 +73,7 @@ static bool is_of_moved(const struct session *session, struct text line)
     return false;
 }
 
+/* Returns true if a line of the text, without blanks around it, is `wanted`. */
 static bool has_line(struct text text, struct text wanted)
 {
     struct text line;
@@ -77,8 +83,8 @@ static bool has_line(struct text text, struct text wanted)
     return false;
 }
 
-/* Compares the lines. Numbers, figures and commands must be unchanged; answers, headings and
- * words are the student's. */
+/* Reports lines of a document that contain digits and are missing in the one that was handed in.
+ * Numbers, figures and commands must be unchanged; answers, headings and words may differ. */
 static void compare_lines(struct check *check, const char *file, struct text handed,
                           struct text again)
 {
@@ -132,8 +138,8 @@ static bool read_handed(struct check *check, const char *name, struct buffer *co
     return !why;
 }
 
-/* Returns true if the folder has something of that name. Reports of earlier versions have no copies
- * of recordings. */
+/* Returns true if the folder has an entry of that name. Reports of older versions have no copies of
+ * recordings. */
 static bool is_handed(const struct check *check, const char *name)
 {
     struct buffer path = {0};
@@ -144,7 +150,8 @@ static bool is_handed(const struct check *check, const char *name)
     return found;
 }
 
-/* Compares a file of the report that the session gives with that of the folder. */
+/* Compares one file that the session gives (`again`) with that of the folder, and counts
+ * differences by kind. It is report->put of the repeated report; always returns true. */
 static bool compare_file(void *context, const char *name, struct text again, struct error *error)
 {
     struct check *check = context;
@@ -183,6 +190,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
 
 /* ---- the session, run again ---- */
 
+/* Keeps the first error message of the repeated session in check->failure. */
 static bool keep_error(void *context, struct text text)
 {
     struct check *check = context;
@@ -193,8 +201,8 @@ static bool keep_error(void *context, struct text text)
     return true;
 }
 
-/* Runs session.hk, showing and writing nothing; settings of the output are as they were. Returns
- * NULL, or why it was not read; check->failure says more. */
+/* Runs session.hk of the folder in `session` without showing or writing anything. Returns NULL, or
+ * the reason why the script was not read; check->failure has the first error. */
 static const char *run_again(struct check *check, struct session *session)
 {
     struct buffer path = {0}, script = {0};
@@ -212,7 +220,7 @@ static const char *run_again(struct check *check, struct session *session)
         session->options.keep_going = true;
         script_file(session, buffer_view(&path), NULL, &silent);
         reply_free(&silent);
-        if (fails)
+        if (fails) /* its first lines announce that it ends in an error */
             buffer_clear(&check->failure);
     }
     session->setup.settings.format = format;
@@ -221,7 +229,8 @@ static const char *run_again(struct check *check, struct session *session)
     return why;
 }
 
-/* Reports if a recording was taken from the folder, as its own file is gone or is another one. */
+/* Tells the user if a recording was read from the folder, because the file that it was loaded from
+ * is missing or has another checksum. Returns true if so. */
 static bool tell_taken(struct check *check, int index)
 {
     const struct session *session = check->report.session;
@@ -243,7 +252,8 @@ static bool tell_taken(struct check *check, int index)
     return true;
 }
 
-/* Reads what the student wrote; a file that is missing was reported before. */
+/* Reads name, answers and checksum from the documents; a missing one counts as empty here, since
+ * compare_file() reports it. */
 static void read_answers(struct check *check)
 {
     static const char *const names[] = {"report.md", "report.html"};
@@ -258,6 +268,8 @@ static void read_answers(struct check *check)
     buffer_free(&content[1]);
 }
 
+/* Adds the fields of the record `check` after its list of differences. `taken` is the number of
+ * recordings that were read from the folder. */
 static void put_record(struct check *check, struct text folder, int taken)
 {
     struct reply *reply = check->reply;
@@ -283,6 +295,7 @@ static void put_record(struct check *check, struct text folder, int taken)
     buffer_free(&safe);
 }
 
+/* Prints the summary of a checked folder and completes its record. */
 static void conclude(struct check *check)
 {
     struct reply *reply = check->reply;
@@ -313,7 +326,8 @@ static void conclude(struct check *check)
     buffer_free(&verdict);
 }
 
-/* Compares the report that the session gives with the files of the folder. */
+/* Makes the report of the repeated session, whose files compare_file() compares with those of the
+ * folder. `view` is scratch memory. */
 static void compare_folder(struct check *check, struct session *session, struct session *view)
 {
     struct error error = {0};
@@ -334,6 +348,7 @@ static void compare_folder(struct check *check, struct session *session, struct 
     document_free(&check->report.document);
 }
 
+/* Frees the check and all that it owns. */
 static void check_free(struct check *check)
 {
     buffer_free(&check->failure);
@@ -343,7 +358,7 @@ static void check_free(struct check *check)
     free(check);
 }
 
-/* Returns true if another folder holds the same report. */
+/* Returns true if both reports have the same checksum and are not the same folder. */
 static bool is_copy(const struct checked *one, const struct checked *other)
 {
     struct stat a, b;
@@ -352,7 +367,8 @@ static bool is_copy(const struct checked *one, const struct checked *other)
     return one->sum == other->sum && !same_folder;
 }
 
-/* Checks a folder; `checked` holds those before it. Returns its exit status. */
+/* Checks the folder checked[index]; those before it are searched for the same report. Returns 0 if
+ * it agrees, ERROR_COMMAND if it differs, ERROR_USAGE if it has no session to run. */
 static int check_folder(struct session *session, struct checked *checked, int index,
                         struct reply *reply)
 {
@@ -403,6 +419,7 @@ static struct checked *copy_folders(struct arena *arena, const char *const *fold
     return checked;
 }
 
+/* Each folder gets a new session, so that none sees the runs of another. */
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply)
 {

@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The check of a hand-in: what its files share. */
+/* Checks hand-ins: hand_ins_check() is the entry; the rest is shared by check.c, check_tables.c and
+ * check_answers.c. */
 #pragma once
 
 #include "modules/report/lab.h"
 #include <hooke/command.h>
 
+/* The check of one folder, and what it has found so far. */
 struct check {
-    struct report report;
-    struct arena arena;
-    const char *folder;
-    struct reply *reply;
-    struct buffer failure; /* the first error of the session */
-    int values, figures, files, differences;
+    struct report report;                    /* the report that the session of the folder gives */
+    struct arena arena;                      /* memory of the check, freed with it */
+    const char *folder;                      /* path of the hand-in */
+    struct reply *reply;                     /* takes the findings */
+    struct buffer failure;                   /* the first error of the session */
+    int values, figures, files, differences; /* number of those compared, and of differences */
     int wrong_values, wrong_figures, changed_lines, missing_files;
     int answers, empty_answers; /* questions of report.md with and without an answer */
-    struct buffer empty;        /* those without: "Q1 Q3" */
+    struct buffer empty;        /* questions without an answer: "Q1 Q3" */
     struct buffer name;         /* text behind "Name:" */
     uint64_t sum;     /* checksum of report.md without name, date and answers; 0 if it is missing */
     const char *copy; /* folder before this one with the same report, or NULL */
 };
 
-/* Hand-ins that were checked before, for what is the same in another. */
+/* A hand-in that was checked before; another with the same sum is reported as a copy of it. */
 struct checked {
     const char *folder;
     uint64_t sum;
@@ -40,8 +42,8 @@ struct checked {
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply);
 
-/* Finds in report.md and report.html who wrote it, which answers are empty, and a sum by which a
- * copy is known. */
+/* Finds the student's name, the empty answers and the checksum of the report in report.md and
+ * report.html (empty text if a file is missing), and stores them in *check. */
 void check_answers(struct check *check, struct text report, struct text page);
 
 /* Reports one difference: the file, what is wrong with it, and a detail that is cut where it is

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Name and answers of a hand-in, as far as the student has written them. */
+/* Finds the student's name and the answers in report.md and report.html of a hand-in, and a
+ * checksum of the rest, by which copies are recognized. */
 #define _GNU_SOURCE /* memmem */
 #include "modules/report/check.h"
 #include <hooke/base/fields.h>
 
 #include <string.h>
 
-/* Appends the text behind `label` at the start of a line, which the report leaves empty. */
+/* Appends the text behind `label` ("Name:") of the first line that begins with it, or nothing. */
 static void put_field(struct text report, struct text label, struct buffer *output)
 {
     struct text line;
@@ -50,6 +51,8 @@ static bool is_written_in_page(struct text page, int number)
     return stop && text_trim((struct text){found, (size_t)(stop - found)}).len > 0;
 }
 
+/* Counts the answer to `question` ("Q3", empty before the first one) as given or empty. An answer
+ * may have been written in report.html (`page`) instead. */
 static void end_answer(struct check *check, struct text question, bool written, struct text page)
 {
     if (question.len == 0)
@@ -62,6 +65,8 @@ static void end_answer(struct check *check, struct text question, bool written, 
                       question.data);
 }
 
+/* Lines between "Answer:" and the next heading belong to the answer; they, the name and the date
+ * are left out of the checksum. */
 void check_answers(struct check *check, struct text report, struct text page)
 {
     static const struct text name = {"Name:", 5}, date = {"Date:", 5}, answer = {"Answer:", 7};

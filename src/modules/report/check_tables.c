@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables of a hand-in against those that its session gives: values.csv and the data. */
+/* Compares the tables of a hand-in with those that its session gives: values.csv by value and
+ * uncertainty, data files number by number. */
 #include "modules/report/check.h"
 
 #include <math.h>
@@ -18,12 +19,15 @@ static const double data_tolerance_of_one = 1e-13;
 
 /* ---- values ---- */
 
-struct values { /* columns of values.csv; NULL if it has none of that name or kind */
+/* Columns of values.csv; each is NULL if the table has none of that name and type. */
+struct values {
     const char *const *name, *const *subject, *const *source;
     const double *value, *uncertainty, *t;
     size_t rows;
 };
 
+/* Finds the columns of values.csv. Returns false if a necessary one is missing; t is not
+ * necessary. */
 static bool find_values(const struct table *table, struct values *values)
 {
     *values = (struct values){.rows = table->rows};
@@ -54,11 +58,13 @@ static bool find_values(const struct table *table, struct values *values)
            values->uncertainty;
 }
 
+/* Returns the time of a value, or -infinity if it has none, so that those compare equal. */
 static double checked_time(const struct values *values, size_t row)
 {
     return values->t && isfinite(values->t[row]) ? values->t[row] : -HUGE_VAL;
 }
 
+/* Returns true if two rows are of the same quantity: name, subject, source and time. */
 static bool same_key(const struct values *a, size_t i, const struct values *b, size_t j)
 {
     return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->subject[i], b->subject[j]) == 0 &&
@@ -79,8 +85,8 @@ static size_t find_row(const struct values *a, size_t i, const struct values *b)
     return b->rows;
 }
 
-/* Returns true if the values agree within the uncertainty, which must be the same, or exact
- * values in their digits. */
+/* Returns true if the values differ by no more than the computed uncertainty (or by SAME_DIGITS if
+ * there is none) and the uncertainties are the same within SAME_UNCERTAINTY. */
 static bool agree(struct measured stated, struct measured computed)
 {
     const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0;
@@ -89,6 +95,7 @@ static bool agree(struct measured stated, struct measured computed)
            fabs(v - u) <= SAME_UNCERTAINTY * u;
 }
 
+/* Compares row i of the folder's values with row j of the session's, and reports a difference. */
 static void compare_value(struct check *check, const struct values *handed, size_t i,
                           const struct values *again, size_t j)
 {
@@ -106,6 +113,7 @@ static void compare_value(struct check *check, const struct values *handed, size
     buffer_free(&detail);
 }
 
+/* Reports a row that only one of the tables has; `what` says which. */
 static void tell_unmatched(struct check *check, const struct values *values, size_t i,
                            const char *what)
 {
@@ -152,6 +160,7 @@ struct data_difference {
     double relative; /* largest difference, relative to the largest number of its column */
 };
 
+/* Returns the largest magnitude of the finite numbers of a column. */
 static double column_max(const struct table_column *column, size_t rows)
 {
     double max = 0;
@@ -170,6 +179,8 @@ static double number_difference(double a, double b, double scale)
     return scale > 0 ? fabs(a - b) / scale : 0;
 }
 
+/* Compares column c of two tables of the same shape and adds its differences to *found. Texts must
+ * be equal. */
 static void compare_column(const struct table *handed, const struct table *again, int c,
                            struct data_difference *found)
 {
@@ -196,12 +207,14 @@ static void compare_column(const struct table *handed, const struct table *again
     }
 }
 
+/* Returns true if both columns have the same name, unit and type. */
 static bool same_column(const struct table_column *a, const struct table_column *b)
 {
     return strcmp(a->name, b->name) == 0 &&
            strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") == 0 && !a->value == !b->value;
 }
 
+/* Appends the text or number of a cell. */
 static void checked_cell_put(const struct table_column *column, size_t row, struct buffer *text)
 {
     if (column->value)
@@ -210,7 +223,7 @@ static void checked_cell_put(const struct table_column *column, size_t row, stru
         buffer_put(text, text_of(column->text[row]));
 }
 
-/* Names the largest difference and how many there are. */
+/* Reports the differing cell with the largest relative difference, and how many differ. */
 static void tell_data(struct check *check, const char *file, const struct table *handed,
                       const struct table *again, const struct data_difference *found)
 {
@@ -226,7 +239,7 @@ static void tell_data(struct check *check, const char *file, const struct table 
     buffer_free(&detail);
 }
 
-/* Comments say where a file was and are not compared. */
+/* Tables of different shape are reported as a whole, others by their largest difference. */
 void check_data(struct check *check, const char *file, struct text handed_text,
                 struct text again_text)
 {

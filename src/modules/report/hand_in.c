@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* report */
+/* The command report, which writes the folder that a student hands in. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
 #include <hooke/base/file.h>
@@ -11,7 +11,8 @@
 
 #include <stdio.h>
 
-/* *head: how many lines come before the first statement. */
+/* Writes session.hk. Comments that say how to run it come first, then all statements of the
+ * session. Adds the number of comment lines to *head. */
 static void put_script(const struct session *session, int *head, struct buffer *output)
 {
     buffer_put(
@@ -29,6 +30,7 @@ static void put_script(const struct session *session, int *head, struct buffer *
     history_put(session, 0, HISTORY_SCRIPT, output);
 }
 
+/* Ends the document with links to the other files and the text of session.hk. */
 static void put_end(struct report *report, const struct buffer *script)
 {
     struct document *document = &report->document;
@@ -67,6 +69,8 @@ static void put_end(struct report *report, const struct buffer *script)
     document_end(document);
 }
 
+/* The script is made first, because values refer to its lines; figures are written by the sections,
+ * and tables after them, as they hold what the figures show. */
 bool report_write(struct report *report, struct error *error)
 {
     struct document *document = &report->document;
@@ -93,6 +97,8 @@ bool report_write(struct report *report, struct error *error)
     return ok;
 }
 
+/* Tells one thing that the report lacks, as a line, or as an item of the list `missing` if that is
+ * open. */
 static void say_missing(void *context, const char *what, const char *type)
 {
     struct reply *reply = context;
@@ -105,6 +111,7 @@ static void say_missing(void *context, const char *what, const char *type)
     buffer_free(&text);
 }
 
+/* Reports what was written, what the report lacks, and whether PDF figures failed. */
 static void hand_in_reply(const struct report *report, const struct item *folder, const char *path,
                           struct reply *reply)
 {
@@ -130,6 +137,8 @@ static void hand_in_reply(const struct report *report, const struct item *folder
     buffer_free(&shown);
 }
 
+/* Writes the report into the folder DIR, which is replaced as a whole or, on failure, left as it
+ * was. */
 HANDLER(report)
 {
     const struct item *item = argument_value(args, "DIR")->item;
@@ -151,6 +160,7 @@ HANDLER(report)
                               .latex = has_argument(args, "latex")};
     bool ok = folder_open(&folder, path, session_policy(session, has_argument(args, "force")),
                           report_owns, error);
+    /* the folder appears complete, or as it was before */
     if (ok && !(report_write(report, error) && !cancelled(session->front.cancel))) {
         folder_abandon(&folder);
         ok = false;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Commands of a lesson, step by step (lab, check, hint, skip, again). */
+/* Commands that take a student through a lesson, step by step (lab, check, hint, skip, again). */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 #include "modules/report/lesson.h"
@@ -10,9 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- taking part ---- */
+/* ---- steps ---- */
 
-/* Tells the step. Its command is left out at a prompt, where it is offered below. */
+/* Prints the current step with its number. Its command is printed only where there is no prompt
+ * that offers it. Adds the record `lesson`. */
 static void say_step(const struct session *session, struct reply *reply)
 {
     const struct lesson *lesson = session_lesson(session);
@@ -42,6 +43,8 @@ static void say_step(const struct session *session, struct reply *reply)
     buffer_free(&command);
 }
 
+/* Makes `step` the current one, writes its recording if it needs one, and prints it. Notes where in
+ * the log the previous step was left if the lesson moves forward. */
 static bool go_to(struct session *session, int step, struct reply *reply, struct error *error)
 {
     struct lesson *lesson = session_lesson(session);
@@ -63,6 +66,7 @@ void lesson_label(const struct session *session, struct buffer *text)
         buffer_format(text, "lab %d/%d", lesson->step + 1, lesson->steps);
 }
 
+/* Warns if the next step cannot be begun. */
 void lesson_follow(struct session *session, struct reply *reply)
 {
     struct error error = {0};
@@ -73,6 +77,7 @@ void lesson_follow(struct session *session, struct reply *reply)
         reply_warning(reply, "%s", error.text);
 }
 
+/* Returns true if a lesson has a step that waits; otherwise sets *error. */
 static bool need_lesson(const struct session *session, struct error *error)
 {
     struct lesson_step step;
@@ -95,6 +100,7 @@ static bool is_loaded(const struct session *session, struct reply *reply)
     return true;
 }
 
+/* Opens a lesson, repeats the current step, or ends the lesson (`lab off`). */
 HANDLER(lab)
 {
     const struct argument_value *name = argument_value(args, "NAME"),
@@ -126,7 +132,8 @@ HANDLER(lab)
 
 /* ---- checks ---- */
 
-/* A bare number is in the SI unit; 1/s is that of each kind of frequency. */
+/* Returns true if the unit of an answer fits the quantity. A bare number is taken in the SI unit;
+ * 1/s fits each kind of frequency. */
 static bool fits_unit(const struct item *item, enum quantity quantity)
 {
     return item->quantity == QUANTITY_OTHER || item->quantity == QUANTITY_NUMBER ||
@@ -135,9 +142,9 @@ static bool fits_unit(const struct item *item, enum quantity quantity)
             (quantity == QUANTITY_FREQUENCY || quantity == QUANTITY_ANGULAR_FREQUENCY));
 }
 
-/* Finds in what other ways the value may be said, and what it is in each: a period as a frequency,
- * a decay as the time in which the amplitude falls to 1/e, a growth as a factor. Returns their
- * number with that of the value itself, which is the first. */
+/* Adds other forms in which the wanted value[0] may be given: a period as a frequency, a decay as
+ * the time in which the amplitude falls to 1/e, a growth as a factor. Returns the number of forms,
+ * at least 1. */
 static int values_said(const struct lesson_step *step, struct named_value value[3])
 {
     const double x = value[0].value, relative = value[0].uncertainty / x;
@@ -171,7 +178,8 @@ static bool is_right(const struct item *item, const struct named_value *wanted)
            fabs(item->value.value - wanted->value) <= fmax(3 * hypot(own, stated), rounding);
 }
 
-/* Nothing of the value that is wanted is told. */
+/* Checks the student's answer and goes to the next step if it is right. Messages never reveal the
+ * wanted value. */
 HANDLER(check)
 {
     const struct argument_value *value = argument_value(args, "VALUE");
@@ -215,6 +223,7 @@ HANDLER(check)
     return go_to(session, session_lesson(session)->step + 1, reply, error);
 }
 
+/* Prints the hint of the step, or its command if it has none. */
 HANDLER(hint)
 {
     UNUSED(args);
@@ -229,6 +238,7 @@ HANDLER(hint)
     return true;
 }
 
+/* Goes to the next step without an answer. */
 HANDLER(skip)
 {
     UNUSED(args);
@@ -236,6 +246,7 @@ HANDLER(skip)
            go_to(session, session_lesson(session)->step + 1, reply, error);
 }
 
+/* Repeats the step; measurements made before no longer count as its answer. */
 HANDLER(again)
 {
     UNUSED(args);

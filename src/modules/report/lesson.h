@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Lessons: .hk files whose comments are steps. `#: TEXT` begins one, `#> COMMANDS` is what to type,
- * `#! TEXT` a hint, `#? done COMMAND` waits for that, `#? measured NAME` and `#? value NAME`
- * for a check of what `measure NAME` gave, `print NAME` gives. `#@ bare` and `#@ disk` generate a
- * recording. $seed, $bare_mass, $bare_file, … stand for values, $readings, $window and $span for
- * times of the recording in use.
- */
+/* Lessons: .hk files whose comments are steps. `#: TEXT` begins a step, `#> COMMANDS` is what to
+ * type, `#! TEXT` a hint, `#? done COMMAND` waits for that command, `#? measured NAME` and `#?
+ * value NAME` wait until the student has given the result of `measure NAME` or `print NAME` to
+ * `check`. `#@ bare` and `#@ disk` generate a recording. $seed, $bare_mass, $bare_file, … stand for
+ * values, $readings, $window and $span for times of the recording in use. */
 #pragma once
 
 #include <hooke/command.h>
@@ -14,54 +12,62 @@
 #include <hooke/session/names.h>
 
 #define LESSON_DIGITS 0.005 /* tolerance of a value without uncertainty, relative */
-#define LESSON_VAGUE 0.1    /* largest uncertainty of a value that is checked, relative */
+#define LESSON_VAGUE 0.1    /* largest relative uncertainty of an accepted answer */
 #define LESSON_STEPS 64     /* most steps of a lesson */
 
-/* The module's part of a session: a lesson that waits. */
+/* The module's part of a session: the open lesson, if there is one. */
 struct lesson {
-    bool waits;                    /* false if no lesson is open */
-    struct buffer text;            /* text of the lesson */
-    int step, steps;               /* counted from 0; step == steps: it is over */
-    size_t begun;                  /* place in the log at which the step began */
-    size_t counted;                /* place in the log from which measurements count */
-    long seed;                     /* seed of its recordings */
-    uint64_t passed[LESSON_STEPS]; /* place in the log at which each step was left */
+    bool waits;         /* false if no lesson is open */
+    struct buffer text; /* text of the lesson file, with $seed and file names filled in */
+    int step, steps;    /* current step, counted from 0, and number of steps; equal at the end */
+    /* Positions in the log of statements: where the current step began, from where measurements are
+     * accepted as answers, and where each step was left. */
+    size_t begun;
+    size_t counted;
+    long seed; /* seed of the generated recordings */
+    uint64_t passed[LESSON_STEPS];
 };
 
+/* One step of a lesson as parsed from its text; the parts point into that text. */
 struct lesson_step {
-    struct text says, command, hint, wanted; /* wanted is a command or a name */
-    bool done, measured;                     /* it is a command; what is measured */
-    bool bare, disk;                         /* it needs that recording */
+    /* wanted is the command to be executed or the name of the value to be checked */
+    struct text says, command, hint, wanted;
+    /* The step waits for a command (done), for a result of `measure` (measured), or of `print`. */
+    bool done, measured;
+    bool bare, disk; /* the step needs that generated recording */
 };
 
-/* Steps are counted from 0. Returns false if it has no such step. */
+/* Parses step `number`, counted from 0. Returns false if the lesson has no such step. */
 bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step);
+/* Opens the lesson of that name, a built-in one or a file, and ends the one before. Its first step
+ * is the current one. Returns false with *error if it cannot be read or has no steps. */
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
                  struct error *error);
-/* Ends the lesson; of the module's part of a session. */
+/* Ends the lesson of a session; `part` is the struct lesson. */
 void lesson_free(void *part);
 /* Returns the session's lesson, or NULL if none waits. */
 struct lesson *session_lesson(const struct session *session);
-/* The lesson in a session's file. */
+/* Writes the open lesson to the session's file. */
 void lesson_put(const void *part, struct buffer *output);
+/* Reads it again; a record that does not fit is left out with a note. */
 void lesson_read(struct reader *reader);
 /* Continues with the next step and prints it, if the last typed line did what the current step
  * waits for. */
 void lesson_follow(struct session *session, struct reply *reply);
-/* "lab 2/9", for the prompt; nothing without a lesson. */
+/* Appends "lab 2/9" for the prompt, or nothing if no step waits. */
 void lesson_label(const struct session *session, struct buffer *text);
 /* Appends the line that the lesson waits for. Without a lesson, the line that the lab does next
- * with the recording that was loaded last, by what was done with it since: measure it, fit it, take
- * the fit into the scene, run, plot, compare. */
+ * with the recording that was loaded last, by what was done with it since: measure, fit, adopt,
+ * run, plot, compare. Returns false if nothing is due. */
 bool report_next(const struct session *session, struct buffer *line);
-/* A statement of it succeeded since the step began. */
+/* Returns true if a statement that begins with `command` succeeded since the step began. */
 bool lesson_done(const struct session *session, struct text command);
 /* Finds the value that the step wants. A measurement counts if it was made after the last step that
  * wanted one of that name, from the recording in use, and with the parameters that are set now. */
 bool lesson_found(const struct session *session, const struct lesson_step *step,
                   struct named_value *value);
-/* Writes the recording that the present step needs, and says so; one that is there already and
- * differs is an error. */
+/* Writes the recording that the current step needs, and tells so, unless the file exists with the
+ * same content. Returns false with *error if it exists and differs. */
 bool lesson_files(struct session *session, struct reply *reply, struct error *error);
 
 /* ---- what is typed, and what is offered (lesson_offer.c) ---- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lessons as text: their steps, what they wait for, the recordings that they generate. */
+/* Reads lessons and their steps, generates their recordings, and finds whether a step was done. */
 #include "modules/report/lesson.h"
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
@@ -14,7 +14,7 @@
 
 extern const struct module report_module;
 
-/* The lessons of examples/lessons, in the program, wherever it is. */
+/* The texts of examples/lessons are part of the program, so that it finds them wherever it is. */
 #define LESSON(name)                                                                               \
     __asm__(".pushsection .rodata\nlesson_" #name ":\n"                                            \
             ".incbin \"examples/lessons/" #name ".hk\"\n.byte 0\n.popsection\n");                  \
@@ -34,10 +34,11 @@ static const char lesson_names[] =
 #include "lists/lessons.def"
     ;
 
-#define LESSON_MAX (1u << 16)                                           /* [byte] */
-enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS }; /* g, g, N/m, cm, 1/s, cm */
+#define LESSON_MAX (1u << 16) /* [byte] largest file of a lesson */
+/* True parameters of generated recordings: [g], [g], [N/m], [cm], [1/s], [cm]. */
+enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS };
 
-/* Computes the true parameters of the recordings of a seed. */
+/* Computes the true parameters of the recordings of a seed, uniformly in their ranges. */
 static void truths(long seed, double value[TRUTHS])
 {
     static const double lower[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},
@@ -49,6 +50,8 @@ static void truths(long seed, double value[TRUTHS])
     value[DISK_MASS] = value[BARE_MASS] + 16.6;
 }
 
+/* Appends a generated recording as a sensor would write it: 10 ms apart, with Gaussian noise of
+ * 0.02 cm; 10 s of the bare mass, 120 s of the mass with the disk. */
 static void put_recording(long seed, bool disk, struct buffer *output)
 {
     double v[TRUTHS];
@@ -66,6 +69,7 @@ static void put_recording(long seed, bool disk, struct buffer *output)
     }
 }
 
+/* The mass is rounded to 0.1 g, as the student reads it from scales. */
 double lesson_mass(long seed, bool disk)
 {
     double v[TRUTHS];
@@ -73,7 +77,7 @@ double lesson_mass(long seed, bool disk)
     return v[disk ? DISK_MASS : BARE_MASS];
 }
 
-/* Puts values that are the same in the whole lesson. */
+/* Appends the text with $seed and file names filled in, which are the same in the whole lesson. */
 static void put_expanded(struct text text, long seed, struct buffer *output)
 {
     while (text.len > 0) {
@@ -91,6 +95,7 @@ static void put_expanded(struct text text, long seed, struct buffer *output)
     }
 }
 
+/* Recordings (#@) stand before the step that they belong to. */
 bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step)
 {
     struct text rest = buffer_text(&lesson->text), line;
@@ -124,6 +129,7 @@ bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *st
     return index >= number;
 }
 
+/* Returns the larger of two sizes. */
 static size_t size_max(size_t a, size_t b)
 {
     return a > b ? a : b;
@@ -135,6 +141,7 @@ struct lesson *session_lesson(const struct session *session)
     return lesson && lesson->waits ? lesson : NULL;
 }
 
+/* Only statements since the beginning of the step count. */
 bool lesson_done(const struct session *session, struct text command)
 {
     struct buffer script = {0};
@@ -148,7 +155,9 @@ bool lesson_done(const struct session *session, struct text command)
     return done;
 }
 
-/* Returns the statement after which a measurement has to be made to count for the step. */
+/* Returns the position in the log after which the measurement must have been made: the last step
+ * that wanted the same, the loading of the recording, and, for results that depend on parameters,
+ * the last change of one. */
 static size_t measured_since(const struct session *session, const struct lesson_step *step,
                              const struct measurement *m)
 {
@@ -168,6 +177,7 @@ static size_t measured_since(const struct session *session, const struct lesson_
     return last_change;
 }
 
+/* Searches measurements from the latest to the first. */
 bool lesson_found(const struct session *session, const struct lesson_step *step,
                   struct named_value *value)
 {
@@ -184,6 +194,7 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
     return false;
 }
 
+/* A file with the same content is left alone. */
 bool lesson_files(struct session *session, struct reply *reply, struct error *error)
 {
     struct lesson_step step;
@@ -214,7 +225,7 @@ void lesson_free(void *part)
     *lesson = (struct lesson){.waits = false};
 }
 
-/* Refuses lines of a lesson that say what no lesson can do. */
+/* Checks all lines of a lesson. Returns false with *error that names the first wrong line. */
 static bool check_lines(struct text rest, struct error *error)
 {
     struct text line;
@@ -243,6 +254,7 @@ static bool check_lines(struct text rest, struct error *error)
     return true;
 }
 
+/* Files are made safe to print; an open lesson is replaced only if the new one is right. */
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
                  struct error *error)
 {
@@ -299,6 +311,7 @@ static const struct field fields[] = {
     FIELD_OF(struct lesson, passed), FIELD_OF(struct lesson, seed),
 };
 
+/* Writes nothing if no lesson is open. */
 void lesson_put(const void *part, struct buffer *output)
 {
     const struct lesson *lesson = part;
@@ -310,6 +323,7 @@ void lesson_put(const void *part, struct buffer *output)
     field_end(output, begun);
 }
 
+/* Checks the numbers, since the file may have been edited. */
 void lesson_read(struct reader *reader)
 {
     struct text stored, text;

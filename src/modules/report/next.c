@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Suggests what a student of the lab does next with the recording that was loaded last. The
- * prompt offers it, and an empty Enter takes it. */
+/* Suggests what a student of the lab does next with the recording that was loaded last. The prompt
+ * offers the line of report_next(), and an empty Enter takes it. */
 #include <hooke/data.h>
 #include <hooke/command/handler.h>
 #include "modules/report/lesson.h"
@@ -11,23 +11,23 @@
 #include <string.h>
 #include <unistd.h>
 
-#define LONG_S 30 /* [s] a recording for the decay, above it; for the period, below it */
-#define STEP_S 0.01
-#define UNDAMPED_S 10 /* [s] runs of the lab sheet's first session, and of its second */
-#define DAMPED_S 20
+#define LONG_S 30     /* [s] longer recordings are of the decay, shorter ones of the period */
+#define STEP_S 0.01   /* [s] time step of the lab sheet */
+#define UNDAMPED_S 10 /* [s] length of runs of the lab sheet's first session */
+#define DAMPED_S 20   /* [s] length of runs of its second session */
 #define REPORT_FOLDER "lab-report" /* Folder that is handed in. */
 
 /* The recording in use, and what was done with it since it was loaded. */
 struct lab {
     const struct session *session;
     const struct recording *recording;
-    char name[LIMIT_NAME + 16]; /* as of what was measured: "data swing3" */
-    size_t loaded;              /* statement of the log, counted from 1 */
-    bool decays;                /* it is the long one */
+    char name[LIMIT_NAME + 16]; /* subject of its measurements: "data swing3" */
+    size_t loaded;              /* statement of the log that loaded it, counted from 1 */
+    bool decays;                /* the recording is long, so that its decay is to be measured */
 };
 
-/* Something that is called so, or begins so, was measured after that statement. quantity: NULL,
- * whatever it is. */
+/* Returns true if a subject that begins with `subject` was measured after that statement of the
+ * log. quantity NULL matches any quantity. */
 static bool is_measured(const struct session *session, const char *subject, const char *quantity,
                         size_t previous_statement)
 {
@@ -52,7 +52,7 @@ static size_t last_fit(const struct lab *lab)
     return statement > lab->loaded ? statement : 0;
 }
 
-/* The statement that gave a parameter of the scene its value last. */
+/* Returns the statement that changed a parameter of the scene last, or 0. */
 static size_t last_change(const struct session *session)
 {
     const struct setup *setup = &session->setup;
@@ -74,11 +74,13 @@ static bool has_run(const struct session *session, const char *method, size_t pr
     return false;
 }
 
+/* Returns the length of the used part of the recording [s]. */
 static double recording_span(const struct recording *recording)
 {
     return recording->window[1] - recording->window[0];
 }
 
+/* Suggests to plot and measure: period and amplitude, or the decay of a long recording. */
 static void put_measuring(const struct lab *lab, struct buffer *line)
 {
     buffer_format(line, "plot position data %s; measure period; ", lab->recording->name);
@@ -92,6 +94,7 @@ static void put_measuring(const struct lab *lab, struct buffer *line)
     buffer_put(line, TEXT("; measure decay"));
 }
 
+/* Suggests a fit, and what follows from it once the mass has been set. */
 static void put_fit(const struct lab *lab, struct buffer *line)
 {
     const struct setup *setup = &lab->session->setup;
@@ -101,6 +104,7 @@ static void put_fit(const struct lab *lab, struct buffer *line)
         buffer_put(line, lab->decays ? TEXT("; measure k; measure reynolds") : TEXT("; measure k"));
 }
 
+/* Suggests to take the fit over; the undamped simulation takes the amplitude alone. */
 static void put_adopt(const struct lab *lab, struct buffer *line)
 {
     const double *window = lab->recording->window;
@@ -110,6 +114,7 @@ static void put_adopt(const struct lab *lab, struct buffer *line)
         buffer_put(line, TEXT("adopt amplitude; gamma = 0"));
 }
 
+/* Suggests a run of the length of the recording, at most that of the lab sheet. */
 static void put_run(const struct lab *lab, struct buffer *line)
 {
     const double most = lab->decays ? DAMPED_S : UNDAMPED_S;
@@ -119,6 +124,7 @@ static void put_run(const struct lab *lab, struct buffer *line)
                   1000 * STEP_S, duration);
 }
 
+/* Suggests the plots and measurements of the run that the lab asks for. */
 static void put_plots(const struct lab *lab, struct buffer *line)
 {
     const struct run *run = session_run(lab->session);
@@ -132,6 +138,7 @@ static void put_plots(const struct lab *lab, struct buffer *line)
                               "energy; measure drift"));
 }
 
+/* Suggests to compare two methods and to plot both runs; their numbers are the next ones. */
 static void put_compare(const struct lab *lab, struct buffer *line)
 {
     const int number = lab->session->runs.next_number;
@@ -140,7 +147,8 @@ static void put_compare(const struct lab *lab, struct buffer *line)
                   number, number + 1, number, number + 1);
 }
 
-/* Suggests the first command of the step; done once, so that the answer is read and checked. */
+/* Suggests what remains of the command of the lesson's current step. A measurement is suggested
+ * once, so that its result is read and checked. */
 static void put_step(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);
@@ -162,7 +170,8 @@ static size_t loaded_since(const struct session *session, struct text name)
     return session->recording[session->current_recording]->statement;
 }
 
-/* Suggests what is due by what exists: measurements, fits, parameters that were set, runs. */
+/* Suggests the first thing that has not been done yet with the recording, in the order of the lab
+ * sheet. */
 static void put_due(const struct lab *lab, struct buffer *line)
 {
     const struct session *session = lab->session;
@@ -184,6 +193,7 @@ static void put_due(const struct lab *lab, struct buffer *line)
         buffer_put(line, TEXT("report " REPORT_FOLDER));
 }
 
+/* A lesson has precedence over the recording. */
 bool report_next(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module report: what the lab asks to hand in, its check, and lessons. */
+/* The module report: what the lab asks to hand in (hand_in.c), its check (check.c), and lessons
+ * (lesson.c). --check runs hand_ins_check(). */
 #include <hooke/module.h>
 #include "modules/report/check.h"
 #include "modules/report/lesson.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The log of the session: lines and statements as they came, what they did; `history`, the file of
- * `record`, labels of undo and the script of the report are read from it. */
+/* The history: every line and statement as typed, and what it did. `history`, the file of `record`,
+ * labels of undo and the script of the report are read from it. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
@@ -14,8 +14,8 @@
 
 /* ---- writing ---- */
 
-/* Adds an entry. Doubles the capacity where it is used up, so that an entry costs the same however
- * many there are. Returns NULL if out of memory. */
+/* Adds an entry at the end; the capacity doubles if it is used up. Returns NULL if out of
+ * memory. */
 static struct entry *new_entry(struct history *log)
 {
     if (log->count - log->first == log->capacity) {
@@ -31,6 +31,8 @@ static struct entry *new_entry(struct history *log)
     return entry;
 }
 
+/* Appends text and sets *offset to its position, counted from the beginning of the session. Returns
+ * false if out of memory; the existing text stays. */
 static bool put_text(struct history *log, struct text text, size_t *offset)
 {
     *offset = log->text_first + log->text.len;
@@ -73,6 +75,7 @@ bool history_begin(struct session *session, size_t line, struct text line_text,
     return true;
 }
 
+/* Stores the statement's full text only if it differs from what was typed. */
 void history_end(struct session *session, size_t index, struct text full, size_t output,
                  unsigned flags)
 {
@@ -109,6 +112,8 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
+/* Drops whole lines from the beginning until both limits are kept, and with them the text that no
+ * later entry uses. */
 void history_trim(struct session *session)
 {
     struct history *log = &session->history;
@@ -153,6 +158,7 @@ struct entry *history_entry(const struct session *session, size_t index)
     return &session->history.entry[index - session->history.first];
 }
 
+/* Returns text at an offset counted from the beginning of the session. */
 static struct text text_at(const struct history *log, size_t offset, size_t len)
 {
     return (struct text){log->text.data + (offset - log->text_first), len};
@@ -163,12 +169,14 @@ struct text history_text(const struct session *session, const struct entry *entr
     return text_at(&session->history, entry->text, entry->len);
 }
 
+/* Returns the entry as a file has to have it, or as typed if that is the same. */
 static struct text full_text(const struct session *session, const struct entry *entry)
 {
     return entry->full_len ? text_at(&session->history, entry->full, entry->full_len)
                            : history_text(session, entry);
 }
 
+/* Returns true if a reading of the history includes this entry. */
 static bool is_read(const struct entry *entry, enum history_reading reading)
 {
     if (entry->flags & (ENTRY_LINE | ENTRY_UNRECORDED))
@@ -179,6 +187,7 @@ static bool is_read(const struct entry *entry, enum history_reading reading)
            (entry->flags & (ENTRY_DONE | ENTRY_CHANGED));
 }
 
+/* Returns the full text without the part that sends the result to a file. */
 static struct text script_text(const struct session *session, const struct entry *entry)
 {
     struct text full = full_text(session, entry);
@@ -186,6 +195,7 @@ static struct text script_text(const struct session *session, const struct entry
     return text_trim(full);
 }
 
+/* Counts the lines of all script entries before the statement. */
 int history_script_line(const struct session *session, size_t statement, struct text *line)
 {
     const struct history *log = &session->history;
@@ -229,6 +239,7 @@ bool history_fails(const struct session *session)
     return false;
 }
 
+/* Shortens the text to LIMIT_NAME bytes, at whole characters. */
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1])
 {
     struct buffer text = {0};
@@ -247,6 +258,7 @@ void history_label(const struct session *session, size_t index, char label[LIMIT
 
 /* ---- the file of `record` ---- */
 
+/* Closes the record of another file, if there is one, only after the new file is open. */
 bool record_open(struct session *session, const char *path, struct error *error)
 {
     char *copy = strdup(path);
@@ -266,6 +278,8 @@ bool record_open(struct session *session, const char *path, struct error *error)
     return true;
 }
 
+/* Sets the error that the file of `record` cannot be appended to, for the reason why; statement is
+ * the first that it lacks, or "". Returns false. */
 static bool cannot_append(const struct session *session, const struct error *why,
                           const char *statement, struct error *error)
 {
@@ -292,6 +306,7 @@ bool record_close(struct session *session, struct error *error)
     return ok;
 }
 
+/* Locks the file while it appends, since several programs may record into it. */
 bool record_append(struct session *session, size_t first, struct error *error)
 {
     if (session->transcript.fd < 0)

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The journal of a run: the list of requests that were made of it, by which undo, saved sessions
+ * and `record` recreate its state bit for bit. */
 #include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
@@ -11,6 +13,7 @@
 
 /* ---- the list ---- */
 
+/* Returns true for changes of parameters, with or without those by commands of events. */
 static bool is_set(const struct request *request, bool by_events)
 {
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
@@ -51,7 +54,7 @@ void journal_release(struct request *last)
     }
 }
 
-/* Computes the totals of a request from those before it. */
+/* Fills in the members of a request that depend on those before it. */
 static void link_request(struct request *request, struct request *previous)
 {
     request->references = 1;
@@ -121,7 +124,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
         request = request->previous;
     if (alone)
         return request;
-    /* Copies of it and those after it, on what was before. */
+    /* it and the later requests are copied if other lists own them, too */
     const struct request **list;
     int count;
     if (!journal_list(last, request->count - 1, &list, &count)) {
@@ -154,6 +157,8 @@ bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
     return journal_add(slot, again, text_of(request->condition), error);
 }
 
+/* Adds a request if going back is remembered (adaptive runs, methods with memory, rows at even
+ * times); otherwise removes the requests made after the present step. */
 bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error)
 {
@@ -179,7 +184,8 @@ bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int6
     return true;
 }
 
-/* Takes the last change of each parameter: in any order each is a value that the scene had. */
+/* Takes the last change of each parameter, reading from the end; intermediate values do not
+ * matter. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
     bool is_known[PARAM_MAX] = {false};
@@ -203,9 +209,10 @@ bool journal_changed(const struct run_slot *slot, int first)
     return journal_count(request) > first;
 }
 
-/* ---- doing it again ---- */
+/* ---- repeating requests ---- */
 
-/* Advances along a request until step `end`; `so_far` is the run with the earlier requests done. */
+/* Advances the run towards the target of a request, with its condition and events, up to step
+ * `end`. so_far is the run with the earlier requests as its journal. */
 static void request_repeat(struct session *session, const struct run_slot *so_far,
                            const struct request *request, int64_t end)
 {
@@ -230,7 +237,8 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
     arena_reset(&arena);
 }
 
-/* The list that ends there, of which what led to the run's present step was done before. */
+/* Advances the run to step `steps` along the list that ends at last, beginning with the first
+ * request that was made at or after the run's present step. Returns false if out of memory. */
 static bool replay(struct session *session, struct run_slot *slot, struct request *last,
                    int64_t steps)
 {
@@ -269,6 +277,7 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
     return true;
 }
 
+/* Returns true if both requests ask for the same at the same step. */
 static bool same_request(const struct request *a, const struct request *b)
 {
     return a->kind == b->kind && a->start_step == b->start_step && a->t == b->t &&
@@ -277,8 +286,8 @@ static bool same_request(const struct request *a, const struct request *b)
            text_equal(text_of(a->condition), text_of(b->condition));
 }
 
-/* The step up to which both lists led along the same way; 0 where going back makes that hard to
- * say. */
+/* Returns the step up to which both lists lead to the same states; 0 if one of them goes back,
+ * which is hard to compare; INT64_MAX if they are the same. */
 static int64_t common_way(const struct request *a, const struct request *b)
 {
     /* steps at which the first differing requests were made */
@@ -300,7 +309,8 @@ static int64_t common_way(const struct request *a, const struct request *b)
     return mine < other ? mine : other;
 }
 
-/* A parameter changed at that step is in force, and leaves no row. */
+/* Returns true if a parameter was changed at that step; such a change has effect but leaves no
+ * row. */
 static bool sets_at(const struct request *last, int64_t step)
 {
     for (; last && last->start_step >= step; last = last->previous)
@@ -309,6 +319,7 @@ static bool sets_at(const struct request *last, int64_t step)
     return false;
 }
 
+/* Goes back to the last row of the common way, and repeats the requests from there. */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t)
 {
@@ -328,8 +339,8 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
             back++;
         if (back > 0)
             run_back(run, (int64_t)back);
-        if (sets_at(slot->last,
-                    run->steps)) /* those that the other list has, too, are done again */
+        /* changes at this step that the other list has, too, are repeated below */
+        if (sets_at(slot->last, run->steps))
             run_unbind(run);
         ok = replay(session, slot, last, steps);
     }

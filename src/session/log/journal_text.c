@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A run's journal as commands. */
+/* Writes the journal of a run as commands (run, continue, change, back) that recreate the run in a
+ * new session. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/number.h>
@@ -10,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Returns true if a condition has the same meaning in a session that has no variables and
+/* Returns true if a condition has the same meaning in a session without the user's variables and
  * results. */
 static bool portable(const struct session *session, const struct run *run, const char *condition)
 {
@@ -26,22 +27,24 @@ static bool portable(const struct session *session, const struct run *run, const
     return ok;
 }
 
+/* State of the writing of one journal. */
 struct composer {
     const struct session *session;
     const struct run *run;
     int number;   /* number of the run; 0 for the next one */
-    bool started; /* it exists already */
-    bool waits;   /* it has not got where the last line of these sends it */
+    bool started; /* the run exists when the next command is executed */
+    bool waits;   /* the last command written has a target that the run has not reached */
     struct buffer *text;
 };
 
+/* Appends the option that numbers the run, to its first command. */
 static void put_number(const struct composer *c)
 {
     if (!c->started && c->number > 0)
         buffer_format(c->text, " --number %d", c->number);
 }
 
-/* The run at its start, for what happened before its first step. */
+/* Writes commands that create the run at its start, for requests before its first step. */
 static void put_start(struct composer *c)
 {
     if (c->started)
@@ -52,8 +55,9 @@ static void put_start(struct composer *c)
     c->started = true;
 }
 
-/* Writes a request from step `step_begin` to step `step_end`, which was reached at time t. `last`
- * means that it is the run's last request. */
+/* Writes the command that advances the run from step step_begin to step step_end, which was reached
+ * at time t. last means that the request is the last of the run. Returns false if its condition is
+ * not portable. */
 static bool put_go(struct composer *c, const struct request *request, int64_t step_begin,
                    int64_t step_end, double t, bool last)
 {
@@ -61,7 +65,7 @@ static bool put_go(struct composer *c, const struct request *request, int64_t st
     const bool met = request->condition && request->met == step_end;
     if (met && !portable(c->session, run, request->condition))
         return false;
-    /* `step` leaves nothing to be gone on with; it would go on with what the line before left. */
+    /* `step N` leaves no target to continue to, so that it fits only if there is none to keep */
     const bool ends = request->end < INT64_MAX || (last && !run->plan.adaptive),
                waits = last && stop_is_pause(run->stop);
     if (ends && !waits && !met && !c->waits && t != request->t &&
@@ -100,6 +104,8 @@ void journal_put_change(const struct run *run, const struct request *request, st
     buffer_exact(text, request->value, param ? param->quantity : variable->quantity);
 }
 
+/* Walks through the requests; each interval between two of them belongs to the latest
+ * REQUEST_GO. */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t first_step, int number, bool by_events, struct buffer *text)
 {
@@ -121,7 +127,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
         if (next && next->by_event && !by_events)
             continue;
         const int64_t step_end = next ? next->start_step : run->steps;
-        /* No step, but the time: it was the one asked for but for rounding. */
+        /* the last request changed only the last bits of the time, in no step */
         const bool ends =
             !next && going && going->start_step == step_begin && going->from_t != run->t;
         if (going && (step_end > step_begin || ends)) {
@@ -150,7 +156,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
             step_begin = next->kind == REQUEST_KICK ? next->start_step + 1 : step_begin;
     }
     free(list);
-    /* Taken back to its start, but still on its way. */
+    /* a run that was taken back to its start but still has a target */
     if (!c.started && going && stop_is_pause(run->stop) && put_go(&c, going, 0, 1, NAN, true))
         buffer_put(text, TEXT("back 1\n"));
     put_start(&c);

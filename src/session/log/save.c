@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The set-up as commands: only what differs from a new session, numbers that read back to the same
- * doubles. */
+/* Writes the set-up as commands: only differences from a new session, with numbers that read back
+ * to the same doubles. */
 #include <hooke/method.h>
 #include <hooke/base/file.h>
 #include <hooke/data.h>
@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* `new` starts a typed scene that is based on no preset. */
 void scene_kind_script(const struct scene *scene, struct buffer *text)
 {
     buffer_format(text, "scene %s%s\n", typed_base(scene->model) ? "" : "new ",
@@ -23,6 +24,8 @@ void scene_kind_script(const struct scene *scene, struct buffer *text)
     scene_script(scene, "\n", text);
 }
 
+/* Writes the scene with its lines, chosen parameters and absolute tolerances. The command `scene`
+ * is left out for the first preset, which is the default, unless always is set. */
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
     const struct row *first = catalog_row(&preset_catalog, 0);
@@ -42,6 +45,7 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
     atol_script(scene, "\n", text);
 }
 
+/* Writes the command `method` if anything about the method was chosen. */
 static void save_method(const struct setup *setup, struct buffer *text)
 {
     if (!setup->method_chosen && !setup->fixed && setup->drag == DRAG_DEFAULT)
@@ -67,13 +71,15 @@ static void save_setting(const struct setting *setting, const struct settings *s
     buffer_char(text, '\n');
 }
 
-/* Purpose of the commands. */
+/* Purpose of the commands, which decides what is written. */
 enum save_extent {
-    SAVE_MOTION,  /* only that by which trajectories are what they are */
-    SAVE_FILE,    /* file that a person saves */
-    SAVE_SESSION, /* also how results look, and scenes that are not the present one */
+    SAVE_MOTION,  /* only what trajectories depend on */
+    SAVE_FILE,    /* a file that the user saves */
+    SAVE_SESSION, /* also settings of display, and scenes that are not the present one */
 };
 
+/* Writes `set NAME VALUE` for settings that differ from those of a new session and belong to the
+ * extent. */
 static void save_settings(const struct settings *settings, enum save_extent extent,
                           struct buffer *text)
 {
@@ -92,7 +98,8 @@ static void save_settings(const struct settings *settings, enum save_extent exte
     }
 }
 
-/* A scene that has nothing of that name: in it a variable may have it. */
+/* Returns a preset in which name has no meaning, so that a variable of that name can be made there;
+ * NULL if there is none. */
 static const struct row *scene_without(struct text name)
 {
     const char *kind;
@@ -106,8 +113,9 @@ static const struct row *scene_without(struct text name)
     return NULL;
 }
 
-/* Saves variables before the scene, which may have something of such a name; each is saved where it
- * can be made. Returns true if the scene has changed. */
+/* Writes the user's variables. They come before the scene, which may use such a name for something
+ * of its own; each is written in a scene in which it can be made. Returns true if the commands
+ * leave another scene than the first preset. */
 static bool save_let(const struct setup *setup, struct buffer *text)
 {
     const struct row *now = catalog_row(&preset_catalog, 0), *first = now;
@@ -126,11 +134,13 @@ static bool save_let(const struct setup *setup, struct buffer *text)
 
 /* ---- recordings ---- */
 
+/* Writes the command that leaves out rejected samples. */
 static void save_cleaned(const struct recording *recording, struct buffer *text)
 {
     buffer_put(text, recording->cleaned ? TEXT("data clean apply\n") : TEXT(""));
 }
 
+/* Writes the window, unless it is the whole recording; cleaning may change it, too. */
 static void save_window(const struct recording *recording, struct buffer *text)
 {
     if (!recording->cleaned && recording->window[0] == recording->t[0] &&
@@ -143,6 +153,7 @@ static void save_window(const struct recording *recording, struct buffer *text)
     buffer_char(text, '\n');
 }
 
+/* Writes the value that is subtracted from all samples, unless it is 0. */
 static void save_zero(const struct recording *recording, struct buffer *text)
 {
     if (recording->zero == 0)
@@ -152,6 +163,7 @@ static void save_zero(const struct recording *recording, struct buffer *text)
     buffer_char(text, '\n');
 }
 
+/* Writes the mass of the oscillator that was recorded, if it is known. */
 static void save_mass(const struct recording *recording, struct buffer *text)
 {
     if (!(recording->mass.value > 0))
@@ -170,6 +182,8 @@ const struct recording_field recording_fields[RECORDING_FIELDS] = {
     {IN_RECORDING(velocity, 0, 0), NULL},
 };
 
+/* Writes the command that loads the recording, with a checksum of its file, and commands for its
+ * fields. */
 static void save_recording(const struct recording_slot *slot, struct buffer *text)
 {
     const struct recording *recording = slot->recording;
@@ -185,8 +199,8 @@ static void save_recording(const struct recording_slot *slot, struct buffer *tex
             recording_fields[i].save(recording, text);
 }
 
-/* Saves the differences of the screen from that of a new session. Cursors are not kept: they belong
- * to runs. */
+/* Writes differences of the screen from that of a new session, without cursors, which belong to
+ * runs. */
 static void save_view(const struct view *view, struct buffer *text)
 {
     const struct {
@@ -224,6 +238,7 @@ static void save_view(const struct view *view, struct buffer *text)
     }
 }
 
+/* Writes all recordings, and then which of them use the velocity of another one. */
 static void save_recordings(const struct session *session, struct buffer *text)
 {
     for (int i = 0; i < session->recordings; i++)
@@ -236,6 +251,7 @@ static void save_recordings(const struct session *session, struct buffer *text)
     }
 }
 
+/* Returns true if a recording uses another one as its velocity. */
 static bool joins(const struct session *session)
 {
     for (int i = 0; i < session->recordings; i++)
@@ -244,6 +260,7 @@ static bool joins(const struct session *session)
     return false;
 }
 
+/* Writes `data use` unless loading has made the current recording current already. */
 static void save_current_recording(const struct session *session, struct buffer *text)
 {
     if (session->current_recording >= 0 &&
@@ -251,6 +268,7 @@ static void save_current_recording(const struct session *session, struct buffer 
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 
+/* Writes the scenes that the user has typed, without parameters. */
 static void save_owns(const struct setup *setup, struct buffer *text)
 {
     for (int i = 0; i < setup->owns; i++) {
@@ -260,6 +278,8 @@ static void save_owns(const struct setup *setup, struct buffer *text)
     }
 }
 
+/* Writes variables, scenes, events, method, settings and calibration, in an order in which they can
+ * be read. */
 static void save_setup(const struct session *session, enum save_extent extent, struct buffer *text)
 {
     const struct setup *setup = &session->setup;

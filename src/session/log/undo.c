@@ -15,7 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A run as it was: all entries between which it did not change share one. */
+/* State of a run to which undo can return; all snapshots between which the run did not change share
+ * one. */
 struct run_mark {
     int references;
     int64_t steps;
@@ -26,22 +27,25 @@ struct run_mark {
     struct request *last; /* last request of its journal then */
 };
 
+/* A run in a snapshot's list. */
 struct marked_run {
     struct run_slot *slot;
     struct run_mark *mark;
 };
 
-/* Likewise. */
+/* Copy of the set-up, shared by snapshots between which it did not change. */
 struct shared_setup {
     int references;
     struct setup setup;
 };
 
+/* A recording in a snapshot's list, with its fields that users change. */
 struct recording_mark {
     struct recording_slot *slot;
     struct recording then; /* only its recording_fields are used */
 };
 
+/* State of a session at the beginning of a statement, or at a checkpoint. */
 struct snapshot {
     char label[LIMIT_NAME + 1]; /* name of a checkpoint */
     size_t statement;           /* statement of the history that is undone */
@@ -53,12 +57,14 @@ struct snapshot {
     struct recording_mark *recording;
 };
 
+/* Returns true if the run is where the mark says; last is the end of the run's journal. */
 static bool same_run(const struct run *run, const struct request *last, const struct run_mark *mark)
 {
     return run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop &&
            last == mark->last && strcmp(run->name, mark->name) == 0;
 }
 
+/* Gives up one reference to the mark, which may be NULL. */
 static void release_mark(struct run_mark *mark)
 {
     if (!mark || --mark->references > 0)
@@ -73,8 +79,9 @@ void run_unmark(struct run_slot *slot)
     slot->mark = NULL;
 }
 
-/* Sizes and switches change in adaptive steps and at switches alone: other runs, of which there may
- * be many, have none. */
+/* Returns true if the step-size control of the run is still as in `then`. Step sizes and switches
+ * are compared only for runs that have them, since the comparison of all bytes is slow for many
+ * runs. */
 static bool same_controller(const struct run *run, const struct controller *then)
 {
     const size_t offset_begin = offsetof(struct controller, elapsed),
@@ -87,7 +94,8 @@ static bool same_controller(const struct run *run, const struct controller *then
                   offset_end - offset_begin) == 0;
 }
 
-/* Returns NULL if out of memory. */
+/* Returns the mark of the run's present state with one more reference, made if the run has changed
+ * since the last one; NULL if out of memory. */
 static struct run_mark *mark_run(struct run_slot *slot)
 {
     const struct run *run = slot->run;
@@ -106,14 +114,15 @@ static struct run_mark *mark_run(struct run_slot *slot)
     return slot->mark;
 }
 
+/* Gives up one reference to the set-up, which may be NULL. */
 static void release_setup(struct shared_setup *setup)
 {
     if (setup && --setup->references == 0)
         free(setup);
 }
 
-/* Returns that of the latest entry if nothing was set since, else a new one; NULL if out of memory.
- */
+/* Returns the set-up of the latest undo entry with one more reference if nothing was set since,
+ * else a new copy; NULL if out of memory. */
 static struct shared_setup *share_setup(const struct session *session)
 {
     struct shared_setup *setup =
@@ -129,6 +138,7 @@ static struct shared_setup *share_setup(const struct session *session)
     return setup;
 }
 
+/* Copies the fields of a recording that users change. */
 static void copy_fields(const struct recording *source, struct recording *target)
 {
     for (int i = 0; i < RECORDING_FIELDS; i++) {
@@ -137,6 +147,7 @@ static void copy_fields(const struct recording *source, struct recording *target
     }
 }
 
+/* Copies lists and set-up; runs and recordings get another owner. */
 struct snapshot *snapshot_take(const struct session *session, const char *label)
 {
     struct snapshot *snapshot = calloc(1, sizeof *snapshot);
@@ -196,7 +207,8 @@ bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
     return uses;
 }
 
-/* Takes a run back to its mark; only its name goes back if there is no memory for its journal. */
+/* Takes a run back to its mark. If there is no memory for its journal, only the name is
+ * restored. */
 static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
     struct run *run = slot->run;
@@ -207,6 +219,7 @@ static void return_run(struct session *session, struct run_slot *slot, const str
     memcpy(run->name, mark->name, sizeof run->name);
 }
 
+/* Returns true if the recording is the marked one and its fields are unchanged. */
 static bool same_recording(const struct recording_slot *slot, const struct recording_mark *mark)
 {
     bool same = slot == mark->slot;
@@ -218,6 +231,7 @@ static bool same_recording(const struct recording_slot *slot, const struct recor
     return same;
 }
 
+/* Settings of display do not count, since they are not undone. */
 bool undo_matters(const struct session *session, const struct snapshot *previous)
 {
     if (session->runs.count != previous->runs || session->recordings != previous->recordings ||
@@ -275,12 +289,14 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session_changed(session);
 }
 
+/* Frees count snapshots from index first on; the caller adapts the counts. */
 static void clear(struct session *session, int first, int count)
 {
     for (int i = 0; i < count; i++)
         snapshot_free(session->undo.state[first + i]);
 }
 
+/* Drops the snapshots of redo, and the oldest one if there are too many. */
 void undo_push(struct session *session, struct snapshot *previous, size_t statement)
 {
     clear(session, session->undo.undos, session->undo.redos);
@@ -308,7 +324,7 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
         return error_hint(
             error, "settings that only show are not undone: 'unset NAME' gives one its default");
     }
-    /* The present state takes the place of that one. */
+    /* the present state replaces the target, so that redo (or undo) can return to it */
     struct snapshot **slot = &session->undo.state[session->undo.undos - back], *target = *slot;
     struct snapshot *now = snapshot_take(session, "");
     if (!now)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pictures as files, and the way to cairo. */
+/* Makes pictures of figures: SVG directly, other kinds through cairo, which is loaded on demand and
+ * runs in a process of its own. */
 #include "modules/pictures/surface/cairo_api.h"
 #include "modules/pictures/surface/surface.h"
 
@@ -36,12 +37,14 @@ void cairo_unload(struct cairo_api *api)
     library_unload(&api->library);
 }
 
+/* A picture that the other process has to draw. */
 struct cairo_work {
     const struct figure *figure; /* figure, or NULL to test only if the library is installed */
     enum picture kind;
     double width, height; /* [pt] */
 };
 
+/* Loads cairo and draws the picture, in the other process. */
 static bool cairo_work_run(const void *context, struct buffer *output, struct error *error)
 {
     const struct cairo_work *work = context;
@@ -51,14 +54,15 @@ static bool cairo_work_run(const void *context, struct buffer *output, struct er
                                            work->height, output, error));
 }
 
+/* Returns true if the user has pressed Ctrl-C while the figure was drawn. */
 static bool work_stopped(const void *context)
 {
     const struct cairo_work *work = context;
     return work->figure && figure_stopped(work->figure);
 }
 
-/* fontconfig and pixman crash on every fourth allocation that fails, or never end: that happens in
- * a process of their own. */
+/* Draws a picture with cairo in another process, since fontconfig and pixman may crash or hang when
+ * an allocation fails. Returns false with *error, and a hint if the process failed. */
 static bool through_cairo(const struct figure *figure, enum picture kind, double width,
                           double height, struct buffer *output, struct error *error)
 {
@@ -71,6 +75,7 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
     return done;
 }
 
+/* Returns true if cairo can be loaded in another process; otherwise sets *error. */
 static bool has_cairo(enum picture kind, struct error *error)
 {
     struct buffer nothing = {0};
@@ -96,6 +101,7 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
 }
 #endif
 
+/* Appends the figure as an SVG document. Returns false with *error if out of memory. */
 static bool as_svg(const struct figure *figure, double width, double height, struct buffer *output,
                    struct error *error)
 {
@@ -108,9 +114,10 @@ static bool as_svg(const struct figure *figure, double width, double height, str
     return !failed || error_memory(error);
 }
 
-#define LENGTH_MIN 60 /* [pt] of a page */
-#define LENGTH_MAX 5000
+#define LENGTH_MIN 60   /* [pt] smallest width and height of a page */
+#define LENGTH_MAX 5000 /* [pt] largest width and height of a page */
 
+/* Returns the wanted length within these limits, or the usual one if none is wanted. */
 static double page_length(double wanted, double usual)
 {
     return !(wanted > 0) ? usual : fmin(fmax(wanted, LENGTH_MIN), LENGTH_MAX);

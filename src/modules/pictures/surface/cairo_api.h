@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * figure: the functions of cairo that pictures need, looked up in the shared library when a picture
- * is drawn.
- *
- * Linking cairo would cost every start more than all else the program does before its first
- * command; few runs draw a picture. The types are those of cairo's own header, so a wrong call does
- * not compile. Tests put functions of their own into the table.
- */
+/* The functions of cairo that pictures need, looked up in the shared library when a picture is
+ * drawn: linking cairo would make every start of the program much slower, and few runs draw a
+ * picture. The types are those of cairo's own header, so that a wrong call does not compile. Tests
+ * put functions of their own into the table. */
 #pragma once
 
 #include <hooke/base/library.h>
@@ -57,6 +53,7 @@
     X(text_extents)                                                                                \
     X(show_text)
 
+/* Pointers to the functions of cairo, without the prefix cairo_, and the library. */
 struct cairo_api {
 #define MEMBER(name) __typeof__(cairo_##name) *name;
     CAIRO_FUNCTIONS(MEMBER)
@@ -64,11 +61,14 @@ struct cairo_api {
     struct library library;
 };
 
-/* Looks for the shared library under this name; false with an error that says what is missing. */
+/* Loads the library of this name and looks up all functions. Returns false with *error that tells
+ * what is missing. */
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error);
+/* Unloads the library; the table must not be used after it. */
 void cairo_unload(struct cairo_api *api);
 
-/* All but SVG; a table that is there. */
+/* Draws a figure, of width x height points, as any kind but SVG, with a loaded table, and appends
+ * it to the output. Returns false with *error if out of memory. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *output, struct error *error);
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pictures through cairo: PDF pages and PNG pixels. */
+/* Draws pictures through cairo: PDF pages, PNG files, and pixels for terminals. */
 #include "modules/pictures/surface/cairo_api.h"
 #include "modules/pictures/surface/surface.h"
 
@@ -9,12 +9,14 @@
 
 #define PICTURE_FONT "DejaVu Sans"
 
+/* A surface that passes everything to cairo. */
 struct cairo_surface {
     struct surface surface;
     const struct cairo_api *api;
     cairo_t *cairo;
 };
 
+/* Builds the path of the surface with cairo, then fills and strokes it. */
 static void paint(struct surface *surface, const struct brush *brush)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -48,6 +50,7 @@ static void paint(struct surface *surface, const struct brush *brush)
         api->stroke(canvas->cairo);
 }
 
+/* Restricts drawing to the box (left, top, right, bottom); NULL ends that. */
 static void cairo_box_clip(struct surface *surface, const double box[4])
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -61,6 +64,7 @@ static void cairo_box_clip(struct surface *surface, const double box[4])
     canvas->api->clip(canvas->cairo);
 }
 
+/* Returns the width [pt] of a text, and sets the size of the font as a side effect. */
 static double cairo_text_width(struct surface *surface, double size, const char *text)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -70,6 +74,7 @@ static double cairo_text_width(struct surface *surface, double size, const char 
     return extents.x_advance;
 }
 
+/* Draws a text, rotated or aligned as it asks. */
 static void cairo_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -88,6 +93,7 @@ static void cairo_text_put(struct surface *surface, const struct surface_text *t
 
 /* ---- files ---- */
 
+/* Appends what cairo writes to the buffer `context`. */
 static cairo_status_t take_bytes(void *context, const unsigned char *data, unsigned int length)
 {
     struct buffer *buffer = context;
@@ -95,6 +101,7 @@ static cairo_status_t take_bytes(void *context, const unsigned char *data, unsig
     return buffer->failed ? CAIRO_STATUS_WRITE_ERROR : CAIRO_STATUS_SUCCESS;
 }
 
+/* Creates cairo's own surface: a PDF that is written to `output`, or an image. */
 static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width,
                                      double height, struct buffer *output)
 {
@@ -103,11 +110,12 @@ static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture k
                                          (int)(PICTURE_PIXELS_EACH * height));
     cairo_surface_t *surface =
         api->pdf_surface_create_for_stream(take_bytes, output, width, height);
-    /* the same figure, the same file */
+    /* no date, so that the same figure gives the same file */
     api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     return surface;
 }
 
+/* Appends the rows of an image of width x height pixels without padding. */
 static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, int width, int height,
                        struct buffer *output)
 {
@@ -147,6 +155,6 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !output->failed;
     api->surface_destroy(surface);
-    return drawn || error_memory(error); /* nothing else can fail */
+    return drawn || error_memory(error); /* only memory can have failed */
 }
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Paths and texts of a picture, whatever it is drawn on. */
+/* Paths and texts of a picture, for every kind of surface. */
 #include "modules/pictures/surface/surface.h"
 
 #include <stdlib.h>
 
+/* Appends an element to the path. Sets surface->failed if out of memory. */
 static void add_point(struct surface *surface, enum path_kind kind, double x, double y,
                       double radius)
 {
@@ -39,6 +40,7 @@ void surface_close(struct surface *surface)
         add_point(surface, PATH_CLOSE, 0, 0, 0);
 }
 
+/* Corners in clockwise order. */
 void surface_box(struct surface *surface, double left, double top, double right, double bottom)
 {
     surface_move(surface, left, top);
@@ -72,7 +74,8 @@ void surface_unclip(struct surface *surface)
 
 /* ---- text ---- */
 
-/* Labels come from files and names: what is not plain would make a picture unreadable. */
+/* Returns the text without control characters and invalid UTF-8, which labels from files may have
+ * and which would make a picture unreadable. Valid until the next call. */
 static const char *plain(struct surface *surface, const char *text)
 {
     buffer_clear(&surface->plain);
@@ -95,6 +98,8 @@ double surface_put_text(struct surface *surface, const struct surface_text *text
     return surface->kind->text_width(surface, text->size, shown.text);
 }
 
+/* Returns the width of a text in units of the font size, by a table of the widths of DejaVu Sans;
+ * other characters get generous estimates. */
 double text_advance(struct text text)
 {
     /* [size / 1000] from the blank on */

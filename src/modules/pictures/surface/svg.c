@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Writes pictures as SVG 1.1. Text stays text. Coordinates are hundredths of a point, relative to
- * the previous point (rounded before the difference is taken, so that errors do not accumulate).
- */
+/* Writes pictures as SVG 1.1. Text remains text. Coordinates are hundredths of a point, relative to
+ * the previous point (rounded before the difference is taken, so that errors do not accumulate). */
 #include "modules/pictures/surface/surface.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Each has the characters of units and powers: superscripts, Greek, minus. */
+/* Fonts that have the characters of units and powers: superscripts, Greek, minus. */
 #define SVG_FONTS "DejaVu Sans,Segoe UI,Lucida Grande,Noto Sans,Helvetica,Arial,sans-serif"
 
-/* ".25", "-3", "17.5" */
+/* Appends value / 100 with as few characters as possible: ".25", "-3", "17.5". */
 static void put_hundredths(struct buffer *output, long value)
 {
     char digits[24];
@@ -32,11 +30,13 @@ static void put_hundredths(struct buffer *output, long value)
     buffer_put(output, (struct text){digits + index, sizeof digits - index});
 }
 
+/* Rounds a length to hundredths of a point, limited to 1e6 pt so that it fits a long. */
 static long hundredths(double value)
 {
     return lround(100 * fmax(fmin(value, 1e6), -1e6));
 }
 
+/* Appends an attribute with a length, such as width="3.5". */
 static void put_length(struct buffer *output, const char *name, double value)
 {
     buffer_format(output, " %s=\"", name);
@@ -44,6 +44,7 @@ static void put_length(struct buffer *output, const char *name, double value)
     buffer_char(output, '"');
 }
 
+/* Appends an attribute with a colour, such as fill="#0072b2". */
 static void put_color(struct buffer *output, const char *name, const double *color)
 {
     buffer_format(output, " %s=\"#", name);
@@ -52,6 +53,7 @@ static void put_color(struct buffer *output, const char *name, const double *col
     buffer_char(output, '"');
 }
 
+/* Appends a text with the characters escaped that XML reserves. */
 static void put_escaped(struct buffer *output, const char *text)
 {
     for (; *text; text++) {
@@ -73,14 +75,16 @@ static void put_escaped(struct buffer *output, const char *text)
 
 /* ---- paths ---- */
 
+/* State of a path that is being written, to abbreviate its commands. */
 struct path_writer {
     struct buffer *output;
-    char command; /* the last one: it need not be repeated */
-    long x, y;    /* [pt/100] */
-    long start[2];
+    char command;  /* the last one: it need not be repeated */
+    long x, y;     /* [pt/100] */
+    long start[2]; /* [pt/100] where the current line began */
 };
 
-/* Numbers of a command; a sign divides them, too. */
+/* Appends a command with two numbers, without its letter if it repeats the last one, and without a
+ * blank where a minus sign separates numbers. */
 static void put_pair(struct path_writer *state, char command, long x, long y)
 {
     if (command != state->command)
@@ -94,6 +98,8 @@ static void put_pair(struct path_writer *state, char command, long x, long y)
     state->command = command;
 }
 
+/* Appends one element of a path: absolute moves, relative lines, a circle as two arcs, and a line
+ * of no length as "h0", which round ends make a dot. */
 static void put_point(struct path_writer *state, const struct path_point *point)
 {
     const long x = hundredths(point->x), y = hundredths(point->y), r = hundredths(point->radius);
@@ -130,11 +136,13 @@ static void put_point(struct path_writer *state, const struct path_point *point)
     state->y = point->kind == PATH_CLOSE ? state->start[1] : y;
 }
 
+/* Returns the buffer that an SVG surface writes to. */
 static struct buffer *out_of(struct surface *surface)
 {
     return ((struct svg_surface *)(void *)surface)->output;
 }
 
+/* Appends the path of the surface as an element <path>. */
 static void paint(struct surface *surface, const struct brush *brush)
 {
     struct buffer *output = out_of(surface);
@@ -160,6 +168,7 @@ static void paint(struct surface *surface, const struct brush *brush)
     buffer_put(output, TEXT("\"/>\n"));
 }
 
+/* Opens a group with a clip path for the box (left, top, right, bottom); NULL closes it. */
 static void svg_clip(struct surface *surface, const double box[4])
 {
     struct svg_surface *svg = (struct svg_surface *)(void *)surface;
@@ -177,12 +186,14 @@ static void svg_clip(struct surface *surface, const double box[4])
 
 /* ---- text ---- */
 
+/* Returns the width [pt] of a text, by the widest of the fonts. */
 static double svg_text_width(struct surface *surface, double size, const char *text)
 {
     (void)surface;
     return size * text_advance(text_of(text));
 }
 
+/* Appends a text element. */
 static void svg_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct svg_surface *svg = (struct svg_surface *)(void *)surface;
@@ -210,6 +221,7 @@ static void svg_text_put(struct surface *surface, const struct surface_text *tex
 
 /* ---- the document ---- */
 
+/* The white background is part of the picture. */
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
                struct buffer *output)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers and files of a report: values, tables of runs, data. */
+/* The numbers and data files of a report: collects values from measurements, fits and runs, and
+ * writes values.csv, runs.csv, run-N.csv and recording-N.csv. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/file.h>
 #include <hooke/base/unit.h>
@@ -17,10 +18,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define FIT_VALUES 16    /* largest number of values of one fit */
-#define RUN_VALUES 8     /* besides its parameters */
-#define OWN_NAME_MAX 200 /* [byte] of a recording's own file; folders take 255 */
+#define FIT_VALUES 16    /* largest number of reported values of one fit */
+#define RUN_VALUES 8     /* largest number of reported values of one run besides its parameters */
+#define OWN_NAME_MAX 200 /* [byte] longest name of a copied recording; file systems allow 255 */
 
+/* Returns true if a report writes a file of this name, so that a new report may replace it. */
 bool report_owns(const char *name)
 {
     static const char *const names[] = {"report.md",  "report.html", "report.tex",
@@ -36,6 +38,8 @@ bool report_owns(const char *name)
     return false;
 }
 
+/* Writes one file of the report, into the folder or to report->put, and counts it. Returns false
+ * with *error if `content` ran out of memory or writing failed. */
 bool report_put(struct report *report, const char *name, const struct buffer *content,
                 struct error *error)
 {
@@ -48,13 +52,14 @@ bool report_put(struct report *report, const char *name, const struct buffer *co
 
 /* ---- values ---- */
 
+/* Compares bits, so that NAN equals itself. */
 static bool same_double(double a, double b)
 {
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* Adds a value. Unknown ones are left out, and repeated measurements with the same result appear
- * once. */
+/* Adds a value to report->value, which has room for it. Leaves out values that are not finite, and
+ * those that repeat an earlier one in name, subject, source, time and number. */
 static void report_add_value(struct report *report, struct report_value value)
 {
     if (!isfinite(value.value.value))
@@ -69,18 +74,21 @@ static void report_add_value(struct report *report, struct report_value value)
     report->value[report->values++] = value;
 }
 
+/* Returns factor * x with its uncertainty. */
 static struct measured times(double factor, struct measured x)
 {
     return (struct measured){factor * x.value, fabs(factor) * x.uncertainty};
 }
 
-/* The time in which the amplitude falls to 1/e. */
+/* Returns the time 2/gamma in which the amplitude falls to 1/e, with its uncertainty. */
 static struct measured decay_time(struct measured gamma)
 {
     double least;
     return measured_reciprocal(2, gamma, &least);
 }
 
+/* Adds the result of one `measure` statement. A decay becomes the damping rate gamma and, unless it
+ * is that of the energy, the 1/e time of the amplitude, too. */
 static void add_measurement(struct report *report, const struct measurement *m)
 {
     const bool decay = strcmp(m->quantity, "decay") == 0;
@@ -96,6 +104,7 @@ static void add_measurement(struct report *report, const struct measurement *m)
                                                        m->statement, NULL});
 }
 
+/* Adds the values of a stored fit. `source` names the fit and its window, and is kept. */
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
 {
     const struct fit *fit = &stored->fit;
@@ -127,6 +136,8 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
                                                        NAN, stored->statement, NULL});
 }
 
+/* Adds the values of a run: parameters that influence its motion, step or tolerance, energies and
+ * largest errors. `subject` ("run 3") is kept. */
 static void report_add_run(struct report *report, const struct run_slot *slot, const char *subject)
 {
     const struct run *run = slot->run;
@@ -173,9 +184,12 @@ static void report_add_run(struct report *report, const struct run_slot *slot, c
                                                        NULL});
 }
 
+/* Fills report->value with everything that was measured, fitted or set. Returns false with *error
+ * if out of memory. */
 bool collect_values(struct report *report, struct error *error)
 {
     const struct session *session = report->session;
+    /* a decay gives two values, gamma and tau */
     const size_t capacity = 2 * (size_t)session->measurements +
                             FIT_VALUES * (size_t)fits_of(session)->stored_fits +
                             (PARAM_MAX + RUN_VALUES) * (size_t)session->runs.count;
@@ -205,6 +219,8 @@ bool collect_values(struct report *report, struct error *error)
     return true;
 }
 
+/* Returns the first measured or computed value of that name and subject (NULL matches any subject),
+ * or NULL. Parameters are not searched. */
 const struct report_value *find_value(const struct report *report, const char *name,
                                       const char *subject)
 {
@@ -218,6 +234,8 @@ const struct report_value *find_value(const struct report *report, const char *n
 
 /* ---- files for programs ---- */
 
+/* Writes a table as CSV, directly to the folder if the report has one, so that a long table is
+ * never held in memory. Returns false with *error on failure or Ctrl-C. */
 static bool put_table(struct report *report, const char *name, const struct table *table,
                       struct error *error)
 {
@@ -237,6 +255,8 @@ static bool put_table(struct report *report, const char *name, const struct tabl
     return ok;
 }
 
+/* Writes values.csv, which has each value with unit, uncertainty, subject, source, and the line of
+ * session.hk whose statement gave it. */
 static bool write_values(struct report *report, struct error *error)
 {
     enum { NAME, UNIT, OF, SOURCE, STATEMENT, TEXTS, VALUE = 0, UNCERTAINTY, AT, LINE, NUMBERS };
@@ -262,6 +282,7 @@ static bool write_values(struct report *report, struct error *error)
         struct text statement = TEXT("");
         const int line = history_script_line(report->session, v->statement, &statement);
         text[STATEMENT][i] = arena_text(report->arena, statement);
+        /* session.hk begins with comments, report->head lines */
         number[LINE][i] = line ? report->head + line : NAN;
         if (!text[STATEMENT][i])
             return error_memory(error);
@@ -282,7 +303,8 @@ static bool write_values(struct report *report, struct error *error)
                      error);
 }
 
-/* Writes the table of `export FILE table`, and the distance of each run from its recording. */
+/* Writes runs.csv, the table of `export FILE table` and, for runs that have a recording to compare
+ * with, its name and the rms distance. Returns true without a file if there are no runs. */
 static bool write_run_table(struct report *report, struct error *error)
 {
     const struct session *session = report->session;
@@ -337,6 +359,7 @@ static bool put_own_file(struct report *report, int index, struct error *error)
     return ok;
 }
 
+/* Writes the recorded rows of a run as run-N.csv. Memory is of `arena`, which the caller resets. */
 static bool write_run_rows(struct report *report, int index, struct arena *arena,
                            struct error *error)
 {
@@ -349,6 +372,8 @@ static bool write_run_rows(struct report *report, int index, struct arena *arena
            put_table(report, name, &export.table, error);
 }
 
+/* Writes the rows of a recording as recording-N.csv, and a copy of the file that it was loaded
+ * from. Resets `arena` in between. */
 static bool write_recording_rows(struct report *report, int index, struct arena *arena,
                                  struct error *error)
 {
@@ -362,6 +387,7 @@ static bool write_recording_rows(struct report *report, int index, struct arena 
     return ok && put_own_file(report, index, error);
 }
 
+/* Writes the data files of all runs and recordings that appear in a figure. */
 static bool write_data(struct report *report, struct error *error)
 {
     const struct session *session = report->session;

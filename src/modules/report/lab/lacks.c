@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds what the headings of a report lack, and the commands that add it. */
+/* Finds which recordings, runs and values the sections of a lab report lack, and the commands that
+ * add them. */
 #include "modules/report/lab/material.h"
 #include <hooke/data.h>
 
 #include <stdio.h>
 #include <string.h>
 
+/* Returns true if the session has a recording or a run of one of the lab's sections. Others get no
+ * headings of the lab and no list of what is missing. */
 bool report_of_lab(const struct report *report)
 {
     const struct material *m = report->material;
@@ -19,15 +22,19 @@ bool report_of_lab(const struct report *report)
 
 /* ---- what is missing ---- */
 
+/* One thing that the report lacks, with the commands that produce it. */
 struct lack {
     enum section section;
-    const char *what, *type; /* %s: of which recording */
-    int recording;           /* its place */
-    bool spring;             /* it needs that scene */
+    const char *what; /* noun phrase: "the period" */
+    const char *type; /* commands to type, with "of data %s" or "to %s" for the recording */
+    int recording;    /* index of the recording that replaces %s, or -1 to leave that phrase out */
+    bool spring;      /* the commands need the scene "spring" */
 };
 
-#define LACKS_MAX 10
+#define LACKS_MAX 10 /* number of rows in find_lacks() */
 
+/* Returns true if a value of that name was found for the recording, or for anything if recording is
+ * -1. */
 static bool has_of(const struct report *report, const char *name, int recording)
 {
     char subject[LIMIT_NAME + 16];
@@ -38,6 +45,7 @@ static bool has_of(const struct report *report, const char *name, int recording)
     return find_value(report, name, subject) != NULL;
 }
 
+/* Fills lack[] with what is missing, in the order of the sections. Returns their number. */
 static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
 {
     const struct material *m = report->material;
@@ -48,7 +56,7 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
         symplectic |= is_method(run_at(report, m->scheme[i]), "symplectic-euler");
     }
     const struct {
-        bool there;
+        bool there; /* true if the session has it */
         struct lack lack;
     } rows[LACKS_MAX] = {
         {first >= 0, {SECTION_RECORDING, "the recording without damping", "load FILE", -1, false}},
@@ -82,7 +90,8 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
     return lacks;
 }
 
-/* The name of the recording in place of each %s; without one that part is left out. */
+/* Writes the commands of a lack. Each %s becomes the name of the recording; without a recording the
+ * phrase around it is left out. Sets the scene first if another one is in use. */
 static void put_type(const struct report *report, const struct lack *lack, struct buffer *output)
 {
     static const char *const parts[] = {" of data %s", " to %s"};
@@ -108,6 +117,8 @@ static void put_type(const struct report *report, const struct lack *lack, struc
     }
 }
 
+/* Calls say() for each missing thing; does nothing if the session has nothing of the lab. The texts
+ * are valid during the call only. */
 void report_missing(const struct report *report,
                     void (*say)(void *context, const char *what, const char *type), void *context)
 {
@@ -121,6 +132,7 @@ void report_missing(const struct report *report,
     }
 }
 
+/* Writes "Missing: …" for each thing that the section lacks. */
 void put_lacks(struct report *report, enum section section)
 {
     struct document *document = &report->document;

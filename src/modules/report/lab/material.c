@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the question that a run answers by its method, its scene, the recording that its parameters
- * come from and its comparisons. Damping alone does not decide: the bare bob is damped a little,
- * too, and adopting its fit takes that over.
- */
+/* Decides which section of the lab report each recording and run belongs to, by method, scene, the
+ * recording that its parameters come from, and comparisons. Damping alone does not decide, since
+ * even the bare mass is damped a little and adopting its fit takes that over. */
 #include "modules/report/lab/material.h"
 
 #include "modules/recording/fits.h"
@@ -14,11 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Part of its amplitude that a recording of the second session loses. */
+/* A recording that loses at least this fraction of its amplitude belongs to the second session. */
 #define AMPLITUDE_LOSS_MIN 0.25
-/* The amplitude of the last of this many parts is compared with that of the first. */
+/* A recording is divided into this many parts of equal length; the amplitudes of the first and the
+ * last are compared. */
 #define RECORDING_PARTS 5
-/* Damping ratio of two recordings, besides three uncertainties of both. */
+/* A recording counts as damped if its fitted gamma exceeds that of another one by this factor,
+ * after three uncertainties were subtracted from it and added to the other. */
 #define DAMPING_RATIO_MIN 2
 
 bool is_method(const struct run *run, const char *name)
@@ -28,8 +28,8 @@ bool is_method(const struct run *run, const char *name)
 
 /* ---- recordings ---- */
 
-/* Half of the values are no farther from their median: missed echoes do not matter. Returns NAN if
- * out of memory. */
+/* Returns the median absolute deviation of n values, a measure of amplitude that single missed
+ * echoes do not change, or NAN if out of memory. */
 static double spread(struct arena *arena, const double *y, size_t n)
 {
     double *values = arena_array(arena, n, sizeof *values);
@@ -42,8 +42,8 @@ static double spread(struct arena *arena, const double *y, size_t n)
     return values_quantile(values, n, 0.5);
 }
 
-/* Returns the share of the amplitude that is lost from the first part of the recording to the
- * last, or NAN if it is too short. */
+/* Returns the fraction of the amplitude that is lost from the first part of the recording to the
+ * last, or NAN if the recording is too short. */
 static double falls(const struct recording *recording)
 {
     struct recording whole = *recording;
@@ -61,8 +61,8 @@ static double falls(const struct recording *recording)
     return lost;
 }
 
-/* Returns true if the decay of a recording was measured often enough; a decay counts for two
- * amplitudes. */
+/* Returns true if the user measured the decay of a recording, or at least two amplitudes at stated
+ * times. */
 static bool decay_asked(const struct report *report, int index)
 {
     int readings = 0;
@@ -77,7 +77,8 @@ static bool decay_asked(const struct report *report, int index)
     return readings >= 2;
 }
 
-/* The damping that the last fit of a recording found is that many times that of another one's. */
+/* Returns true if the last fit of the recording found a gamma that is significantly larger, by
+ * DAMPING_RATIO_MIN, than that of some other recording. */
 static bool is_damped_more(const struct report *report, int index)
 {
     const struct session *session = report->session;
@@ -99,11 +100,10 @@ static bool is_damped_more(const struct report *report, int index)
     return false;
 }
 
-/*
- * A recording is of the second session if much of its amplitude is lost or a fit of it gives far
- * more damping than that of another one; and if its decay was asked for, unless another one of
- * those falls more. Where all would be, those whose decay nobody asked for are of the first.
- */
+/* Assigns recordings to the lab's two sessions (m->decays, first, second). A recording belongs to
+ * the second session if much of its amplitude is lost, if a fit gives far more damping than that of
+ * another one, or if its decay was measured and no other one of those falls more. If that holds for
+ * all and some decay was measured, the others are of the first session. */
 static void sort_recordings(const struct report *report, struct material *m)
 {
     const int count = report->session->recordings;
@@ -134,6 +134,7 @@ static bool same_bits(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
+/* The fit is recognized by the bits of k, which `adopt` copied; the latest one wins. */
 int recording_of(const struct report *report, const struct run *run)
 {
     if (run->system.model != &oscillator_model)
@@ -149,6 +150,8 @@ int recording_of(const struct report *report, const struct run *run)
     return -1;
 }
 
+/* Returns true for the lab's scene, a linear spring without drive, cubic force or van der Pol
+ * term. */
 static bool is_spring(const struct run *run)
 {
     static const char *const others[] = {"F0", "k3", "mu"};
@@ -158,7 +161,8 @@ static bool is_spring(const struct run *run)
     return spring;
 }
 
-/* Its drag is not proportional to the velocity. */
+/* Returns true if the scene has quadratic drag or dry friction, which are not proportional to the
+ * velocity. */
 static bool has_other_drag(const struct run *run)
 {
     return param_value(&run->scene, "C") > 0 || param_value(&run->scene, "friction") > 0;
@@ -169,6 +173,7 @@ bool is_damped(const struct run *run)
     return fabs(param_value(&run->scene, "gamma")) > 0 || has_other_drag(run);
 }
 
+/* Compares parameters and initial values bitwise. */
 bool same_motion(const struct run *a, const struct run *b)
 {
     if (a->system.model != b->system.model)
@@ -179,7 +184,8 @@ bool same_motion(const struct run *a, const struct run *b)
     return true;
 }
 
-/* Other methods integrated the same as it: in the same statement, or one by one. */
+/* Returns true if another method integrated the same scene: in the same statement, or, if
+ * `one_by_one`, in any other run. */
 static bool is_compared(const struct session *session, int index, bool one_by_one)
 {
     const struct run_slot *own = session->runs.slot[index];
@@ -193,6 +199,8 @@ static bool is_compared(const struct session *session, int index, bool one_by_on
     return false;
 }
 
+/* Returns the section of a run. `laws` is true if any run has drag that is not proportional to the
+ * velocity, so that the session compares laws of drag. */
 static enum section section_of(struct report *report, const struct material *m, int index,
                                bool laws)
 {
@@ -202,6 +210,8 @@ static enum section section_of(struct report *report, const struct material *m, 
     const int recording = is_spring(run) ? recording_of(report, run) : -1;
     if (!is_spring(run))
         return SECTION_OTHER;
+    /* Damped runs count as undamped ones if methods are compared by them, or if Euler's run has no
+     * damped recording that it could belong to. */
     if (!is_damped(run) || is_compared(report->session, index, recording < 0 && m->second < 0) ||
         (euler && m->second < 0))
         return plain;
@@ -216,11 +226,14 @@ static enum section section_of(struct report *report, const struct material *m, 
 
 /* ---- schemes side by side ---- */
 
+/* Returns true if the runs may share a figure: equal fixed steps, or one is adaptive. */
 static bool same_step(const struct run *a, const struct run *b)
 {
     return a->plan.adaptive || b->plan.adaptive || a->settings.dt == b->settings.dt;
 }
 
+/* Adds a run to m->scheme if it has the same motion and step as the first one there, its method is
+ * not there yet, and REPORT_OVERLAY runs are not exceeded. */
 static void take_scheme(const struct report *report, struct material *m, int index)
 {
     const struct run *run = run_at(report, index), *first = run_at(report, m->scheme[0]);
@@ -232,7 +245,8 @@ static void take_scheme(const struct report *report, struct material *m, int ind
     m->scheme[m->schemes++] = index;
 }
 
-/* Those beside a run; the lab's own methods first. */
+/* Fills m->scheme with reference_run and runs of SECTION_SCHEMES that share its motion and step,
+ * one of each method; the methods of the lab sheet come first. */
 static void choose_schemes(const struct report *report, struct material *m, int reference_run)
 {
     static const char *const names[] = {"symplectic-euler", "backward-euler"};
@@ -247,8 +261,9 @@ static void choose_schemes(const struct report *report, struct material *m, int 
         take_scheme(report, m, other[i]);
 }
 
-/* The run of forward Euler that most others can be laid over, of those the first with the sheet's
- * step of 0.01 s; without one the first of another method that was compared. */
+/* Chooses m->euler, the run of forward Euler that the most runs of other methods can be drawn
+ * beside; among equals the one with the sheet's step of 0.01 s. Without such a run, m->scheme is
+ * chosen around the best run of another method and m->euler remains -1. */
 static void choose_euler(const struct report *report, struct material *m)
 {
     int best = -1, most = -1;
@@ -256,6 +271,7 @@ static void choose_euler(const struct report *report, struct material *m)
     for (int i = 0; i < m->runs[SECTION_SIMULATION]; i++) {
         const int index = m->run[SECTION_SIMULATION][i];
         choose_schemes(report, m, index);
+        /* one more method outweighs the sheet's step */
         const int worth = 2 * m->schemes + (run_at(report, index)->settings.dt == 0.01);
         if (worth > most)
             m->euler = index;
@@ -273,6 +289,7 @@ static void choose_euler(const struct report *report, struct material *m)
         choose_schemes(report, m, m->euler >= 0 ? m->euler : best);
 }
 
+/* Runs with fewer than two recorded rows are left out of all sections. */
 bool sort_material(struct report *report, struct error *error)
 {
     const struct session *session = report->session;

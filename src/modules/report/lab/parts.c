@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Parts of the sections of a report: figures, tables of values, tables of runs. */
+/* Blocks that the sections of a report are made of: tables of values, tables of runs, figures. */
 #include "modules/report/lab.h"
 
 #include "modules/report/lab/material.h"
@@ -14,20 +14,22 @@
 #include <stdio.h>
 #include <string.h>
 
-#define TEXT_WIDTH 100 /* [cell] of a figure as text */
-#define TEXT_HEIGHT 28
-#define ALL_COLUMNS 1000000 /* [cell] so wide that no envelope is drawn */
-#define VALUE_DIGITS 6
-#define ALL_DIGITS 15
-#define FEW_DIGITS 4 /* digits of values that have no uncertainty and were not stated */
+#define TEXT_WIDTH 100      /* [cell] width of a figure as text */
+#define TEXT_HEIGHT 28      /* [cell] height of a figure as text */
+#define ALL_COLUMNS 1000000 /* [cell] width at which no curve is reduced to an envelope */
+#define VALUE_DIGITS 6      /* most digits of values that were stated, or of simulations */
+#define ALL_DIGITS 15       /* most digits of values of recordings: their uncertainty limits them */
+#define FEW_DIGITS 4        /* digits of values that have no uncertainty and were not stated */
 
 /* ---- values ---- */
 
+/* Recognizes the sources that report_add_run() gives to parameters and settings. */
 bool is_stated(const struct report_value *value)
 {
     return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
 }
 
+/* Chooses the number of digits: as the uncertainty tells, limited by the kind of value. */
 void say_value(struct document *document, const struct report_value *value)
 {
     /* An uncertainty by rounding is meaningless for a simulation. */
@@ -38,6 +40,7 @@ void say_value(struct document *document, const struct report_value *value)
     document_measured(document, value->value, value->quantity, digits);
 }
 
+/* Writes the name of a value in words, with the description of a parameter in parentheses. */
 void say_label(struct document *document, const struct report_value *value)
 {
     static const char *const labels[][2] = {
@@ -65,6 +68,7 @@ void say_label(struct document *document, const struct report_value *value)
         document_say(document, " (%s)", value->brief);
 }
 
+/* Opens a table with these column heads; the caller adds rows and closes it. */
 static void put_heading(struct document *document, const char *const *heads, int count)
 {
     document_open(document, BLOCK_TABLE);
@@ -74,7 +78,7 @@ static void put_heading(struct document *document, const char *const *heads, int
     document_heading_ends(document);
 }
 
-/* Two cells. */
+/* Writes two cells: the name, with its time if it has one, and the value. */
 static void put_name_and_value(struct document *document, const struct report_value *v)
 {
     document_open(document, BLOCK_CELL);
@@ -89,6 +93,8 @@ static void put_name_and_value(struct document *document, const struct report_va
     document_close(document, BLOCK_CELL);
 }
 
+/* Writes the table of all values at the end of the report, each with the line of session.hk that it
+ * comes from. */
 void put_all_values(struct report *report)
 {
     static const char *const heads[] = {"quantity", "value", "of", "from", "by line of session.hk"};
@@ -120,13 +126,15 @@ void put_all_values(struct report *report)
     document_close(document, BLOCK_TABLE);
 }
 
-/* Reynolds numbers stand under the heading of drag, where there is one. */
+/* Reynolds numbers are reported under the heading of drag if the report has one. */
 bool stands_in_section(const struct report *report, const struct report_value *value)
 {
     return strcmp(value->source, "run") != 0 &&
            (strcmp(value->name, "reynolds") != 0 || !report_of_lab(report));
 }
 
+/* Writes a table of the values of one subject, either the stated ones (`parameters`) or the others.
+ * Writes nothing if there are none. */
 void put_values(struct report *report, const char *subject, bool parameters)
 {
     static const char *const heads[] = {"quantity", "value", "from"};
@@ -151,6 +159,7 @@ void put_values(struct report *report, const char *subject, bool parameters)
 
 /* ---- runs ---- */
 
+/* Columns of the table of runs, in order. */
 enum run_column {
     RUN_NUMBER,
     RUN_METHOD,
@@ -163,7 +172,7 @@ enum run_column {
     RUN_STATUS
 };
 
-/* Returns false if there is nothing to say. */
+/* Writes one cell of the table of runs, "-" if the value is unknown. Returns false in that case. */
 static bool put_run_cell(struct document *document, const struct run *run, enum run_column column)
 {
     struct buffer text = {0};
@@ -233,6 +242,7 @@ static void put_meaning(struct document *document, const bool filled[RUN_STATUS 
         document_close(document, BLOCK_PARAGRAPH);
 }
 
+/* Writes a list of the names and notes that the user gave to these runs, if any. */
 static void put_notes(struct report *report, const int *run, int runs)
 {
     struct document *document = &report->document;
@@ -260,6 +270,7 @@ static void put_notes(struct report *report, const int *run, int runs)
         document_close(document, BLOCK_LIST);
 }
 
+/* `distance` adds a last column with the rms distance from the recording of each run. */
 void put_runs(struct report *report, const int *run, int runs, bool distance)
 {
     static const char *const heads[] = {
@@ -294,6 +305,9 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
 
 /* ---- figures ---- */
 
+/* Returns the index of the recording that a run is compared with in a plot of that kind: the one
+ * that its parameters were fitted to if that is known, else the nearest; -1 if none can be drawn
+ * beside it. */
 int recording_beside(struct report *report, int run, enum plot_kind kind)
 {
     const struct session *session = report->session;
@@ -316,7 +330,8 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
     return nearest;
 }
 
-/* All of it: a long recording is an envelope then, and says so. */
+/* Sets the time window of a figure to all of its runs, or to the used part of its recording,
+ * instead of the part that the screen would show. */
 static void choose_window(const struct session *session, struct figure_request *request)
 {
     if (plot_is_plane(request->kind))
@@ -339,6 +354,7 @@ static void choose_window(const struct session *session, struct figure_request *
     }
 }
 
+/* Writes "Figure N: …" with the runs and the recording in it. */
 static void put_caption(struct report *report, const struct figure_request *request)
 {
     struct document *document = &report->document;
@@ -375,6 +391,7 @@ static bool put_words(struct report *report, struct figure_request request, stru
     return ok;
 }
 
+/* Writes the file name.end of the report. */
 static bool put_file(struct report *report, const char *name, const char *end,
                      const struct buffer *content, struct error *error)
 {
@@ -383,7 +400,8 @@ static bool put_file(struct report *report, const char *name, const char *end,
     return report_put(report, file, content, error);
 }
 
-/* As picture, as text and in words. */
+/* Writes a figure as SVG and text, and as PDF for LaTeX if that can be drawn, and adds it to the
+ * document with its description and caption. Returns false with *error on failure. */
 static bool write_figure(struct report *report, const struct figure_request *request,
                          const struct figure *figure, const struct buffer *words,
                          struct error *error)
@@ -418,6 +436,8 @@ static bool write_figure(struct report *report, const struct figure_request *req
     return ok;
 }
 
+/* Counts the figure, so that questions can cite it, and marks its runs and recording as shown, so
+ * that write_data() writes their rows. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
                 int runs, int recording, struct error *error)
 {

@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The questions of the lab sheet, each with what it rests on and an empty place for the answer. */
+/* The questions of the lab sheet: each is printed with the figures and values that its answer is
+ * based on, and with an empty place for the answer. */
 #include "modules/report/lab/material.h"
 
 #include <string.h>
 
 #define KIND(kind) (1u << PLOT_##kind)
 
+/* One question of the sheet, and the section of the report under which it is asked. */
 static const struct question {
     int number;
     enum section section;
     const char *words;
-    unsigned figures;      /* kinds, of its section and those before it; 0 if it is derived */
-    const char *values[4]; /* that it rests on */
+    /* Set of KIND() bits: figures that the answer may cite, from its section or an earlier one. 0
+     * means that the answer is derived on paper. */
+    unsigned figures;
+    const char *values[4]; /* names of values that the answer may cite */
 } questions[] = {
     {1,
      SECTION_RECORDING,
@@ -49,6 +53,8 @@ static const struct question {
     {10, SECTION_DAMPED_SIMULATION, "What damping does to the energy", KIND(ENERGY), {"gamma"}},
 };
 
+/* Writes what the answer to a question is based on: the numbers of the figures, as a sentence, then
+ * the values, as a list. Writes nothing if the session has neither. */
 static void put_rests(struct report *report, const struct question *q)
 {
     struct document *document = &report->document;
@@ -56,6 +62,8 @@ static void put_rests(struct report *report, const struct question *q)
     bool begun = false;
     for (int i = 0; i < report->figures; i++) {
         const struct report_figure *figure = &report->figure[i];
+        /* Only earlier figures of the same session of the lab count; those of the recording are
+         * cited only by questions on the recording. */
         if (!(q->figures & 1u << figure->kind) || figure->section > q->section ||
             (figure->section >= SECTION_DRAG) != damped ||
             (q->section != SECTION_RECORDING && figure->section == SECTION_RECORDING))
@@ -92,6 +100,7 @@ static void put_rests(struct report *report, const struct question *q)
         document_close(document, BLOCK_LIST);
 }
 
+/* Writes the questions of one section in the order of the table. */
 void put_questions(struct report *report, enum section section)
 {
     for (size_t i = 0; i < COUNT_OF(questions); i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sections of a report, in the order of the lab sheet. */
+/* Writes the sections of a report, in the order of the lab sheet: text, figures and tables of the
+ * runs and recordings that sort_material() assigned to each. write_sections() is the entry. */
 #include "modules/report/lab/material.h"
 
 #include "modules/recording/known/known.h"
@@ -9,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define VALUE_DIGITS 6
+#define VALUE_DIGITS 6 /* largest number of significant digits */
 
 /* ---- sections ---- */
 
@@ -29,7 +30,8 @@ static void put_rates(struct document *document, const struct stored_fit *stored
     }
 }
 
-/* The laws that were compared, and what came of it. */
+/* Writes which laws of damping a fit compared, their BIC, and the rates of the best one. Writes
+ * nothing if the fit compared none. */
 static void put_laws(struct document *document, const struct stored_fit *stored)
 {
     const struct fit *fit = &stored->fit;
@@ -48,8 +50,8 @@ static void put_laws(struct document *document, const struct stored_fit *stored)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* Writes the values that were taken as exact for the numbers of a recording, once for all of
- * them. */
+/* Writes the list of values that were stated without an uncertainty and used in the numbers of a
+ * recording ("data disk"), each once. Writes nothing if there are none. */
 static void put_exact(struct report *report, const char *subject)
 {
     const struct session *session = report->session;
@@ -73,7 +75,8 @@ static void put_exact(struct report *report, const char *subject)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* It is the offset of a fit, which is as uncertain, or was stated. */
+/* Writes the position that counts as zero for a recording, with the uncertainty of the fitted
+ * offset if it is one, else without (it was stated). */
 static void say_zero(struct report *report, const struct recording *recording, const char *subject)
 {
     struct measured zero = {recording->zero, 0};
@@ -87,6 +90,9 @@ static void say_zero(struct report *report, const struct recording *recording, c
                       VALUE_DIGITS);
 }
 
+/* Writes one recording of a section: description, figure, measured and fitted values, laws of
+ * damping if the section is that of the damped recording. Returns false with *error if the figure
+ * fails. */
 static bool put_recording(struct report *report, int index, enum section section,
                           struct error *error)
 {
@@ -127,6 +133,7 @@ static bool put_recording(struct report *report, int index, enum section section
     return ok;
 }
 
+/* Writes all recordings with m->decays equal to `decays`. */
 static bool put_recordings(struct report *report, const struct material *m, bool decays,
                            enum section section, struct error *error)
 {
@@ -136,6 +143,7 @@ static bool put_recordings(struct report *report, const struct material *m, bool
     return true;
 }
 
+/* Writes the table of parameters and settings of a run. */
 static void put_parameters(struct report *report, int index)
 {
     char subject[32];
@@ -147,6 +155,7 @@ static void put_parameters(struct report *report, int index)
     put_values(report, subject, true);
 }
 
+/* Writes a table of measured values for each of the runs that has any. */
 static void put_measured(struct report *report, const int *run, int runs)
 {
     for (int i = 0; i < runs; i++) {
@@ -165,6 +174,7 @@ static void put_measured(struct report *report, const int *run, int runs)
     }
 }
 
+/* Section 2: parameters and figures of the chosen run of forward Euler. */
 static bool simulation(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE};
@@ -177,6 +187,7 @@ static bool simulation(struct report *report, const struct material *m, struct e
     return true;
 }
 
+/* Section 3: energy of the chosen run of forward Euler, and the table of all of its runs. */
 static bool energy(struct report *report, const struct material *m, struct error *error)
 {
     const int *run = m->run[SECTION_SIMULATION], runs = m->runs[SECTION_SIMULATION];
@@ -189,7 +200,8 @@ static bool energy(struct report *report, const struct material *m, struct error
     return true;
 }
 
-/* The parameters of the run that forward Euler is shown by stand above. */
+/* Returns true if the parameters of run[i] have not been printed yet: neither for m->euler, in
+ * section 2, nor for an earlier run of the list. */
 static bool first_of_its_motion(const struct report *report, const struct material *m,
                                 const int *run, int i)
 {
@@ -202,9 +214,11 @@ static bool first_of_its_motion(const struct report *report, const struct materi
     return true;
 }
 
-/* Puts the section on all methods, including forward Euler. */
+/* Section 4: other methods beside forward Euler; figures in common, parameters of each distinct
+ * motion, and a table of all undamped runs. */
 static bool schemes(struct report *report, const struct material *m, struct error *error)
 {
+    /* figures of symplectic Euler by itself, or of the only run */
     static const enum plot_kind alone[] = {PLOT_POSITION, PLOT_ENERGY, PLOT_PHASE};
     const enum section here = SECTION_SCHEMES;
     int *all = arena_array(report->arena, LIMIT_RUNS, sizeof *all), runs = 0;
@@ -221,6 +235,7 @@ static bool schemes(struct report *report, const struct material *m, struct erro
         (!put_figure(report, here, PLOT_ENERGY, m->scheme, m->schemes, -1, error) ||
          !put_figure(report, here, PLOT_PHASE, m->scheme, m->schemes, -1, error)))
         return false;
+    /* the runs of sections 2 to 4, in the order in which they were made */
     for (int i = 0; i < report->session->runs.count; i++)
         for (int s = SECTION_SIMULATION; s <= SECTION_SCHEMES; s++)
             for (int k = 0; k < m->runs[s]; k++)
@@ -234,6 +249,7 @@ static bool schemes(struct report *report, const struct material *m, struct erro
     return true;
 }
 
+/* Writes all measured Reynolds numbers, each with its regime of flow. */
 static void put_reynolds(struct report *report)
 {
     struct document *document = &report->document;
@@ -255,7 +271,8 @@ static void put_reynolds(struct report *report)
     document_close(document, BLOCK_LIST);
 }
 
-/* Several runs, each with what it started from, its figures and then all on the same axes. */
+/* Writes up to REPORT_OVERLAY runs, each with parameters and figures, beside its recording if
+ * shows_recording, then the energies of all in one figure. */
 static bool put_each(struct report *report, enum section here, const int *run, int runs,
                      bool shows_recording, struct error *error)
 {
@@ -272,6 +289,7 @@ static bool put_each(struct report *report, enum section here, const int *run, i
     return shown < 2 || put_figure(report, here, PLOT_ENERGY, run, shown, -1, error);
 }
 
+/* Section 5: Reynolds numbers, and runs with other laws of drag. */
 static bool drag_section_put(struct report *report, const struct material *m, struct error *error)
 {
     const int *run = m->run[SECTION_DRAG], runs = m->runs[SECTION_DRAG];
@@ -285,6 +303,7 @@ static bool drag_section_put(struct report *report, const struct material *m, st
     return true;
 }
 
+/* Recognizes a recording by m->decays, a run by its section. */
 bool of_second_session(const struct report *report, const char *subject)
 {
     const struct material *m = report->material;
@@ -303,7 +322,8 @@ bool of_second_session(const struct report *report, const char *subject)
     return false;
 }
 
-/* The damping by everything of the second session that says it. */
+/* Writes a table of all values of gamma of the second session, so that those of the recording and
+ * of the simulation can be compared. */
 static void put_side_by_side(struct report *report)
 {
     static const char *const heads[] = {"damping gamma", "of", "from"};
@@ -330,6 +350,7 @@ static void put_side_by_side(struct report *report)
     document_close(document, BLOCK_TABLE);
 }
 
+/* Section 7: damped runs with their recordings, distances from them, and the table of gamma. */
 static bool damped_simulation(struct report *report, const struct material *m, struct error *error)
 {
     const enum section here = SECTION_DAMPED_SIMULATION;
@@ -343,6 +364,8 @@ static bool damped_simulation(struct report *report, const struct material *m, s
     return true;
 }
 
+/* Section for scenes that are not of the lab: each run with position, energy, and orbit or phase
+ * plot. */
 static bool others(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
@@ -363,18 +386,20 @@ static bool others(struct report *report, const struct material *m, struct error
     return true;
 }
 
+/* Section 1: recordings of the lab's first session. */
 static bool first_recordings(struct report *report, const struct material *m, struct error *error)
 {
     return put_recordings(report, m, false, SECTION_RECORDING, error);
 }
 
+/* Section 6: recordings of the lab's second session. */
 static bool damped_recordings(struct report *report, const struct material *m, struct error *error)
 {
     return put_recordings(report, m, true, SECTION_DAMPED_RECORDING, error);
 }
 
 static const struct {
-    const char *part; /* that begins here */
+    const char *part; /* part of the report; its heading is written where the part changes */
     const char *title;
     bool (*put)(struct report *report, const struct material *m, struct error *error);
 } sections[SECTION_COUNT] = {
@@ -392,6 +417,8 @@ static const struct {
 
 /* ---- all of them ---- */
 
+/* Writes the sections of the lab if the session has anything of it, then other runs. Returns false
+ * with *error if a figure fails. */
 bool write_sections(struct report *report, struct error *error)
 {
     const struct material *m = report->material;
