@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Attractors: found where a motion repeats, and recognised when another motion comes near. */
+/* Attractors: learned where a motion repeats (walk_learn), and recognized when another motion comes
+ * near (walker_look). */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@
 
 #include "modules/solving/compute/algebra.h"
 
-/* distance from the centre beyond which a motion escapes, in sizes */
+/* Distance from the centre, in sizes, beyond which a motion escapes. */
 #define ESCAPE_SIZES 1e6
 #define RECURRENCE_SIZES 1e-8     /* distance, in sizes, within which a state has recurred */
 #define RECURRENCES_MIN 3         /* successive recurrences, in periods, of a motion that repeats */
@@ -18,17 +19,18 @@
 #define NEAR_LOOKS_MIN 3          /* successive looks near an attractor after which it is reached */
 /* Two attractors found are the same within this distance, in sizes. */
 #define ATTRACTORS_SAME_SIZES 1e-5
-/* successive looks in the cells of an attractor that does not repeat */
+/* Number of successive checks in the cells of an irregular attractor after which it is reached. */
 #define CLOUD_LOOKS_INSIDE 24
-#define CLOUD_LOOKS 6000        /* looks from which the visited cells are collected */
-#define ORBIT_TURN_STEPS 1000   /* steps of a turn around an orbit */
-#define ORBIT_TURN_LOOKS_MAX 50 /* looks that a turn may take */
+#define CLOUD_LOOKS 6000        /* number of checks from which the visited cells are collected */
+#define ORBIT_TURN_STEPS 1000   /* largest number of steps of a turn around an orbit */
+#define ORBIT_TURN_LOOKS_MAX 50 /* longest turn, in times between checks */
 /* An orbit whose multipliers are within this distance of 1 attracts nothing. */
 #define MULTIPLIER_NEUTRAL_MARGIN 1e-7
 #define ORBIT_CLOSED_SIZES 1e-6 /* distance, in sizes, within which an orbit has closed */
 
 /* ---- distances ---- */
 
+/* Returns the distance, in sizes, of y from the states or the line of an attractor. */
 static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     double least = HUGE_VAL, nearest[FIELD_VARIABLES];
@@ -42,22 +44,23 @@ static double apart_from(const struct basin_walk *walk, const struct attractor *
     return least;
 }
 
-/* ---- cells, of up to three variables ---- */
+/* ---- a grid of cells over state space, for up to three variables ---- */
 
+/* Returns the number of cells along one variable, or 0 for more than three variables. */
 static int cells_of(int n)
 {
     static const int cells[] = {[1] = 128, [2] = 128, [3] = 48};
     return n < (int)COUNT_OF(cells) ? cells[n] : 0;
 }
 
-/* Returns the index of the cell that lies by[] cells from that of y (0 if NULL), or -1 if outside.
- */
+/* Returns the index of the cell of y, shifted by cell_shift [n] cells unless that is NULL, or -1 if
+ * it is outside of the grid. */
 static long cell_at(const struct basin_walk *walk, const double *y, const int *cell_shift)
 {
     const int cells = cells_of(walk->n);
     long cell_index = 0;
     for (int i = 0; i < walk->n; i++) {
-        /* twice what starts cover */
+        /* the grid covers twice the range of the starts */
         const double share = (y[i] - walk->centre[i]) / walk->field.size[i] / 4 + 0.5;
         const int place =
             (int)floor(fmin(fmax(share * cells, -2), cells + 2)) + (cell_shift ? cell_shift[i] : 0);
@@ -68,6 +71,7 @@ static long cell_at(const struct basin_walk *walk, const double *y, const int *c
     return cell_index;
 }
 
+/* Marks the cell of y and its neighbours. */
 static void visit(const struct basin_walk *walk, unsigned char *cell, const double *y)
 {
     int cell_shift[3] = {-1, -1, -1};
@@ -87,6 +91,7 @@ void walker_start(const struct basin_walk *walk, struct walker *walker, const do
     memcpy(walker->y, y, (size_t)walk->n * sizeof *y);
 }
 
+/* Returns true if y is near a stable attractor, or in a cell of an irregular one. */
 static bool is_near(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     if (!a->cell)
@@ -95,6 +100,8 @@ static bool is_near(const struct basin_walk *walk, const struct attractor *a, co
     return cell_index >= 0 && a->cell[cell_index];
 }
 
+/* Counts checks near an attractor. Returns its index once the motion has been there often enough,
+ * else BASIN_MISSING. */
 static int comes_to(const struct basin_walk *walk, struct walker *w)
 {
     const bool stays = w->attractor >= 0 && is_near(walk, &walk->attractor[w->attractor], w->y);
@@ -148,8 +155,9 @@ int walker_look(const struct basin_walk *walk, struct walker *w)
     return w->looks >= WALK_LOOKS ? BASIN_UNDECIDED : BASIN_MISSING;
 }
 
-/* ---- what is new ---- */
+/* ---- new attractors ---- */
 
+/* Returns true if an autonomous motion rests at y. */
 static bool is_equilibrium(struct basin_walk *walk, const double *y)
 {
     double rate[FIELD_VARIABLES], most = 0;
@@ -159,8 +167,9 @@ static bool is_equilibrium(struct basin_walk *walk, const double *y)
     return !walk->forced && most * walk->strobe < 1e-5;
 }
 
-/* Sets basin->growth to the largest growth, leaving out that along an orbit, and basin->stable,
- * which is true if it decays. */
+/* Sets basin->growth to the largest real part of an eigenvalue [1/s] of an equilibrium, or the
+ * largest magnitude of a multiplier (without that along the orbit), and basin->stable, which is
+ * true if differences decay or if that is unknown. */
 static void judge(struct basin_walk *walk, struct basin *basin)
 {
     struct flow_slopes *slopes = malloc(sizeof *slopes);
@@ -194,6 +203,8 @@ static void judge(struct basin_walk *walk, struct basin *basin)
     free(slopes);
 }
 
+/* Adds an attractor and takes over its memory. Returns its index, or BASIN_UNDECIDED if there is no
+ * room, no memory, or if it is an orbit of a family, which attracts nothing. */
 static int add_attractor(struct basin_walk *walk, struct attractor *a)
 {
     if (walk->attractors == BASINS_MOST || !(a->point || a->cell)) {
@@ -211,6 +222,7 @@ static int add_attractor(struct basin_walk *walk, struct attractor *a)
     return walk->attractors++;
 }
 
+/* Returns the index of the known attractor within `tolerance` (in sizes) of y, or BASIN_MISSING. */
 static int known_as(const struct basin_walk *walk, const double *y, double tolerance)
 {
     for (int k = 0; k < walk->attractors; k++)
@@ -219,8 +231,8 @@ static int known_as(const struct basin_walk *walk, const double *y, double toler
     return BASIN_MISSING;
 }
 
-/* Takes the rest of the way to an equilibrium, which the looks have not covered, by Newton's
- * steps. */
+/* Moves y to the nearby equilibrium that the motion approaches, by Newton's steps as long as they
+ * are small. */
 static void settle_state(struct basin_walk *walk, double *y)
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], correction[FIELD_VARIABLES];
@@ -237,6 +249,8 @@ static void settle_state(struct basin_walk *walk, double *y)
     }
 }
 
+/* Learns the attractor of a motion that repeats at checks: an equilibrium, or the response to a
+ * drive. Returns its index or BASIN_UNDECIDED. */
 static int learn_points(struct basin_walk *walk, const struct walker *w)
 {
     const int known = known_as(walk, w->y, ATTRACTORS_SAME_SIZES);
@@ -289,6 +303,8 @@ static double go_round(struct basin_walk *walk, const double *start, double *clo
     return 0;
 }
 
+/* Learns a closed orbit from a motion that may be on one. Returns its index, BASIN_UNDECIDED, or
+ * BASIN_MISSING if the motion does not close. */
 static int learn_orbit(struct basin_walk *walk, struct walker *w)
 {
     const int n = walk->n;
@@ -324,7 +340,8 @@ static bool spread_shrinks(int n, double (*spread)[FIELD_VARIABLES])
     return true;
 }
 
-/* A region that is not left, by the cells that a long motion visits. */
+/* Learns an irregular attractor: the cells that a long motion visits. Returns its index, the fate
+ * of the motion if it comes to another attractor or escapes, or BASIN_UNDECIDED. */
 static int learn_region(struct basin_walk *walk, struct walker *w)
 {
     const int cells = cells_of(walk->n);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Basins of attraction: first a few starts, from which most of the attractors are known; then all
- * of them, over threads, by that list, which stays as it is; last, one after another, those that
- * have come to something else. So nothing depends on who computes what.
- */
+/* Basins of attraction (basins_find): first a few starts, from which most of the attractors are
+ * learned; then all starts, over threads, with that list, which remains unchanged; last, one after
+ * another, those that have come to something else. So the result does not depend on which thread
+ * computes what. */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -15,11 +14,11 @@
 
 #include <hooke/base/numeric.h>
 
-#define POINTS_MOST 16000000
-#define PILOT_STARTS 64        /* starts from which attractors are learnt */
-#define LOOKS_PER_ATTEMPT 64   /* looks between attempts to find an orbit */
+#define POINTS_MOST 16000000   /* largest number of starts */
+#define PILOT_STARTS 64        /* number of starts, 8 x 8, from which attractors are learned */
+#define LOOKS_PER_ATTEMPT 64   /* number of checks between attempts to find an orbit */
 #define SIZE_MIN_FRACTION 1e-3 /* Sizes below this part of the largest size are replaced by it. */
-#define LOOK_NS 50000000
+#define LOOK_NS 50000000       /* [ns] time between two reports of progress */
 
 double basins_value(const struct basins_request *request, int axis, int64_t place)
 {
@@ -40,22 +39,25 @@ void basins_free(struct basins *basins)
     *basins = (struct basins){.count = 0};
 }
 
+/* Data that the threads share. */
 struct basins_job {
     const struct basins_request *request;
     const struct basin_walk *walk;
     struct basins *basins;
-    atomic_llong next, finished, looks;
-    pthread_mutex_t lock;
-    struct late *late; /* [lates] those that have come to what is not known */
-    size_t lates, room;
-    bool failed;
+    atomic_llong next, finished, looks; /* next start; numbers of finished ones and of checks */
+    pthread_mutex_t lock;               /* protects `late` */
+    struct late *late;                  /* [lates] motions that have come to an unknown attractor */
+    size_t lates, room;                 /* number and capacity */
+    bool failed;                        /* memory ran out */
 };
 
+/* A motion whose attractor has to be learned, and its start. */
 struct late {
     int64_t point;
     struct walker walker;
 };
 
+/* Begins the motion of start number `point`. */
 static void start_at(const struct basins_request *request, const struct basin_walk *walk,
                      int64_t point, struct walker *walker)
 {
@@ -66,9 +68,10 @@ static void start_at(const struct basins_request *request, const struct basin_wa
     walker_start(walk, walker, y);
 }
 
-/* ---- what is looked at, and how often ---- */
+/* ---- sizes and times ---- */
 
-/* The middle of the rates at the starts, in their logarithms. */
+/* Returns the time [s] between checks of an autonomous scene: 2 pi divided by the median rate of
+ * the pilot starts. */
 static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
     double speed[PILOT_STARTS], rate[FIELD_VARIABLES];
@@ -82,6 +85,7 @@ static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIAB
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
 }
 
+/* Returns true with *error if there are too many starts or if the drive has no period. */
 static bool refuse_basins(const struct basin_walk *walk, const struct basins_request *request,
                           struct error *error)
 {
@@ -94,7 +98,7 @@ static bool refuse_basins(const struct basin_walk *walk, const struct basins_req
     return false;
 }
 
-/* Volumes stay as they are: nothing attracts. */
+/* Returns true if the divergence is 0 at all pilot starts, so that there are no attractors. */
 static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
@@ -173,8 +177,9 @@ void walk_free(struct basin_walk *walk)
     field_free(&walk->field);
 }
 
-/* ---- first: attractors from a few starts ---- */
+/* ---- attractors from a few starts ---- */
 
+/* Follows the pilot starts and learns their attractors. Returns false if out of memory. */
 static bool learn_first(struct basin_walk *walk, const struct basins_request *request,
                         struct basins *basins)
 {
@@ -209,8 +214,9 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
     return fine;
 }
 
-/* ---- all of them ---- */
+/* ---- all starts ---- */
 
+/* Stores a motion for learn_late(); sets job->failed if out of memory. */
 static void keep_late(struct basins_job *job, int64_t point, const struct walker *walker)
 {
     pthread_mutex_lock(&job->lock);
@@ -229,6 +235,7 @@ static void keep_late(struct basins_job *job, int64_t point, const struct walker
     pthread_mutex_unlock(&job->lock);
 }
 
+/* Follows starts until none is left; each thread runs it. `context` is the struct basins_job. */
 static void *walk_all(void *context)
 {
     struct basins_job *job = context;
@@ -272,6 +279,7 @@ static void *walk_all(void *context)
     return NULL;
 }
 
+/* Reports progress until all starts are finished. */
 static void watch_over(struct basins_job *job)
 {
     const struct basins_request *r = job->request;
@@ -288,8 +296,9 @@ static void watch_over(struct basins_job *job)
 }
 
 #define THREADS_MAX 64
-#define THREAD_STACK_BYTES ((size_t)1 << 20)
+#define THREAD_STACK_BYTES ((size_t)1 << 20) /* independent of limits of the system */
 
+/* Runs walk_all() in threads; in the calling one if none can be created. */
 static void walk_by_threads(struct basins_job *job)
 {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
@@ -313,6 +322,7 @@ static void walk_by_threads(struct basins_job *job)
     job->basins->threads = running > 0 ? running : 1;
 }
 
+/* Compares two late motions by their starts, for qsort(). */
 static int by_point(const void *a, const void *b)
 {
     const struct late *x = a, *y = b;
@@ -338,8 +348,9 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
     }
 }
 
-/* ---- what is handed out ---- */
+/* ---- result ---- */
 
+/* Counts the starts of each basin, sorts basins by size, and renumbers the fates. */
 static void count_up(struct basins *basins, const struct basin_walk *walk)
 {
     int order[BASINS_MOST] = {0}, place[BASINS_MOST] = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the attractor of a single motion. */
+/* Finds the attractor of a single motion, from the scene's own start (attractor_of). */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -24,6 +24,8 @@ static struct basins_request request_of(const struct scene *scene, const struct 
     return request;
 }
 
+/* Follows the motion until it has an attractor. Returns its index, or BASIN_ESCAPES,
+ * BASIN_UNDECIDED or BASIN_MISSING if it has none or if cancelled. */
 static int follow_start(struct basin_walk *walk, const struct cancel *cancel)
 {
     struct stepper *stepper = stepper_create(walk);

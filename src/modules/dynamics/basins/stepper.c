@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Motions from one look to the next: rk4 in lanes, else one by one. */
+/* Follows motions from one check to the next: several at once in lanes by rk4, or one by one with
+ * adaptive steps. */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -8,18 +9,19 @@
 
 #include <hooke/base/numeric.h>
 
-#define ALONE_TOL 1e-9
-#define STEPS_MIN 16
+#define ALONE_TOL 1e-9 /* tolerance of adaptive steps */
+#define STEPS_MIN 16   /* smallest and largest number of steps of rk4 between checks */
 #define STEPS_MAX 2048
-#define LOOK_STEPS 256 /* steps of all lanes between two checks for cancellation */
-/* Largest change in sizes, if the number of steps is doubled, for nine starts out of ten, */
+#define LOOK_STEPS 256 /* number of steps between two looks at Ctrl-C */
+/* Largest change of the end, in sizes, if the number of steps is doubled: for nine starts out of
+ * ten, and for any start. */
 #define CHANGE_TYPICAL 1e-5
-#define CHANGE_WORST 1e-2 /* and for any start. */
+#define CHANGE_WORST 1e-2
 
 struct stepper {
-    struct vector_field field; /* alone */
-    struct lanes *lanes;
-    struct system *system; /* [LANE_COUNT] */
+    struct vector_field field; /* integrates with adaptive steps */
+    struct lanes *lanes;       /* NULL if the scene does not fit into lanes */
+    struct system *system;     /* [LANE_COUNT] one for each lane, with its start */
     const struct method *method;
     enum drag drag;
     int n, steps;

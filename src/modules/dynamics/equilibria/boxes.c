@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The queue of boxes, and the Krawczyk operator. */
 #include "modules/dynamics/equilibria/boxes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t first_room = 256;
-/* Relative to a side: so much is left around the result of the operator. A side that shrank to
- * rounding at once could not shrink again, as a proof needs all sides to do. */
+static const size_t first_room = 256; /* number of boxes for which memory is allocated first */
+/* Margin around the result of the operator, relative to a side. A side that shrank to rounding at
+ * once could not shrink again, as a proof needs all sides to do. */
 static const double margin_share = 1e-6;
 
 bool box_queue_add(struct box_queue *queue, const struct state_box *box)
@@ -71,7 +72,7 @@ static bool invert(int n, const struct interval *jacobian, double *inverse)
     return true;
 }
 
-/* Half the width that rounding of f(m) alone gives the operator in direction i. */
+/* Returns half of the width that the rounding of f(m) alone gives the operator in direction i. */
 static double rounding_of(int n, const double *inverse, const struct interval *rate, int i)
 {
     double sum = 0;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * All equilibria in a box: those that branch and prune proves, those that Newton's method finds and
- * proves where bounds do not decide, and what is left undecided.
- */
+/* Finds all equilibria in a box (equilibria_find): those that branch and prune proves (search.c),
+ * those that Newton's method finds and proves where bounds do not decide, and what remains
+ * undecided, with a reason. */
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/scene/formula.h>
@@ -19,26 +18,29 @@
 
 enum { DOUBTFUL_LISTED_MAX = 8, UNDECIDED_LISTED_MAX = 200 };
 enum { NEWTON_STARTS_MAX = 256, RANDOM_STARTS = 100 };
-/* Undecided boxes in more places of a variable form an interval, and are not named. */
+/* Undecided boxes at more values of a variable than this fill an interval, which is not named. */
 enum { PLACES_MAX = 8 };
 
-/* Relative to the range: zeros without a proof that are nearer than this are listed as one. */
+/* Zeros without a proof that are closer than this, relative to the range, are listed as one. */
 static const double doubtful_apart_min = 1e-7;
-/* Relative to the range: undecided boxes that are nearer than this are at one place. */
+/* Undecided boxes that are closer than this, relative to the range, are named as one place. */
 static const double place_apart_min = 1e-3;
-/* Relative to the range: zeros on the edge are found in a box that is larger by this. */
+/* The searched box is larger than the range by this part on each side, to find zeros on the
+ * edge. */
 static const double search_margin = 1e-6;
-/* Relative to the range: the least size of a variable. */
+/* Smallest size of a variable, relative to its range. */
 static const double size_min = 0.1;
 
+/* State of equilibria_find(). */
 struct equilibria_search {
     struct zero_search zeros;
     struct vector_field field;
-    bool conservative;
-    struct typed_models *models; /* owner of the equations with bounds, or NULL for the scene's */
+    bool conservative; /* energy is constant, so that centres are possible */
+    struct typed_models
+        *models; /* owner of the equations with bounds, or NULL if the scene has them */
 };
 
-/* ---- where bounds do not decide ---- */
+/* ---- boxes that bounds do not decide ---- */
 
 /* Returns true if every derivative is 0 at y [n] but for the rounding of y and of its parts, and
  * has finite slopes there. */
@@ -57,8 +59,8 @@ static bool rests_at(const struct zero_search *s, const double *y)
     return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, jacobian);
 }
 
-/* Returns the number of at most `significant_digits_tried` digits that is nearest to y: borders of
- * domains are such numbers more often than not. */
+/* Returns the decimal number of at most significant_digits_tried digits that is nearest to y: the
+ * edges of domains often are such numbers. */
 static double short_number(double y)
 {
     enum { significant_digits_tried = 13 };
@@ -67,8 +69,8 @@ static double short_number(double y)
     return strtod(text, NULL);
 }
 
-/* Returns true if every derivative at y [n] is at most `share` of what it is a hundredth of the
- * range away. */
+/* Returns true if every rate at y [n] is at most `share` of what it is a hundredth of the range
+ * away. */
 static bool rests_beside(const struct zero_search *s, const double *y, double share)
 {
     static const double away = 1e-2;
@@ -124,6 +126,7 @@ static void round_to_zero(const struct zero_search *s, double *y)
     }
 }
 
+/* Returns true if a solution that is as good as equal to y [n] is listed already. */
 static bool is_listed(const struct zero_search *s, const double *y)
 {
     for (int k = 0; k < s->found->count; k++) {
@@ -139,14 +142,15 @@ static bool is_listed(const struct zero_search *s, const double *y)
     return false;
 }
 
+/* Computes the middle y [n] of an undecided box. */
 static void middle_of(const struct zero_search *s, size_t box, double *y)
 {
     for (int i = 0; i < s->n; i++)
         y[i] = interval_middle(s->undecided.box[s->undecided.first + box].side[i]);
 }
 
-/* Lists zeros that lie in undecided boxes but have no proof, if they are few: where they lie on a
- * curve, or the equations are flat, single ones say nothing. */
+/* Lists zeros that lie in undecided boxes but have no proof, if they are few; many of them lie on a
+ * curve, or where the equations are flat, and are not listed. Returns false if out of memory. */
 static bool list_doubtful(struct zero_search *s)
 {
     const size_t count = box_queue_count(&s->undecided);
@@ -177,8 +181,8 @@ static bool list_doubtful(struct zero_search *s)
     return true;
 }
 
-/* Starts Newton's method from what is undecided, and from anywhere; keeps zeros that are proven
- * then. */
+/* Starts Newton's method from undecided boxes and from random states, and appends zeros that are
+ * then proven. Returns false if out of memory. */
 static bool search_by_newton(struct zero_search *s)
 {
     uint64_t seed = 7;
@@ -202,7 +206,8 @@ static bool search_by_newton(struct zero_search *s)
     return true;
 }
 
-/* The equations as a whole are nothing, or not the same again after a time. */
+/* Sets *error for equations without bounds: nothing moves, or they depend on time without a period.
+ * Returns false. */
 static bool no_bounds(const struct equilibria_search *s, struct error *error)
 {
     if (s->field.system.autonomous)
@@ -214,6 +219,7 @@ static bool no_bounds(const struct equilibria_search *s, struct error *error)
                       "to fix the time, use a parameter in place of t, as in: param tau = 0");
 }
 
+/* Sets up field, equations with bounds, and the first box. Returns false with *error. */
 static bool begin_equilibria_search(struct equilibria_search *search, struct error *error)
 {
     struct zero_search *s = &search->zeros;
@@ -232,7 +238,7 @@ static bool begin_equilibria_search(struct equilibria_search *search, struct err
     for (int i = 0; i < s->n; i++) {
         const double turn = field->turn[i];
         s->width[i] = request->box[i][1] - request->box[i][0];
-        /* symmetries are looked at all around, not where the scene's start happens to stay */
+        /* symmetries are tested in all of the range, not where the scene's start happens to be */
         field->size[i] = fmax(field->size[i], size_min * s->width[i]);
         s->turn[i] = turn > 0 && fabs(s->width[i] - turn) <= search_margin * turn ? turn : 0;
         box.side[i] = (struct interval){request->box[i][0] - search_margin * s->width[i],
@@ -244,9 +250,10 @@ static bool begin_equilibria_search(struct equilibria_search *search, struct err
     return box_queue_add(&s->waiting, &box) || error_memory(error);
 }
 
-/* ---- what is said ---- */
+/* ---- result ---- */
 
-/* The places of variable i in which undecided boxes lie: at most PLACES_MAX + 1 of them. */
+/* Finds the values of variable i at which undecided boxes lie. Returns their number, at most
+ * PLACES_MAX + 1. */
 static int places_of(const struct zero_search *s, int i, double *place)
 {
     int places = 0;
@@ -261,7 +268,7 @@ static int places_of(const struct zero_search *s, int i, double *place)
     return places;
 }
 
-/* The longest side of undecided boxes in the direction of variable i. */
+/* Returns the longest side of undecided boxes in the direction of variable i. */
 static double widest_side_of(const struct zero_search *s, int i)
 {
     double widest = 0;
@@ -270,7 +277,8 @@ static double widest_side_of(const struct zero_search *s, int i)
     return widest;
 }
 
-/* Names the first place; of variables that take any value there nothing is said. */
+/* Appends the first place of undecided boxes: "x = 0, v = 1". Variables that take any value there
+ * are left out. */
 static void put_place(const struct equilibria_search *search, struct buffer *text)
 {
     const struct zero_search *s = &search->zeros;
@@ -295,6 +303,7 @@ static void put_place(const struct equilibria_search *search, struct buffer *tex
     buffer_put(text, elsewhere ? TEXT(" and elsewhere") : TEXT(""));
 }
 
+/* Returns true if the equations are unbounded in one of the boxes. */
 static bool has_singular(const struct box_queue *boxes)
 {
     bool singular = false;
@@ -303,7 +312,7 @@ static bool has_singular(const struct box_queue *boxes)
     return singular;
 }
 
-/* Says why there may be others. */
+/* Stores the reason why there may be more equilibria. */
 static void give_reason(struct equilibria_search *search)
 {
     const struct zero_search *s = &search->zeros;
@@ -328,6 +337,7 @@ static void give_reason(struct equilibria_search *search)
     buffer_free(&text);
 }
 
+/* Compares two solutions for qsort(), by the first variable that differs. */
 static int in_order(const void *a, const void *b)
 {
     const struct solution *x = a, *y = b;
@@ -337,7 +347,8 @@ static int in_order(const void *a, const void *b)
     return 0;
 }
 
-/* Puts them in order and finds what they are. Where bounds have not decided eigenvalues do not. */
+/* Sorts the equilibria and determines their types; those without a proof are degenerate. Returns
+ * false if out of memory or if eigenvalues are not found. */
 static bool finish(struct equilibria_search *search)
 {
     struct equilibria *found = search->zeros.found;
@@ -358,6 +369,7 @@ static bool finish(struct equilibria_search *search)
     return true;
 }
 
+/* Runs all stages of the search. Returns false if out of memory. */
 static bool find_all(struct equilibria_search *search)
 {
     struct zero_search *s = &search->zeros;

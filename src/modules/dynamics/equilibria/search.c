@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Branch and prune. A box in which a derivative's bounds exclude 0 is dropped; the Krawczyk
- * operator proves that a box has exactly one zero, or none, or makes it smaller; else it is cut in
- * two (Neumaier 1990, Interval Methods for Systems of Equations, chapter 5). Boxes in which the
+/* Branch and prune. A box in which the bounds of a rate exclude 0 is dropped; the Krawczyk operator
+ * proves that a box has exactly one zero or none, or makes it smaller; otherwise it is cut in two
+ * (Neumaier 1990, Interval Methods for Systems of Equations, chapter 5). Boxes in which the
  * equations are unbounded (poles) wait until all others are decided. What cannot be decided is left
- * to the caller.
- */
+ * to the caller. */
 #include "modules/dynamics/equilibria/search.h"
 
 #include <float.h>
@@ -17,19 +15,19 @@
 enum { BOXES_PER_REPORT = 64, BOXES_MAX = 200000, SINGULAR_CUTS_MAX = 10000 };
 enum { NEWTON_STEPS_MAX = 100, TIGHTEN_STEPS_MAX = 60 };
 
-/* Relative to the range: boxes are not cut below this. */
+/* Boxes are not cut below this width, relative to the range. */
 static const double box_side_min = 1e-15;
 /* A box that has shrunk to less than this part of its widest side is examined once more before it
  * is halved. */
 static const double shrunk_share = 0.7;
-/* Cuts miss the middle, where zeros like to be. */
+/* Boxes are not cut in the middle, since zeros often lie on symmetry axes. */
 static const double cut_share = 0.4837;
-/* Relative to the range: regions around a box that are tried for one zero (epsilon inflation, Rump
- * 1983) are at most this wide. */
+/* Largest width, relative to the range, of the regions around a box that are tried for one zero
+ * (epsilon inflation, Rump 1983). */
 static const double inflation_max = 1e-3;
-/* largest number of comparisons of undecided boxes with zeros */
+/* Largest number of comparisons of undecided boxes with zeros. */
 static const double comparisons_max = 2e7;
-/* Relative to the range: a zero this near to the edge is on it. */
+/* Distance from the edge, relative to the range, within which a zero is on it. */
 static const double edge_rounding = 1e-12;
 
 bool zeros_in_range(const struct zero_search *s, const double *y)
@@ -60,7 +58,7 @@ void zeros_correct(const struct zero_search *s, double *y)
 
 /* ---- zeros that are proven ---- */
 
-/* Makes a box with exactly one zero as small as the operator can. */
+/* Shrinks a box with exactly one zero as far as the operator can. */
 static void tighten(const struct zero_search *s, struct interval *box)
 {
     struct interval rate[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES],
@@ -76,7 +74,7 @@ static void tighten(const struct zero_search *s, struct interval *box)
     }
 }
 
-/* Both ends of a turn are one place, which is shown as the upper one. */
+/* Moves a zero at the lower end of a full turn to the upper end, which is the same place. */
 static void move_to_upper_end(const struct zero_search *s, double *y, struct zero_proof *proof)
 {
     for (int i = 0; i < s->n; i++) {
@@ -112,6 +110,7 @@ bool zeros_append(struct zero_search *s, const double *y, const struct zero_proo
     return true;
 }
 
+/* Adds a box to the undecided ones. Returns false if out of memory. */
 static bool leave_undecided(struct zero_search *s, const struct interval *side, bool singular,
                             bool smallest)
 {
@@ -120,8 +119,9 @@ static bool leave_undecided(struct zero_search *s, const struct interval *side, 
     return box_queue_add(&s->undecided, &box);
 }
 
-/* Keeps the only zero of a region, unless it is kept already or lies outside of the range. Two are
- * the same only if that follows from their proofs. */
+/* Appends the only zero of a region, unless it is known already or lies outside of the range. Two
+ * zeros are the same only if that follows from their proofs; otherwise the box becomes undecided.
+ * Returns false if out of memory. */
 static bool keep_zero(struct zero_search *s, const struct interval *region)
 {
     struct zero_proof proof;
@@ -153,7 +153,8 @@ static bool keep_zero(struct zero_search *s, const struct interval *region)
     return zeros_append(s, y, &proof);
 }
 
-/* Finds a region around a box [n] and the zero near it in which that zero is the only one. */
+/* Finds a region around a box [n] and the zero near it in which that zero is the only one. Returns
+ * false if none of the regions that are tried proves that. */
 static bool find_region(const struct zero_search *s, const struct interval *box,
                         struct interval *region)
 {
@@ -208,6 +209,7 @@ void zeros_drop_decided(struct zero_search *s)
 
 /* ---- boxes ---- */
 
+/* Returns the volume of a box as a fraction of that of the range. */
 static double volume(const struct zero_search *s, const struct interval *box)
 {
     double part = 1;
@@ -216,6 +218,7 @@ static double volume(const struct zero_search *s, const struct interval *box)
     return part;
 }
 
+/* Returns the index of the side that is widest relative to the range. */
 static int widest_side(const struct zero_search *s, const struct interval *box)
 {
     int widest = 0;
@@ -226,11 +229,13 @@ static int widest_side(const struct zero_search *s, const struct interval *box)
     return widest;
 }
 
+/* Returns where a side is cut. */
 static double cut_place(struct interval side)
 {
     return side.lo + cut_share * (side.hi - side.lo);
 }
 
+/* Cuts a box at its widest side and appends both parts. Returns false if out of memory. */
 static bool add_halves(struct zero_search *s, const struct state_box *box)
 {
     const int widest = widest_side(s, box->side);
@@ -240,8 +245,9 @@ static bool add_halves(struct zero_search *s, const struct state_box *box)
     return box_queue_add(&s->waiting, &lower) && box_queue_add(&s->waiting, &upper);
 }
 
-/* Decides what becomes of a box about which bounds say nothing; rounding [n] is
- * krawczyk_verdict()'s. */
+/* Handles a box that bounds do not decide: cuts it, defers it if it is singular, or, if it is too
+ * small to be cut, tries to prove its zero or leaves it undecided. rounding [n] is that of
+ * krawczyk_verdict(). Returns false if out of memory. */
 static bool split(struct zero_search *s, struct state_box *box, const double *rounding)
 {
     const int widest = widest_side(s, box->side);
@@ -257,6 +263,7 @@ static bool split(struct zero_search *s, struct state_box *box, const double *ro
     return leave_undecided(s, box->side, box->is_singular, true);
 }
 
+/* Returns true if the interval does not contain 0 (or is empty, NAN). */
 static bool excludes_zero(struct interval a)
 {
     return a.lo > 0 || a.hi < 0 || isnan(a.lo);
@@ -270,6 +277,7 @@ bool zeros_are_bounded(int n, const struct interval *bounds)
     return bounded;
 }
 
+/* Returns true if the box has a point in common with the requested range. */
 static bool meets_range(const struct zero_search *s, const struct interval *box)
 {
     bool meets = true;
@@ -279,6 +287,7 @@ static bool meets_range(const struct zero_search *s, const struct interval *box)
     return meets;
 }
 
+/* Examines one box, again as long as the operator shrinks it. Returns false if out of memory. */
 static bool examine_box(struct zero_search *s, struct state_box *box)
 {
     const double part = volume(s, box->side);
@@ -311,12 +320,14 @@ static bool examine_box(struct zero_search *s, struct state_box *box)
     }
 }
 
+/* Reports the finished fraction of the volume from time to time. */
 static void report_search(const struct zero_search *s)
 {
     if (s->boxes % BOXES_PER_REPORT == 0 && s->request->progress)
         s->request->progress(s->request->context, fmin(fmax(s->done, 0), 1));
 }
 
+/* Moves all boxes of a queue to the undecided ones. Returns false if out of memory. */
 static bool leave(struct zero_search *s, struct box_queue *queue)
 {
     struct state_box box;

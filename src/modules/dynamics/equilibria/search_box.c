@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The region of state space in which equilibria are searched, if the user gives none. */
+/* Chooses the region of state space in which equilibria are searched if the user gives none. */
 #include <hooke/run.h>
 #include <hooke/base/numeric.h>
 #include "modules/dynamics/kept.h"
@@ -8,8 +8,9 @@
 
 /* The region extends beyond the visited range by this fraction on each side. */
 #define BOX_MARGIN_FRACTION 0.5
-#define SIZE_MIN_FRACTION 1e-6
+#define SIZE_MIN_FRACTION 1e-6 /* sizes below this part of the largest become the largest */
 
+/* Extends a range to include a value. */
 static void include(double range[2], double value)
 {
     range[0] = fmin(range[0], value);

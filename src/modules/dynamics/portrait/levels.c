@@ -1,43 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Lines f(x, y) = 0: marching squares (Lorensen, Cline 1987, in the plane) on cells that are cut in
- * four where the bounds of f contain 0, so that small closed branches are not lost. Points on sides
- * of cells are found by bisection; neighbours find the same ones, which joins them to lines.
- */
+/* Lines f(x, y) = 0: marching squares (Lorensen, Cline 1987, in the plane) on cells that are cut in
+ * four where the bounds of f contain 0, so that small closed lines are not lost. Points on sides of
+ * cells are found by bisection; neighbouring cells find the same points, by which segments are
+ * joined to lines. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "modules/dynamics/portrait/portrait.h"
 
-#define CELLS_PER_SIDE 32              /* cells along a side at first */
-#define SIGN_CHANGE_CELLS_PER_SIDE 256 /* the same where f changes its sign in a cell */
-#define DOUBTFUL_CELLS_PER_SIDE 1024   /* the same where only the bounds of f contain 0 */
-#define HALVINGS_MAX 46
-#define CELLS_EXAMINED_MAX 150000 /* largest number of cells */
+#define CELLS_PER_SIDE 32              /* cells along a side of the box at first */
+#define SIGN_CHANGE_CELLS_PER_SIDE 256 /* finest cells where f changes its sign in a cell */
+#define DOUBTFUL_CELLS_PER_SIDE 1024   /* finest cells where only the bounds of f contain 0 */
+#define HALVINGS_MAX 46                /* bisections of a side, to rounding */
+#define CELLS_EXAMINED_MAX 150000      /* largest number of cells */
 
+/* A part of a line within one cell. */
 struct level_segment {
     double x[2], y[2];
-    bool used;
+    bool used; /* it is part of a line already */
 };
 
+/* State of level_lines(). */
 struct marching {
     const struct level_request *request;
     struct level_segment *segment;
     size_t segments, capacity;
-    int cells;
-    bool failed;
+    int cells;   /* number of cells examined */
+    bool failed; /* memory ran out */
 };
 
 /* ---- points and segments ---- */
 
+/* Returns f at (x, y). */
 static double value_at(const struct marching *m, double x, double y)
 {
     return m->request->value(m->request->context, x, y);
 }
 
-/* Finds the zero on the side from a to b, where the values have different signs. Returns false at a
- * pole. */
+/* Finds the zero on the side from a to b, each x, y and value, where the values have different
+ * signs. Starts from the same end for both cells that share the side. Returns false at a pole. */
 static bool crossing(const struct marching *m, const double a[3], const double b[3],
                      double point[2])
 {
@@ -59,6 +61,7 @@ static bool crossing(const struct marching *m, const double a[3], const double b
     return fabs(nearest[2]) <= bound;
 }
 
+/* Appends a segment from a to b; sets m->failed if out of memory. */
 static void add_level_segment(struct marching *m, const double a[2], const double b[2])
 {
     if (m->segments == m->capacity) {
@@ -76,7 +79,8 @@ static void add_level_segment(struct marching *m, const double a[2], const doubl
 
 /* ---- cells ---- */
 
-/* Corners in turn, each x, y, value: 0 counts as above. */
+/* Adds the segments of one cell. Its corners, in turn, are x, y and value each; 0 counts as
+ * positive. */
 static void march(struct marching *m, double corner[4][3])
 {
     double crossings[4][2];
@@ -89,7 +93,7 @@ static void march(struct marching *m, double corner[4][3])
     }
     if (count == 2) {
         add_level_segment(m, crossings[0], crossings[1]);
-    } else if (count == 4) { /* a saddle of f: what its middle says */
+    } else if (count == 4) { /* a saddle of f, whose middle decides */
         const double middle =
             value_at(m, (corner[0][0] + corner[2][0]) / 2, (corner[0][1] + corner[2][1]) / 2);
         const int first = (middle < 0) == (corner[0][2] < 0) ? 0 : 3;
@@ -98,6 +102,8 @@ static void march(struct marching *m, double corner[4][3])
     }
 }
 
+/* Examines a cell, and cuts it in four until it is fine enough. `cells` is the number of such cells
+ * along a side of the whole box. */
 static void examine_cells(struct marching *m, const double box[2][2], int cells)
 {
     const struct level_request *request = m->request;
@@ -146,6 +152,7 @@ static const struct level_segment *level_segment_next(struct marching *m, double
     return NULL;
 }
 
+/* Joins segments with common ends to lines. Returns false if out of memory. */
 static bool level_segments_join(struct marching *m, struct polyline *line)
 {
     for (size_t i = 0; i < m->segments; i++) {
@@ -153,7 +160,7 @@ static bool level_segments_join(struct marching *m, struct polyline *line)
         if (first->used)
             continue;
         first->used = true;
-        /* back to where it begins, then forth */
+        /* backwards to where the line begins, then forwards */
         double x = first->x[0], y = first->y[0], begin[2] = {x, y};
         const size_t first_point = line->n;
         while (level_segment_next(m, &x, &y))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A portrait from its parts: nullclines, equilibria, separatrices, lines of equal energy. */
+/* Computes a phase portrait (portrait_make): nullclines, equilibria, separatrices, lines of equal
+ * energy. */
 #include "modules/dynamics/orbits/forms.h"
 #include "modules/dynamics/portrait/portrait.h"
 
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ENERGY_LEVELS 5 /* energy levels, up to a corner of the box */
+#define ENERGY_LEVELS 5 /* number of lines of equal energy */
 
 bool polyline_put(struct polyline *line, double x, double y)
 {
@@ -35,14 +36,17 @@ bool polyline_gap(struct polyline *line)
     return polyline_put(line, NAN, NAN);
 }
 
-/* ---- what is 0 on lines ---- */
+/* ---- functions whose zeros are lines ---- */
 
+/* A function on the plane: a rate, or the energy less a level. */
 struct plane_value {
     const struct portrait_work *work;
     int variable; /* variable of the rate, or -1 for the energy */
     double level; /* energy level */
 };
 
+/* Sets the state with coordinates (x, y) in the plane; other variables have the values of the
+ * request. */
 static void place(const struct portrait_work *work, double x, double y, double *state)
 {
     memcpy(state, work->request->state, (size_t)work->field.n * sizeof *state);
@@ -50,6 +54,7 @@ static void place(const struct portrait_work *work, double x, double y, double *
     state[work->request->variable[1]] = y;
 }
 
+/* Returns the function at (x, y); `context` is a struct plane_value. */
 static double plane_value(const void *context, double x, double y)
 {
     const struct plane_value *v = context;
@@ -63,6 +68,7 @@ static double plane_value(const void *context, double x, double y)
     return rate[v->variable];
 }
 
+/* Returns true if the bounds of a rate on a box of the plane contain 0. */
 static bool may_be_zero(const void *context, const double box[2][2])
 {
     const struct plane_value *v = context;
@@ -77,6 +83,7 @@ static bool may_be_zero(const void *context, const double box[2][2])
     return !(rate[v->variable].lo > 0 || rate[v->variable].hi < 0);
 }
 
+/* Appends the lines on which the function is 0. Returns false if out of memory. */
 static bool level(const struct plane_value *value, struct polyline *line)
 {
     const struct portrait_work *work = value->work;
@@ -89,8 +96,8 @@ static bool level(const struct plane_value *value, struct polyline *line)
     return level_lines(&request, line);
 }
 
-/* Draws lines of equal energy between the lowest equilibrium and the highest corner; those through
- * saddles are separatrices. */
+/* Appends lines of equal energy between the lowest equilibrium and the highest of 9 x 9 sampled
+ * states. Returns false if out of memory. */
 static bool energies(struct portrait_work *work, struct polyline *line)
 {
     struct plane_value value = {.work = work, .variable = -1};
@@ -119,6 +126,7 @@ static bool energies(struct portrait_work *work, struct polyline *line)
 
 /* ---- the portrait ---- */
 
+/* Finds the equilibria in the box of the request. Returns false with *error. */
 static bool find_equilibria(struct portrait_work *work, struct error *error)
 {
     const struct portrait_request *request = work->request;
@@ -129,6 +137,7 @@ static bool find_equilibria(struct portrait_work *work, struct error *error)
     return equilibria_find(&wanted, &work->portrait->found, error);
 }
 
+/* Computes all lines. Returns false if out of memory. */
 static bool portrait_draw(struct portrait_work *work)
 {
     const struct portrait_request *request = work->request;
@@ -161,7 +170,7 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
         work.bounded = &bounded;
     if (fine && request->energy && scene_bind(request->scene, &energetic, &ignored))
         work.field.system = energetic;
-    if (fine && !find_equilibria(&work, &ignored)) /* it has none that can be found */
+    if (fine && !find_equilibria(&work, &ignored)) /* a portrait without them is still useful */
         portrait->found = (struct equilibria){.count = 0};
     if (fine && !portrait_draw(&work))
         fine = error_memory(error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that the parts of a portrait share. */
+/* Shared by the files that compute a phase portrait: portrait.c, levels.c (lines f = 0),
+ * separatrix.c (trajectories). */
 #pragma once
 
 #include "modules/dynamics/portrait.h"
@@ -8,6 +9,7 @@
 
 struct cancel;
 
+/* A portrait that is being computed. */
 struct portrait_work {
     const struct portrait_request *request;
     struct portrait *portrait;
@@ -15,10 +17,11 @@ struct portrait_work {
     const struct system *bounded; /* has bounds, or NULL if it has none */
 };
 
+/* Appends a gap. Returns false if out of memory. */
 bool polyline_gap(struct polyline *line);
 
-/* Request for the lines f = 0 in the box by marching squares. `may_be_zero` tests the bounds of f
- * on a cell; if NULL, lines smaller than a cell may be missed. */
+/* Request for the lines f = 0 in a box by marching squares. may_be_zero() tells whether the bounds
+ * of f on a cell contain 0; if it is NULL, closed lines smaller than a cell may be missed. */
 struct level_request {
     double (*value)(const void *context, double x, double y);
     bool (*may_be_zero)(const void *context, const double box[2][2]);
@@ -26,6 +29,8 @@ struct level_request {
     const double (*box)[2];
     const struct cancel *cancel;
 };
+/* Appends the lines f = 0. Returns false if out of memory; if cancelled, lines are incomplete. */
 bool level_lines(const struct level_request *request, struct polyline *line);
 
-bool portrait_separatrices(struct portrait_work *work); /* Returns false if out of memory. */
+/* Follows the separatrices of all saddles. Returns false if out of memory. */
+bool portrait_separatrices(struct portrait_work *work);

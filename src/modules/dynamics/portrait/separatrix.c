@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Trajectories across the plane of a portrait, and those along the eigenvectors of saddles. They
- * begin 1e-6 of the size away: what lies across the eigenvector, of second order, shrinks on the
- * way out.
- */
+/* Trajectories in the plane of a portrait, and separatrices, which leave saddles along their
+ * eigenvectors. These begin at an offset of 1e-6 of the box; their error across the eigenvector, of
+ * second order, shrinks on the way. */
 #include <hooke/base/numeric.h>
 
 #include <math.h>
@@ -16,31 +14,35 @@
 #define POINT_STRIDE_FRACTION 0.02 /* distance between points as a part of the box */
 /* An equilibrium is reached within this part of the box. */
 #define EQUILIBRIUM_REACHED_FRACTION 1e-3
-#define SEPARATRIX_POINTS_MAX 1500
+#define SEPARATRIX_POINTS_MAX 1500 /* largest number of points of a separatrix */
 #define FRAME_MARGIN_FRACTION 1e-9 /* rounding of the frame as a part of the box */
 
+/* A trajectory that is being followed across the plane. */
 struct plane_walk {
     struct portrait_work *work;
-    double y[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], t;
-    double width[2];
-    bool wraps[2];   /* an angle whose range is one turn */
-    int sign;        /* direction of time */
-    double rate_max; /* [s^-1] Steps are at most its time constant; 0 if unknown. */
+    double y[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], t; /* state, its rates, time [s] */
+    double width[2];                                     /* width and height of the box, SI */
+    bool wraps[2];   /* true for an angle whose range is one turn */
+    int sign;        /* direction of time: 1 or -1 */
+    double rate_max; /* [1/s] rate that limits the steps, or 0 for no limit */
     struct polyline *line;
     struct separatrix *separatrix; /* NULL for a trajectory */
 };
 
+/* Returns the index of the variable across (k = 0) or up (1). */
 static int variable_of(const struct plane_walk *w, int k)
 {
     return w->work->request->variable[k];
 }
 
+/* Computes the rates at the present state. */
 static void rate_here(struct plane_walk *w)
 {
     system_derivative(&w->work->field.system, w->t, w->y, w->rate);
 }
 
-/* [s] to the next point */
+/* Returns the time [s], negative backwards, to the next point: about POINT_STRIDE_FRACTION of the
+ * box. */
 static double stride(const struct plane_walk *w)
 {
     double speed = 0;
@@ -50,7 +52,8 @@ static double stride(const struct plane_walk *w)
     return w->sign * fmin(speed > 0 ? POINT_STRIDE_FRACTION / speed : HUGE_VAL, calm);
 }
 
-/* An angle that has left its range comes back on the other side: the line has a gap there. */
+/* Moves angles that have left their range to its other side. Returns true if one has, so that the
+ * line needs a gap. */
 static bool plane_angle_wrap(struct plane_walk *w)
 {
     bool turned = false;
@@ -65,6 +68,7 @@ static bool plane_angle_wrap(struct plane_walk *w)
     return turned;
 }
 
+/* Returns true if the state is outside of the box. */
 static bool outside(const struct plane_walk *w)
 {
     for (int k = 0; k < 2; k++) {
@@ -76,7 +80,8 @@ static bool outside(const struct plane_walk *w)
     return false;
 }
 
-/* [of the box] from a state; an angle the short way round */
+/* Returns the distance in the plane from a state, as a fraction of the box; for angles the shorter
+ * way around. */
 static double distance(const struct plane_walk *w, const double *state)
 {
     double far = 0;
@@ -89,7 +94,8 @@ static double distance(const struct plane_walk *w, const double *state)
     return far;
 }
 
-/* The equilibrium, but for `except`, that the walk has come to, or -1 if there is none. */
+/* Returns the index of the equilibrium that the trajectory has reached, other than `except`, or
+ * -1. */
 static int reached(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;
@@ -116,6 +122,8 @@ static void cross(struct plane_walk *w, const double *previous, double span, int
             (struct portrait_crossing){k, value, point[variable_of(w, !k)]};
 }
 
+/* Records crossings with the lines variable = value through all equilibria, and through 0, between
+ * the previous state and the present one, `span` [s] later. */
 static void look_for_crossings(struct plane_walk *w, const double *previous, double span)
 {
     const struct equilibria *found = &w->work->portrait->found;
@@ -137,11 +145,13 @@ static void look_for_crossings(struct plane_walk *w, const double *previous, dou
     }
 }
 
-/* ---- the way ---- */
+/* ---- trajectories ---- */
 
+/* Outcome of one step of a trajectory: goes on, has left the box, has reached an equilibrium, out
+ * of memory. */
 enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
 
-/* One stride; past the frame it ends on it. */
+/* Follows the trajectory for `span` [s] and appends the point there. */
 static enum walk_end advance(struct plane_walk *w, double span, int except)
 {
     double previous[LIMIT_VARIABLES];
@@ -165,6 +175,7 @@ static enum walk_end advance(struct plane_walk *w, double span, int except)
     return target >= 0 ? WALK_REST : WALK_ON;
 }
 
+/* Sets up a trajectory, whose state, line and direction the caller sets. */
 static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
 {
     *w = (struct plane_walk){.work = work, .sign = 1, .t = work->request->t};
@@ -175,6 +186,8 @@ static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
     }
 }
 
+/* Follows the separatrix of equilibrium e along the eigenvector of eigenvalue `value`, on its side
+ * 1 or -1. Returns false if out of memory. */
 static bool follow_separatrix(struct portrait_work *work, int e, int value, int side)
 {
     struct portrait *portrait = work->portrait;
@@ -219,6 +232,7 @@ static bool follow_separatrix(struct portrait_work *work, int e, int value, int 
     return end != WALK_MEMORY && polyline_gap(w.line);
 }
 
+/* Only real eigenvalues that are the only growing or the only decaying one have a separatrix. */
 bool portrait_separatrices(struct portrait_work *work)
 {
     const struct equilibria *found = &work->portrait->found;
@@ -241,6 +255,7 @@ bool portrait_separatrices(struct portrait_work *work)
     return true;
 }
 
+/* A scene that cannot be followed gives no line, which is no error. */
 bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
                          struct polyline *line)
 {
