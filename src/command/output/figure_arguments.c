@@ -249,6 +249,10 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
         return true;
     error_at(error, named->where, "%s has no argument '%.*s'", plot_row(request->kind)->row.name,
              (int)named->item->text.len, named->item->text.data);
+    const struct plot_row *row = plot_row(request->kind);
+    if (row->study && text_is(named->item->text, "dt"))
+        return error_hint(error, "'%s dt=FROM:TO; plot %s' draws a study with these steps",
+                          row->row.name, row->row.name);
     return error_hint(error, "ranges of axes are x=FROM:TO and y=FROM:TO");
 }
 

@@ -9,13 +9,12 @@
 #define PLATEAU_SLOPES 3   /* this many equal slopes are a range of their own, */
 #define PLATEAU_APART 0.5  /* and if they differ by more from the claim, another order */
 
-/* Returns the fastest rate of the scene at its start, |lambda| of the Jacobian [1/s]. */
-static double fastest(const struct system *system)
+double system_fastest_rate(const struct system *system, double t, const double *y)
 {
     struct mode mode[STABILITY_MODES];
     int count = 0;
     double max = 0, re[2], im;
-    modes_at(system, system->t0, system->start, mode, &count, STABILITY_MODES);
+    modes_at(system, t, y, mode, &count, STABILITY_MODES);
     for (int i = 0; i < count; i++) {
         mode_eigenvalues(&mode[i], re, &im);
         max = fmax(max, hypot(re[1], im));
@@ -57,7 +56,7 @@ static void explain_sizes(const struct system *system, struct order *order)
 {
     const bool none = order->verdict == ORDER_NO_RANGE,
                explicit = !(order->choice.method->flags & METHOD_IMPLICIT);
-    const double rate = fastest(system),
+    const double rate = system_fastest_rate(system, system->t0, system->start),
                  last = order->points ? order->point[order->points - 1].dt : NAN;
     double dt = NAN, best = HUGE_VAL;
     for (int i = 0; i < order->points; i++) {
@@ -121,8 +120,9 @@ static void explain_plateau(const struct system *system, struct order *order)
         return;
     const struct order_point *first_point = &order->point[first],
                              *last_point = &order->point[first + slopes];
-    const double rate = fastest(system), slope = log(first_point->error / last_point->error) /
-                                                 log(first_point->dt / last_point->dt);
+    const double rate = system_fastest_rate(system, system->t0, system->start),
+                 slope = log(first_point->error / last_point->error) /
+                         log(first_point->dt / last_point->dt);
     if (!(rate * last_point->dt > 1) || !(fabs(slope - order->claimed) > PLATEAU_APART))
         return;
     snprintf(order->words, sizeof order->words,

@@ -46,6 +46,8 @@ void order_explain(const struct system *system, bool rests, struct order *order)
  * many of them grow by themselves. */
 int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
              int max);
+/* Returns the largest |eigenvalue| of the Jacobian [1/s] at a state, or 0 if all are 0. */
+double system_fastest_rate(const struct system *system, double t, const double *y);
 /* Returns the factor per step of dt [s] by which the method multiplies the mode's amplitude,
  * HUGE_VAL if it overflows, or NAN if the method does not apply. */
 double mode_growth(const struct method_choice *choice, const struct mode *mode, double dt);
