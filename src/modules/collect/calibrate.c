@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* calibrate, zero */
+/* Commands calibrate and zero: a linear calibration of the value that a sensor sends, from two
+ * points whose true values are known, or from its mean at rest. */
 #ifndef COMMAND_ROWS
 #include "modules/collect/collecting.h"
 #include <hooke/base/cancel.h>
@@ -12,21 +13,26 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Time at the end of the stream over which a reading is averaged [s]. */
+/* [s] time at the end of the data over which a reading is averaged */
 #define READING_SECONDS 1.0
 #define READING_SAMPLES_MIN 3 /* Smallest number of samples in a reading. */
 /* Two readings have to differ by this many standard deviations of their means. */
 #define READING_SEPARATION_SIGMAS 5
-/* A reading may scatter by this part of the distance between both. */
+/* A warning is given if a reading scatters by more than this fraction of the distance between both.
+ */
 #define READING_SCATTER_MAX 0.05
 
-/* Reading of the sensor itself, in the unit of the column or of the calibration. */
+/* A reading of the sensor, in the unit of its column or, under a calibration, of the uncalibrated
+ * value. */
 struct raw {
+    /* scatter is the standard deviation of one sample */
     double mean, scatter;
     size_t n;
     const struct unit *unit; /* NULL if there is none */
 };
 
+/* Averages the uncalibrated samples of a recording from t_begin to t_end [s]. Returns false with an
+ * error if there are too few or if cancelled. */
 static bool take_reading(const struct session *session, const struct recording *recording,
                          double t_begin, double t_end, struct raw *raw, struct error *error)
 {
@@ -54,7 +60,7 @@ static bool take_reading(const struct session *session, const struct recording *
                      recording->name, raw->n, t_begin, t_end);
 }
 
-/* As many digits as the scatter leaves, and one. */
+/* Returns the mean of a reading rounded to one digit beyond its standard error. */
 static double rounded(const struct raw *raw)
 {
     const double error = raw->scatter / sqrt((double)raw->n), decimals = 1 - floor(log10(error));
@@ -72,6 +78,7 @@ struct shown_value {
     char text[64];
 };
 
+/* Returns "VALUE UNIT" for a message. */
 static struct shown_value with_unit_name(double value, const char *unit)
 {
     struct shown_value made;
@@ -84,6 +91,7 @@ static struct shown_value with_unit(double value, const struct unit *unit)
     return with_unit_name(value, unit ? unit->row.name : "");
 }
 
+/* Reports a calibration as a line and as a record. */
 static void calibration_reply(const struct calibration *c, struct reply *reply)
 {
     struct buffer text = {0};
@@ -116,6 +124,9 @@ static void calibration_keep(struct session *session, const struct calibration *
     calibration_reply(c, reply);
 }
 
+/* Makes and stores the calibration of two readings whose true values are known, truth[i] in
+ * unit[i]. Returns false with an error if the readings are too close to each other compared with
+ * their noise. */
 static bool from_raw(struct session *session, const struct raw raw[2], const double truth[2],
                      const struct unit *const unit[2], struct reply *reply, struct error *error)
 {
@@ -141,6 +152,7 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
     return true;
 }
 
+/* Returns the recording that is being collected, or NULL. */
 static struct recording *growing(const struct session *session)
 {
     for (int i = 0; session_collecting(session) && i < session->recordings; i++)
@@ -149,7 +161,9 @@ static struct recording *growing(const struct session *session)
     return NULL;
 }
 
-/* The next of its two points is there. */
+/* Takes the reading at the next of the two points (`calibrate take`); after the second the
+ * calibration is made. Returns false with an error if no point is expected or there is too little
+ * data. */
 static bool take_point(struct session *session, struct reply *reply, struct error *error)
 {
     struct collecting *now = session_collecting(session);
@@ -182,7 +196,8 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
     return from_raw(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
 }
 
-/* "0:2,5:7" [s], when it was held at each point of the recording there is. */
+/* Takes both readings from the current recording, in two windows of time such as "0:2,5:7" [s], and
+ * makes the calibration. Returns false with an error if the windows are malformed or too short. */
 static bool take_windows(struct session *session, struct text remaining, const double truth[2],
                          const struct unit *const unit[2], struct reply *reply, struct error *error)
 {
@@ -213,6 +228,8 @@ static bool take_windows(struct session *session, struct text remaining, const d
     return from_raw(session, raw, truth, unit, reply, error);
 }
 
+/* Begins a calibration from two true values: from windows of a recording (at=), or by asking the
+ * user to hold the sensor's object at the first point. */
 static bool two_truths(struct session *session, struct text rest, const double truth[2],
                        const struct unit *const unit[2], struct reply *reply, struct error *error)
 {
@@ -240,6 +257,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
     return true;
 }
 
+/* Calibrates the value (from two or four numbers), takes the next point, removes the calibration,
+ * or shows it. */
 HANDLER(calibrate)
 {
     const struct argument_value *name = argument_value(args, "NAME"),
@@ -281,6 +300,8 @@ HANDLER(calibrate)
     return true;
 }
 
+/* Makes the mean of the last second (whole periods if the period is known) the zero of the value.
+ */
 HANDLER(zero)
 {
     UNUSED(args);

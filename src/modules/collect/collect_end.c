@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* collect, at the end. */
+/* The end of a collection: the collected file becomes an ordinary recording, and what came is
+ * reported. */
 #include "modules/collect/handlers.h"
 #include "modules/recording/recording_text.h"
 
 #include <math.h>
 #include <unistd.h>
 
+/* Returns the word for how a collection ended, as its record has it. */
 static const char *collection_status(const struct collection *c)
 {
     if (c->look.lines == 0 && c->there == 0)
@@ -27,6 +29,7 @@ static const char *collection_status(const struct collection *c)
     return c->how == END_IN_TIME ? "ok" : "stopped";
 }
 
+/* Writes the record of a finished collection. */
 static void reply_collected(const struct collection *c, const struct recording *recording)
 {
     static const char *const clocks[] = {
@@ -57,6 +60,7 @@ static void reply_collected(const struct collection *c, const struct recording *
     reply_end(reply);
 }
 
+/* Reports in a line how many lines and samples came, and warns if the device was unplugged. */
 static void say_end(const struct collection *c, const struct recording *recording)
 {
     const struct collected *known = recording->collected;
@@ -81,8 +85,8 @@ static void say_end(const struct collection *c, const struct recording *recordin
                       c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
 }
 
-/* Looks for the trigger among the last lines. Returns false if it never came and the user did
- * not stop waiting. */
+/* Looks for the trigger in the complete recording and begins its window there. Returns false with
+ * an error if the trigger never came, unless the user has stopped waiting for it. */
 static bool await_trigger(struct collection *c, struct recording *recording, struct error *error)
 {
     struct trigger *trigger = &c->trigger;
@@ -93,7 +97,8 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
                    trigger->name.data, trigger->t);
     for (size_t i = recording->rows; isfinite(trigger->t) && i > 0; i--)
-        if (recording->line[i - 1] >= trigger->line) /* its times are the last word */
+        /* the times of the complete recording are final */
+        if (recording->line[i - 1] >= trigger->line)
             trigger->t = recording->t[i - 1];
     if (trigger->wanted && isfinite(trigger->t))
         recording_window(recording, trigger->t - c->pretrigger, HUGE_VAL, &ignored);
@@ -113,7 +118,7 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
     return gave_up;
 }
 
-/* Nobody can read it: what came, all the same. */
+/* Reports lines that no format can read: how many came, and how to read them. Returns false. */
 static bool say_unread(const struct collection *c, struct error *error)
 {
     const struct error why = *error;
@@ -127,6 +132,9 @@ static bool say_unread(const struct collection *c, struct error *error)
                       c->to_shown, c->baud);
 }
 
+/* Turns the collected file into a recording of the session and reports it; later `record` writes
+ * `load FILE`. Returns false with an error if nothing came, nothing can be read, or the file could
+ * not be written completely. */
 bool collect_finish(struct collection *c, const struct arguments *args, struct error *error)
 {
     struct session *session = c->session;
@@ -136,7 +144,7 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
         session_drop_recording(session, growing);
     if (c->look.lines + c->there == 0) {
         if (!c->again)
-            unlink(c->path); /* it has a heading, and nothing else */
+            unlink(c->path); /* the file has only its heading */
         error_set(error, ERROR_IO, "no data arrived from %s", c->from_shown);
         return error_hint(error,
                           "check that it is connected and switched on; 'cat' shows what it sends");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* collect, while lines come: what is shown, waited for and said. */
+/* Follows a collection while lines arrive: shows them, waits for the trigger, tells the user what
+ * is missing, and ends at the time limit. collect_follow() is the loop. */
 #include "modules/collect/handlers.h"
 #include <hooke/base/cancel.h>
 #include <hooke/base/file.h>
@@ -12,8 +13,9 @@
 #include <unistd.h>
 
 #define LOOK_NS 50000000 /* interval between looks at the file */
-#define SILENT_S 2.0     /* then it is said what is waited for */
+#define SILENT_S 2.0     /* [s] silence after which the user is told what is missing */
 
+/* Returns the index of the growing recording among the session's recordings, or -1. */
 int collect_own_place(const struct session *session)
 {
     for (int i = 0; i < session->recordings; i++)
@@ -22,7 +24,8 @@ int collect_own_place(const struct session *session)
     return -1;
 }
 
-/* The first rows that can be read. */
+/* Adds the recording of the first readable rows to the session, as the growing one. Frees it if out
+ * of memory. */
 static void begin_showing(struct collection *c, struct recording *recording)
 {
     struct error ignored;
@@ -40,7 +43,8 @@ static void begin_showing(struct collection *c, struct recording *recording)
     buffer_free(&options);
 }
 
-/* Adds what has come to what is shown, or takes its place where the columns have become others. */
+/* Adds new rows to the growing recording, or replaces it if its columns have changed. Takes over
+ * `more`. */
 static void collection_show(struct collection *c, struct recording *more)
 {
     int place = collect_own_place(c->session);
@@ -61,6 +65,7 @@ static void collection_show(struct collection *c, struct recording *more)
         collect_find(c, c->session->recording[place]->recording);
 }
 
+/* Appends the calibration to the file. Returns false with an error if that fails. */
 bool collect_put_calibration(const struct collection *c, struct error *error)
 {
     struct buffer line = {0};
@@ -75,7 +80,8 @@ bool collect_put_calibration(const struct collection *c, struct error *error)
     return ok;
 }
 
-/* Somebody has calibrated meanwhile: all is read again. */
+/* Applies a calibration that was made meanwhile: writes it to the file and begins to read the file
+ * again. */
 static void look_at_calibration(struct collection *c)
 {
     const struct calibration *wanted = &c->session->setup.calibration;
@@ -92,6 +98,8 @@ static void look_at_calibration(struct collection *c)
         session_drop_recording(c->session, place);
 }
 
+/* Reads new rows if they are shown or a trigger is awaited; looks for the trigger and shows them.
+ */
 static void look_at_recording(struct collection *c)
 {
     look_at_calibration(c);
@@ -111,6 +119,7 @@ static void look_at_recording(struct collection *c)
         recording_destroy(recording);
 }
 
+/* Fits all that was collected once more, before the collection ends. */
 void collect_fit_last(struct collection *c)
 {
     do {
@@ -121,7 +130,7 @@ void collect_fit_last(struct collection *c)
     if (place < 0)
         return;
     struct recording *all = c->session->recording[place]->recording;
-    if (c->state.fit.t != all->t[all->rows - 1]) { /* they had been read, and not yet fitted */
+    if (c->state.fit.t != all->t[all->rows - 1]) { /* rows that were read but not fitted */
         c->live.fit_due = 0;
         collect_find(c, all);
     }
@@ -152,7 +161,7 @@ static void say_waiting(struct collection *c)
     }
 }
 
-/* Tells the shown panes where their axes end. */
+/* Sets the time at which the axes of the panes end, if it is known. */
 static void tell_end(struct collection *c)
 {
     const int place = collect_own_place(c->session);
@@ -166,11 +175,14 @@ static void tell_end(struct collection *c)
     c->state.growing.t_end = end < HUGE_VAL ? end : NAN;
 }
 
+/* Updates the state line, the time limit of the feed, and the progress; stops the collection at its
+ * end. */
 static void tell_state(struct collection *c)
 {
     struct collecting *state = &c->state;
     const bool waits = c->trigger.wanted && isnan(c->trigger.t);
     /* Uses the clock of the arrivals, because a device's clock may have started hours ago. */
+    /* - */
     const double start = c->trigger.wanted ? c->trigger.arrival : c->look.first;
     if (state->state != COLLECT_PAUSED)
         state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;
@@ -193,6 +205,8 @@ static void tell_state(struct collection *c)
                         isfinite(c->length) ? fmin(1, state->seconds / c->length) : 0);
 }
 
+/* Waits for lines, handles them every LOOK_NS and serves the front end, until the collection ends.
+ * Returns true if Ctrl-C ended it. */
 bool collect_follow(struct collection *c)
 {
     const struct front *front = &c->session->front;

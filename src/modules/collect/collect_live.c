@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* collect, beside the lines: their period, a fit of what there is, the scene laid over it. Each
- * costs a bounded time a second, however long it goes on. */
+/* Computations while a collection runs: the period, a fit of all data, and the scene integrated
+ * beside the data. Each costs a bounded time per second, however long the collection is. */
 #include "modules/solving/compute/start.h"
 #include "modules/collect/handlers.h"
 #include "modules/recording/fit_text.h"
@@ -13,17 +13,18 @@
 #include <math.h>
 #include <string.h>
 
-#define PERIOD_NS 500000000        /* interval between computations of the period */
-#define FIT_NS 1000000000          /* interval between fits */
+#define PERIOD_NS 500000000        /* [ns] interval between computations of the period */
+#define FIT_NS 1000000000          /* [ns] interval between fits */
 #define PERIOD_ROWS 1024           /* Largest number of rows that a period is read from. */
 #define SHOWN_PERIODS 8            /* The live figure shows this many periods. */
-#define MODEL_STEPS 100            /* a period */
+#define MODEL_STEPS 100            /* steps per period of the scene's own run */
 #define AXIS_CHANGE_MIN 0.02       /* Axes do not follow relative changes below this. */
 #define PERIOD_UNCERTAINTY_MAX 0.3 /* A period with a larger relative uncertainty is not used. */
-#define MODEL_NS 10000000          /* that the scene is integrated at once, at most */
-#define START_ROWS 8               /* that tell how the motion begins, at least */
+#define MODEL_NS 10000000          /* [ns] longest time for which the scene is integrated at once */
+#define START_ROWS 8               /* smallest number of rows from which initial values are found */
 
-/* The last rows [s], so many at most. */
+/* Fills a series with the rows from t_begin [s] on, thinned to at most PERIOD_ROWS. Returns false
+ * if there are too few. */
 static bool last_rows(const struct recording *recording, double t_begin, struct arena *arena,
                       struct series *series)
 {
@@ -53,7 +54,7 @@ static double mean_of_periods(const struct series *series, double period)
         .value;
 }
 
-/* The panes move where it matters only. */
+/* Updates the values that the axes of panes follow, where they have changed noticeably. */
 static void steady(struct collecting *now, double middle)
 {
     if (!(fabs(now->period - now->growing.steady) < AXIS_CHANGE_MIN * now->growing.steady))
@@ -64,6 +65,7 @@ static void steady(struct collecting *now, double middle)
         now->growing.swing = now->amplitude;
 }
 
+/* Computes the period and the amplitude of the last periods, NAN if there are none. */
 static void find_period(struct collecting *now, const struct recording *recording)
 {
     struct arena arena = {0};
@@ -85,6 +87,8 @@ static void find_period(struct collecting *now, const struct recording *recordin
     arena_reset(&arena);
 }
 
+/* Fits a damped sine to all data and stores period, damping and, if the mass is known, the spring
+ * constant. */
 static void find_fit(struct collection *c, const struct recording *recording)
 {
     const struct fit_model *model = fit_model_at(0);
@@ -108,9 +112,10 @@ static void find_fit(struct collection *c, const struct recording *recording)
     arena_reset(&arena);
 }
 
-/* ---- the scene ---- */
+/* ---- the scene beside the data ---- */
 
-/* Somebody has said which it is, and it moves as what is recorded. */
+/* Returns true if the user has set up a scene that moves in one coordinate of the recorded
+ * quantity; binds it into *system. */
 static bool matches(const struct session *session, const struct recording *recording,
                     struct system *system)
 {
@@ -124,17 +129,16 @@ static bool matches(const struct session *session, const struct recording *recor
            system_variable(system, 0).quantity == recording->column[recording->value].quantity;
 }
 
-/*
- * Position and velocity at t0 [s], and the offset: least squares of a damped sine of the scene's
- * own period and damping to the first period of the recording. Returns false if that is not yet
- * over or has too few samples.
- */
+/* Finds position and velocity at t0 [s], and the offset of the recording, by least squares of a
+ * damped sine with the scene's period and damping to the recording's first period. Returns false if
+ * that is not complete or has too few samples. */
 static bool find_start(const struct scene *scene, const struct recording *recording, double t0,
                        double state[2], double *offset)
 {
     const double period = scene_period(scene), omega = TWO_PI / period;
     const int place = scene_param(scene, "gamma");
     const double rate = place >= 0 ? 0.5 * scene->value[place] : 0;
+    /* normal equations of the offset and the two amplitudes */
     double a[9] = {0}, x[3] = {0};
     size_t row = first_from(recording->t, recording->rows, t0), n = 0;
     if (!(recording->t[recording->rows - 1] >= t0 + period))
@@ -160,6 +164,7 @@ static bool find_start(const struct scene *scene, const struct recording *record
     return true;
 }
 
+/* Frees the run of the scene. */
 static void forget_model(struct collecting *now)
 {
     if (now->growing.model)
@@ -167,6 +172,8 @@ static void forget_model(struct collecting *now)
     now->growing.model = NULL;
 }
 
+/* Creates the run of the scene from the recording's start, by the chosen method or else by rk4 with
+ * small steps. Does nothing if the initial values are not known yet. */
 static void begin_model(struct collection *c, const struct recording *recording)
 {
     const struct session *session = c->session;
@@ -182,7 +189,7 @@ static void begin_model(struct collection *c, const struct recording *recording)
         return;
     if (start >= 0)
         scene.value[start] = t0;
-    if (!session->setup.method_chosen) /* a method's own error is shown where one was chosen */
+    if (!session->setup.method_chosen) /* the error of a method is shown if one was chosen */
         settings = (struct run_settings){.dt = scene_period(&scene) / MODEL_STEPS};
     c->state.growing.model =
         run_create(&scene,
@@ -191,7 +198,8 @@ static void begin_model(struct collection *c, const struct recording *recording)
                    &settings, 1, &ignored);
 }
 
-/* As far as there are samples, from where it was; anew where the scene is another. */
+/* Advances the run of the scene to the newest sample; begins anew if the scene or the method was
+ * changed. */
 static void find_model(struct collection *c, const struct recording *recording)
 {
     const struct setup *setup = &c->session->setup;
@@ -212,6 +220,7 @@ static void find_model(struct collection *c, const struct recording *recording)
     run_advance(now->growing.model, &target, MODEL_NS, c->session->front.cancel);
 }
 
+/* Computes, when due, the period and the fit, and advances the scene to the newest sample. */
 void collect_find(struct collection *c, struct recording *recording)
 {
     struct collecting *now = &c->state;
@@ -228,6 +237,7 @@ void collect_find(struct collection *c, struct recording *recording)
     find_model(c, recording);
 }
 
+/* Reports the last fit as a line and as a record. */
 void collect_say_fit(const struct collection *c)
 {
     const struct collecting *now = &c->state;

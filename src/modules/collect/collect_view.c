@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads lines while they arrive: only the new ones and some before them, so that late lines cost
- * as much as early ones. */
+/* Reads the collected file while lines arrive: only new lines and some before them, so that late
+ * lines cost as much as early ones; and finds the trigger in them. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/statement.h>
@@ -12,19 +12,23 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FIRST_BYTES 524288 /* largest part of the file that is read at once */
-/* if times come from arrivals: enough for a line through some thousand of them */
+#define FIRST_BYTES 524288 /* [byte] largest part of the file that is read at once */
+/* [byte] lines read again if times come from arrivals, enough for a line through some thousand of
+ * them */
 #define TAIL_BYTES 32768
-#define OVERLAP_BYTES 4096 /* if times are in a column, enough to recognize the columns again */
-#define LOOK_NS 50000000   /* interval between looks */
-#define DRAWING_SHARE 40   /* Drawing takes at most one part in this many of the time. */
+/* [byte] lines read again if times are in a column, enough to recognize the columns */
+#define OVERLAP_BYTES 4096
+#define LOOK_NS 50000000 /* [ns] least interval between two readings */
+#define DRAWING_SHARE 40 /* Reading and drawing take at most one part in this many of the time. */
 
+/* Returns true for lines of the sensor, false for comments. */
 static bool is_counted(struct text line)
 {
     return line.len > 0 && line.data[0] != '#';
 }
 
-/* The file from the line on where the last look ended, behind its head. *all: to its end. */
+/* Reads the file from view->offset on, behind its head, into text: at most FIRST_BYTES, whole lines
+ * only. Sets *all if the end was reached. Returns false if there is nothing or out of memory. */
 static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
 {
     char piece[4096];
@@ -43,11 +47,12 @@ static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
         offset += got;
     }
     while (text->len > 0 && text->data[text->len - 1] != '\n')
-        text->len--; /* the rest is being written */
+        text->len--; /* the last line is incomplete */
     return text->len > 0 && !text->failed;
 }
 
-/* Stores the lines before the first sample, including the heading. */
+/* Stores the lines before the first sample, including the heading, which are read again with each
+ * part. */
 static void keep_head(struct collect_view *view, struct text file,
                       const struct recording *recording)
 {
@@ -65,7 +70,7 @@ static void keep_head(struct collect_view *view, struct text file,
     view->lines_before = view->head_lines;
 }
 
-/* The next look begins so many bytes before the end of this one, at a line. */
+/* Lets the next reading begin `overlap` bytes before the end of this one, at a line. */
 static void go_on(struct collect_view *view, struct text seen, size_t overlap)
 {
     struct text rest = {seen.data + view->head.len, seen.len - view->head.len}, line;
@@ -75,6 +80,8 @@ static void go_on(struct collect_view *view, struct text seen, size_t overlap)
     }
 }
 
+/* Reads the rows of a part of the file, with line numbers and times that continue those of earlier
+ * parts. Returns NULL if they cannot be read. */
 static struct recording *read_rows(struct collect_view *view, struct text text)
 {
     struct recording *recording = collected_read(text, view->options, &view->problem);
@@ -85,7 +92,7 @@ static struct recording *read_rows(struct collect_view *view, struct text text)
     else
         for (size_t i = 0; i < recording->rows; i++)
             recording->line[i] += view->lines_before - view->head_lines;
-    if (view->newest > 0) /* clocks that count from the first line that is read */
+    if (view->newest > 0) /* a clock may count from the first line of the part */
         recording_join_clock(recording, view->newest, view->t);
     view->newest = recording->line[recording->rows - 1];
     view->t = recording->t[recording->rows - 1];
@@ -96,6 +103,8 @@ static struct recording *read_rows(struct collect_view *view, struct text text)
     return NULL;
 }
 
+/* Returns a recording of the newest rows and some before them, which the caller frees. Returns NULL
+ * if nothing is new, if it is too early, or if the lines cannot be read. */
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
 {
     const int64_t begun = clock_ns();
@@ -133,8 +142,9 @@ void collect_view_free(struct collect_view *view)
     buffer_free(&view->head);
 }
 
-/* ---- what is waited for ---- */
+/* ---- the trigger ---- */
 
+/* Reads "NAME rising|falling VALUE". Returns false with an error if it is malformed. */
 bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *error)
 {
     const struct text all = parser->rest;
@@ -167,7 +177,7 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     return true;
 }
 
-/* Returns NULL if there is none of that name. */
+/* Returns the column of the trigger, or NULL if no column has its name. */
 static const struct column *trigger_column(const struct trigger *trigger,
                                            const struct recording *recording)
 {
@@ -186,6 +196,8 @@ static double trigger_factor(const struct trigger *trigger, const struct column 
     return column->quantity == QUANTITY_OTHER ? trigger->unit->factor : column->factor;
 }
 
+/* Fills `error` for a trigger that can never come: its column does not exist or has another
+ * quantity. Returns false. */
 static bool refuse_trigger(const struct trigger *trigger, const struct recording *recording,
                            const struct column *column, struct error *error)
 {
@@ -206,6 +218,8 @@ static bool refuse_trigger(const struct trigger *trigger, const struct recording
     return false;
 }
 
+/* Looks for the first passage of the level after trigger->after_line and stores its time. Returns
+ * false if there is none yet, or with an error if it can never come. */
 bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error)
 {
     const struct column *column = trigger_column(trigger, recording);
@@ -231,6 +245,7 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording, st
     return false;
 }
 
+/* Appends that the trigger never came, with the range of its column. */
 void trigger_missed(const struct trigger *trigger, const struct recording *recording,
                     struct buffer *output)
 {

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* State of the current collection, for the screen and for commands typed meanwhile. */
+/* State of the collection in progress, for the screen and for commands that are typed meanwhile. */
 #pragma once
 
 #include <hooke/module.h>
 
 struct unit;
 
+/* A collection in progress, as others see it. */
 struct collecting {
     struct growing growing;
-    enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state; /* waiting for its trigger */
-    bool stop;                                                       /* asked to */
+    /* WAITING means waiting for the trigger */
+    enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state;
+    bool stop; /* the user has asked to stop */
+    /* number of lines that have come */
     uint64_t lines;
     double seconds;           /* [s] since the first line, or the trigger, without pauses */
     double period, amplitude; /* [s], SI of the last few periods; NAN if unknown */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* collect, stop */
+/* Commands collect and stop. A collection appends lines of a sensor to a file (feed), follows them
+ * (collect_follow.c) and ends as a recording (collect_end.c). */
 #ifndef COMMAND_ROWS
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
@@ -18,17 +19,18 @@
 #include <unistd.h>
 
 #define BAUD_DEFAULT 115200 /* Baud rate unless one is given. */
-#define LINES_MAX 50000000  /* unless it is said; the file has a limit of its own */
-#define NAMES_MAX 10000     /* files beside each other */
+#define LINES_MAX 50000000  /* most lines without max=; the file has a limit of its own */
+#define NAMES_MAX 10000     /* largest number in the name of a file */
 
+/* Returns the value of an argument in SI units, or `otherwise` if it was not given. */
 static double value_given(const struct arguments *args, const char *name, double otherwise)
 {
     return has_argument(args, name) ? argument_value(args, name)->item->value.value : otherwise;
 }
 
-/* ---- what is wanted ---- */
+/* ---- arguments ---- */
 
-/* As they stand in a statement, those of `load` or all. */
+/* Appends the options as a statement has them: those of `load`, or all. */
 static void put_options(const struct arguments *args, bool all, struct buffer *output)
 {
     static const char *const keys[] = {"t",   "y",    "unit",    "tunit",  "rate", "decimal",
@@ -55,7 +57,8 @@ static void plain_name(struct text source, size_t max, char name[LIMIT_NAME + 1]
     name[len] = '\0';
 }
 
-/* NAME-N.txt that is not there yet, of the source's own name or as=. */
+/* Returns the name of a new file, NAME-N.txt, named after as= or the source; NULL if there is none
+ * or out of memory. */
 static const char *free_name(const struct arguments *args, const char *source)
 {
     const struct text as = argument_text(args, "as");
@@ -73,6 +76,7 @@ static const char *free_name(const struct arguments *args, const char *source)
     return NULL;
 }
 
+/* Reads the options of a collection. Returns false with an error. */
 static bool read_wishes(const struct arguments *args, struct collection *c, struct error *error)
 {
     const struct item *unit =
@@ -108,10 +112,11 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
     return trigger_read(&parser, &c->trigger, error);
 }
 
-/* ---- its file ---- */
+/* ---- the file ---- */
 
-/* Writes the head of the file, with the statement that makes it again. Returns -1 with error on
- * failure. */
+/* Opens the file for appending and writes its head: the statement that repeats the collection, and
+ * the calibration. Returns its descriptor, or -1 with an error if the source does not exist, the
+ * file exists already, or writing fails. */
 static int begin_file(const struct collection *c, const struct arguments *args, struct error *error)
 {
     struct stat st, own;
@@ -158,8 +163,9 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
     return -1;
 }
 
-/* ---- all of it ---- */
+/* ---- a collection ---- */
 
+/* Returns a path with control characters made visible, or NULL if out of memory. */
 static const char *shown(const struct arguments *args, const char *path)
 {
     struct buffer safe = {0};
@@ -169,6 +175,8 @@ static const char *shown(const struct arguments *args, const char *path)
     return copy;
 }
 
+/* Runs a collection from beginning to end: opens file and source, follows the lines, and makes the
+ * recording. Returns false with an error. */
 static bool collection_start(struct collection *c, const struct arguments *args,
                              struct error *error)
 {
@@ -232,7 +240,8 @@ static bool collection_start(struct collection *c, const struct arguments *args,
 
 /* ---- the commands ---- */
 
-/* Handles commands that are typed during a collection. */
+/* Handles collect pause, continue and stop during a collection. Returns false with an error for
+ * others. */
 static bool steer(struct session *session, const struct arguments *args, struct reply *reply,
                   struct error *error)
 {
@@ -252,7 +261,8 @@ static bool steer(struct session *session, const struct arguments *args, struct 
     return true;
 }
 
-/* The statement that collected the current recording, parsed anew. */
+/* Parses the statement that collected the current recording again, into *again. Returns false with
+ * an error if it was not collected. */
 static bool repeat(struct session *session, const struct arguments *args, struct arguments *again,
                    struct error *error)
 {
@@ -279,7 +289,8 @@ static bool repeat(struct session *session, const struct arguments *args, struct
             error_set(error, ERROR_COMMAND, "its file does not name its source"));
 }
 
-/* Its time goes on as the clock on the wall did. */
+/* Prepares to continue the file of a recording; its time has advanced by the time since the file
+ * was changed. Returns false if the file is gone. */
 static bool go_on_after(struct collection *c, const struct recording *recording)
 {
     struct stat st;
@@ -296,6 +307,7 @@ static bool go_on_after(struct collection *c, const struct recording *recording)
     return true;
 }
 
+/* Chooses the names of the file and of the recording. Returns false with an error. */
 static bool name_it(struct collection *c, const struct arguments *args, struct error *error)
 {
     const struct text path = argument_text(args, "to"), as = argument_text(args, "as");
@@ -317,6 +329,8 @@ static bool name_it(struct collection *c, const struct arguments *args, struct e
     return kept || error_memory(error);
 }
 
+/* Collects from a source, anew with the statement of the current recording (again), or at the end
+ * of its file (continue). */
 HANDLER(collect)
 {
     struct collection c = {.session = session, .reply = reply};
@@ -354,6 +368,7 @@ HANDLER(collect)
                     : error_memory(error);
 }
 
+/* Stops the collection or the live run that is in progress. */
 HANDLER(stop)
 {
     UNUSED(args);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* State line of a collection. */
+/* The state line while a recording is collected, and the suggestion to take a point of a
+ * calibration. */
 #include "modules/collect/collecting.h"
 
 #include <hooke/base/unit.h>
@@ -7,6 +8,8 @@
 
 #include <math.h>
 
+/* Appends a quantity with three digits, without the blank before its unit unless `blanks` is set.
+ */
 static void put_quantity(struct buffer *output, double value, enum quantity quantity, bool blanks)
 {
     struct buffer text = {0};
@@ -17,7 +20,7 @@ static void put_quantity(struct buffer *output, double value, enum quantity quan
     buffer_free(&text);
 }
 
-/* "T=0.72553(4)s" */
+/* Appends a fitted value such as " T=0.72553(4)s", or nothing if it is not determined. */
 static void put_fitted(struct buffer *output, const char *name, struct measured value,
                        const char *unit, bool blanks)
 {
@@ -28,6 +31,7 @@ static void put_fitted(struct buffer *output, const char *name, struct measured 
     buffer_format(output, "%s%s", blanks && unit[0] ? " " : "", unit);
 }
 
+/* Appends the values of the live fit. */
 static void put_live_fit(struct buffer *output, const struct collecting *now, bool blanks)
 {
     buffer_put(output, TEXT("  fit"));
@@ -38,7 +42,7 @@ static void put_live_fit(struct buffer *output, const struct collecting *now, bo
     put_fitted(output, "k", now->fit.k, "N/m", blanks);
 }
 
-/* Writes the state of the collection, in place of the simulation's. */
+/* Appends the state of the collection: time, lines, period or fit, amplitude, delay. */
 static void put_collecting(struct buffer *output, const struct collecting *now, bool counts,
                            bool blanks)
 {
@@ -79,6 +83,7 @@ bool collect_state(const struct session *session, bool counts, bool blanks, stru
     return session_collecting(session) != NULL;
 }
 
+/* Appends "calibrate take" and returns true if a calibration waits for a point. */
 bool collect_next(const struct session *session, struct buffer *line)
 {
     const bool waits = session_collecting(session) && session_collecting(session)->aim.waits;

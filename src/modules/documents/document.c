@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Writes documents in three markups at once: Markdown, HTML and LaTeX. Blocks are opened and
+ * closed; text that users have entered goes through document_name() and is always escaped. */
 #include <hooke/base/safe_text.h>
 #include "modules/documents/document.h"
 
@@ -28,6 +30,7 @@ static const struct {
 
 /* ---- escaping ---- */
 
+/* Appends text with the given signs replaced. */
 void buffer_replaced(struct buffer *output, struct text text, const struct sign *signs,
                      size_t count)
 {
@@ -55,6 +58,7 @@ void buffer_markdown(struct buffer *output, struct text text)
     }
 }
 
+/* Returns the length of the longest run of a character. */
 static size_t longest_run(struct text text, char c)
 {
     size_t longest = 0, run = 0;
@@ -73,6 +77,7 @@ static void put_many(struct buffer *output, char c, size_t count)
 
 /* ---- the document ---- */
 
+/* Writes the beginning of the three files, with the title. */
 void document_begin(struct document *document, const char *title)
 {
     buffer_put(
@@ -100,6 +105,7 @@ void document_free(struct document *document)
     buffer_free(&document->tex);
 }
 
+/* Opens a block; a cell of LaTeX is separated from the one before. */
 void document_open(struct document *document, enum block block)
 {
     document->in_table |= block == BLOCK_TABLE;
@@ -114,6 +120,7 @@ void document_open(struct document *document, enum block block)
         document->table = document->tex.len;
 }
 
+/* Closes a block. */
 void document_close(struct document *document, enum block block)
 {
     document->in_table &= block != BLOCK_TABLE;
@@ -122,7 +129,8 @@ void document_close(struct document *document, enum block block)
     buffer_put(&document->tex, text_of(blocks[block].tex_end));
 }
 
-/* Own words with signs, into the buffers that are there. */
+/* Appends words of the program, escaped, to Markdown, HTML and, if `tex` is set, LaTeX. "+-"
+ * becomes the sign. */
 static void document_words_put(struct document *document, struct text words, bool tex)
 {
     struct buffer text = {0};
@@ -208,6 +216,8 @@ void document_put(struct document *document, enum block block, const char *words
     document_close(document, block);
 }
 
+/* Ends the heading of a table: Markdown needs a line of dashes, LaTeX the number of columns before
+ * the heading. */
 void document_heading_ends(struct document *document)
 {
     document_close(document, BLOCK_ROW);
@@ -219,6 +229,8 @@ void document_heading_ends(struct document *document)
     document->tex.failed |= !begin_longtable(&document->tex, document->table, document->heads);
 }
 
+/* Writes a figure: Markdown refers to its files, HTML contains it, LaTeX includes the PDF or, if
+ * there is none, the text. */
 void document_figure(struct document *document, const struct document_picture *picture)
 {
     buffer_put(&document->md, TEXT("!["));
@@ -242,6 +254,7 @@ void document_figure(struct document *document, const struct document_picture *p
         put_tex_code(&document->tex, picture->text);
 }
 
+/* Writes a block of preformatted text. */
 void document_code(struct document *document, struct text code)
 {
     const size_t ticks = longest_run(code, '`') + 3;

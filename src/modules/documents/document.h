@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Markup of documents and tables in HTML and LaTeX. */
+/* Markup that documents and tables share: escaping, and parts of LaTeX. */
 #pragma once
 
 #include "modules/documents/documents.h"
@@ -9,20 +9,22 @@ struct sign {
     char c;
     const char *as;
 };
+/* Appends text in which each of the `count` signs is replaced. */
 void buffer_replaced(struct buffer *output, struct text text, const struct sign *signs,
                      size_t count);
 /* Append text in which characters that could be markup are escaped. */
 void buffer_html(struct buffer *output, struct text text);
 void buffer_markdown(struct buffer *output, struct text text);
-/* The same in LaTeX; letters that pdflatex does not know stay. */
+/* Appends text escaped for LaTeX; letters that pdflatex does not know are unchanged. */
 void buffer_latex(struct buffer *output, struct text text);
 /* Texts from templates.txt. They are the style of an HTML document, the beginning of an HTML table,
  * and that of a LaTeX document up to \begin{document}. */
 extern const char document_style[], document_table[], document_preamble[];
 
-/* Nothing in it is a command; letters that pdflatex does not know become a question mark. */
+/* Appends text escaped for LaTeX, with a question mark for letters that pdflatex does not know. */
 void buffer_tex(struct buffer *output, struct text text);
-/* Puts the beginning of a table of so many columns before the heading that stands at `begin`.
- * Returns false if out of memory. */
+/* Inserts the beginning of a table of `columns` columns before its heading, which begins at offset
+ * `begin` of the output. Returns false if out of memory. */
 bool begin_longtable(struct buffer *output, size_t begin, int columns);
-void put_tex_code(struct buffer *output, struct text code); /* line by line */
+/* Appends preformatted text in LaTeX, line by line. */
+void put_tex_code(struct buffer *output, struct text code);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* LaTeX of documents: escaping, preformatted text, values with units for siunitx, tables. */
 #include <hooke/base/number.h>
 #include "modules/documents/document.h"
 
@@ -6,8 +7,8 @@
 
 /* ---- escaping ---- */
 
-/* Signs that mean something to TeX, those that its oldest fonts lack, and what would join to a dash
- * or be read as the argument of the line end before it. */
+/* Escapes signs that TeX interprets, signs that its oldest fonts lack, and signs that would join to
+ * a dash or be read as the argument of the line end before them. */
 void buffer_latex(struct buffer *output, struct text text)
 {
     static const struct sign signs[] = {
@@ -74,6 +75,7 @@ void put_tex_code(struct buffer *output, struct text code)
 
 /* ---- values ---- */
 
+/* Appends a unit in siunitx: prefix and name, or the text itself if it is unknown. */
 static void put_unit(struct buffer *output, struct text name)
 {
     static const struct {
@@ -121,6 +123,7 @@ static void put_units(struct buffer *output, struct text units)
     }
 }
 
+/* Appends "15.100 +- 0.008 N/m" as \\SI{15.100 +- 0.008}{\\newton\\per\\metre}. */
 void buffer_siunitx(struct buffer *output, struct text measured)
 {
     size_t end = measured.len; /* end of the number */
@@ -142,6 +145,7 @@ void buffer_siunitx(struct buffer *output, struct text measured)
 
 /* ---- tables ---- */
 
+/* Inserts the beginning of a long table before its heading. Returns false if out of memory. */
 bool begin_longtable(struct buffer *output, size_t begin, int columns)
 {
     struct buffer heading = {0};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module documents: what is written as Markdown, HTML and LaTeX. */
+/* Interface of the module documents: tables and documents as Markdown, HTML and LaTeX. A document
+ * is begun, filled with blocks, ended and freed; its texts are in md, html and tex. */
 #pragma once
 
 #include <hooke/result.h>
@@ -7,7 +8,8 @@
 /* Write a table as a file that ends in .md, .html or .tex. */
 table_format documents_markdown, documents_html, documents_latex;
 
-/* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
+/* Appends a value with its unit for siunitx: "15.100 +- 0.008 N/m" becomes \\SI{15.100 +-
+ * 0.008}{\\newton\\per\\metre}. */
 void buffer_siunitx(struct buffer *output, struct text measured);
 
 /* ---- documents ----
@@ -41,28 +43,38 @@ struct document {
     bool in_table; /* inside a table, where a bar ends a cell */
 };
 
+/* Writes the beginning of a document with its title. Failures are in the buffers. */
 void document_begin(struct document *document, const char *title);
+/* Writes the end of a document. */
 void document_end(struct document *document);
 void document_free(struct document *document);
+/* Opens a block; blocks nest as their comments tell. */
 void document_open(struct document *document, enum block block);
+/* Closes the block opened last. */
 void document_close(struct document *document, enum block block);
-/* Own words; "+-" becomes the sign. */
+/* Writes words of the program, escaped; "+-" becomes the sign. */
 void document_say(struct document *document, const char *format, ...) PRINTF_LIKE(2, 3);
-/* A value with its unit, as buffer_measured() writes it; LaTeX sets it by siunitx. */
+/* Writes a value with its unit, as buffer_measured() does; LaTeX uses siunitx. */
 void document_measured(struct document *document, struct measured value, enum quantity quantity,
                        int digits);
+/* Writes a name that a user has chosen, as code. */
 void document_name(struct document *document, struct text name);
+/* Writes a link to a file; LaTeX shows only the words. */
 void document_link(struct document *document, const char *file, const char *words);
-/* A block of own words. */
+/* Writes a block of words of the program. */
 void document_put(struct document *document, enum block block, const char *words);
+/* Ends the heading row of a table. */
 void document_heading_ends(struct document *document);
+/* A figure for a document. */
 struct document_picture {
     const char *name;        /* base name of its files, which end in .svg, .txt and .pdf */
     const char *alternative; /* description in words, written by the program */
     struct text svg, text;
-    bool pdf; /* there is such a file; else LaTeX has the text */
+    bool pdf; /* a PDF exists; else LaTeX gets the text */
 };
-/* Markdown names the files, HTML has them in itself, LaTeX includes the PDF. */
+/* Writes a figure: Markdown refers to its files, HTML contains it, LaTeX includes the PDF. */
 void document_figure(struct document *document, const struct document_picture *picture);
+/* Writes preformatted text. */
 void document_code(struct document *document, struct text code);
-void document_answer(struct document *document); /* an empty place */
+/* Writes an empty space for an answer. */
+void document_answer(struct document *document);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Tables as Markdown, HTML and LaTeX: the same walk over keys, heading and rows, each with its own
- * words between. Text is escaped: what stands in a cell is never markup.
- */
+/* Writes tables as Markdown, HTML and LaTeX: one walk over keys, heading and rows, with the texts
+ * of a struct markup between them. Cells are escaped, so that none is read as markup. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include "modules/documents/document.h"
@@ -10,10 +8,11 @@
 
 #include <math.h>
 
+/* Texts around the parts of a table in one markup; NULL for none. */
 struct markup {
     const char *begin;
     const char *keys, *key, *key_between, *key_end, *keys_end;
-    bool bare_keys; /* not escaped: a comment */
+    bool bare_keys; /* keys are in a comment and not escaped */
     /* beginning of a table, before the alignment of columns where that comes first */
     const char *table;
     const char *head, *unit, *unit_end, *head_end, *cell_separator, *heading_end;
@@ -24,7 +23,7 @@ struct markup {
     void (*real)(struct buffer *output, double value);
 };
 
-/* As S columns of siunitx read it. */
+/* Appends a number as S columns of siunitx read it. */
 static void latex_real(struct buffer *output, double value)
 {
     char z[REAL_TEXT_SIZE];
@@ -91,11 +90,13 @@ static const struct markup latex = {.begin = "% \\usepackage{siunitx}\n",
 
 /* ---- the walk ---- */
 
+/* Appends a text, or nothing for NULL. */
 static void words_put(struct buffer *output, const char *words)
 {
     buffer_put(output, text_of(words));
 }
 
+/* Appends a text, with control characters visible and escaped for the markup. */
 static void put_escaped(struct buffer *output, const struct markup *as, const char *text)
 {
     struct buffer safe = {0};
@@ -105,6 +106,7 @@ static void put_escaped(struct buffer *output, const struct markup *as, const ch
     buffer_free(&safe);
 }
 
+/* Appends a key and its value. */
 static void put_key(struct buffer *output, const struct markup *as, const struct table_key *key)
 {
     const char *const cell_text[] = {key->key, key->value};
@@ -118,6 +120,7 @@ static void put_key(struct buffer *output, const struct markup *as, const struct
     }
 }
 
+/* Appends the alignment of the columns: texts left, numbers right. */
 static void put_alignment(struct buffer *output, const struct markup *as, const struct table *table)
 {
     for (int i = 0; i < table->columns; i++)
@@ -125,6 +128,7 @@ static void put_alignment(struct buffer *output, const struct markup *as, const 
     words_put(output, as->aligned[2]);
 }
 
+/* Appends the names and units of the columns, with the alignment before or behind. */
 static void markup_heading_put(struct buffer *output, const struct markup *as,
                                const struct table *table)
 {
@@ -149,7 +153,7 @@ static void markup_heading_put(struct buffer *output, const struct markup *as,
         put_alignment(output, as, table);
 }
 
-/* Whole numbers have all their digits: they count. */
+/* Appends a number, rounded to `digits` unless it is whole (a count) or digits is 0. */
 static void put_number(struct buffer *output, const struct markup *as, double value, int digits)
 {
     if (digits > 0 && isfinite(value) && value != nearbyint(value))
@@ -158,6 +162,7 @@ static void put_number(struct buffer *output, const struct markup *as, double va
         as->real(output, value);
 }
 
+/* Appends a row; an unknown number (NAN) is an empty cell. */
 static void markup_row_put(struct buffer *output, const struct markup *as,
                            const struct table *table, size_t row)
 {
@@ -184,7 +189,8 @@ static bool says_something(const struct table *table, const struct table_column 
     return table->rows == 0;
 }
 
-/* Chooses the columns that people read of a study. Returns false if out of memory. */
+/* Chooses the columns of a study that people read: without details, and without columns that are
+ * empty or 0. Other tables have all columns. Returns false if out of memory. */
 static bool choose_columns(const struct table *table, struct arena *arena, struct table *chosen)
 {
     struct table_column *column = arena_array(arena, (size_t)table->columns + 1, sizeof *column);
@@ -198,6 +204,7 @@ static bool choose_columns(const struct table *table, struct arena *arena, struc
     return column != NULL;
 }
 
+/* Writes a table in one markup. Sets output->failed if out of memory or cancelled. */
 static void markup_table_put(const struct table *all, const struct markup *as, struct outlet *sink)
 {
     struct buffer *output = sink->text;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many trajectories at once, in vectors. */
+/* Many trajectories at once, in vectors: for modules that step many systems of one kind, such as
+ * sweeps and basins. The order is lanes_create(), lanes_begin(), lanes_set() of every lane,
+ * lanes_march(), lanes_state(), lanes_destroy(). */
 #pragma once
 
 #include <hooke/method.h>
@@ -15,11 +17,13 @@
 
 struct lanes;
 
-/* Return true if such a system can go in lanes with this method, drag (as resolved by
- * method_applies()) and step, or two of them together. */
+/* Returns true if such a system can be stepped in lanes with this method, drag (as resolved by
+ * method_applies()) and step. */
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
+/* Returns true if both systems can be stepped in the same lanes. */
 bool lanes_alike(const struct system *a, const struct system *b);
 struct lanes *lanes_create(void); /* Returns NULL if out of memory */
+/* Frees the lanes; NULL is allowed. */
 void lanes_destroy(struct lanes *lanes);
 /* Prepares lanes for systems like this one. Returns false if out of memory. */
 bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
@@ -29,12 +33,15 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
 /* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
-/* The next steps of all of them, nothing checked. row [count][2][LANE_COUNT]: the first variable
- * and how fast it changes, after them; NULL if not wanted. */
+/* Makes `count` steps in all lanes, without any checks. row [count][2][LANE_COUNT] receives the
+ * first variable and its derivative after each step, or is NULL. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);
-void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANE_COUNT], now */
+/* Writes the present first variable and its derivative, [2][LANE_COUNT]. */
+void lanes_row(struct lanes *lanes, double *row);
+/* Copies the state of a lane to y. */
 void lanes_state(const struct lanes *lanes, int lane, double *y);
-int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
+/* Returns the number of evaluations in a lane since lanes_set(). */
+int64_t lanes_evals(const struct lanes *lanes, int lane);
 /*
  * Adaptive steps in lanes as by method_adapt(). Each lane has its own controller, which starts with
  * the step of lanes_begin(). lanes_adapt_fit() returns true if such systems can be stepped in
@@ -49,10 +56,12 @@ bool lanes_adapt_fit(const struct method *method, const struct system *system, e
                      double h);
 void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep);
 bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
-void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANE_COUNT], now */
-/* Returns false if this lane has not come to t_end, and says nothing of what would happen alone. */
+/* Writes the present values, [3][LANE_COUNT]. */
+void lanes_adapted_row(const struct lanes *lanes, double *row);
+/* Sets the numbers of steps and evaluations of a lane. Returns false if it has not arrived at t_end
+ * in lanes; it may do so alone. */
 bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals);
-/* Returns true if a step begins with what the previous one has computed. */
+/* Returns true if a step reuses an evaluation of the previous one. */
 bool lanes_carry(const struct method *method, enum drag drag);
 
 /* ---- programs of formulas on many lanes ----
@@ -69,7 +78,12 @@ enum program_lanes {
     LANES_FIXED = 2, /* the same values from here on */
 };
 
+/* Returns the size [double] of a program's frame. */
 size_t program_frame_lanes(const struct program *program);
+/* Prepares a frame for names at `input` [names][PROGRAM_LANES], which must not move. lanes [names]
+ * tells what is known of them (enum program_lanes), or is NULL; fixed ones must have their values
+ * already. */
 void program_prepare_lanes(const struct program *program, const double *input,
                            const unsigned char *lanes, double *frame);
+/* Evaluates the program with the prepared frame; output is [outputs][PROGRAM_LANES]. */
 void program_eval_lanes(const struct program *program, double *output, double *frame);

@@ -1,23 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Writes images as sixels: colours are reduced to the most frequent ones, then each band of six
+ * rows is written colour by colour. */
 #include "modules/pixels/sixel.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define CHANNEL_BITS 4 /* Bits of each of red, green and blue by which colours are counted. */
+#define CHANNEL_BITS 4 /* bits of each of red, green and blue by which colours are counted */
 #define COLOUR_BINS (1 << 3 * CHANNEL_BITS)
 
+/* Pixels of similar colour. */
 struct bin {
+    /* number of pixels, and sums of their red, green and blue */
     uint64_t count, sum[3];
     int color; /* index in the palette */
 };
 
+/* Colours of an image. */
 struct palette {
     struct bin bin[COLOUR_BINS];
     unsigned char color[SIXEL_COLORS][3]; /* [percent] */
     int count;
 };
 
+/* Returns the pixel at column x of a row, 0x00RRGGBB. */
 static uint32_t pixel_at(const unsigned char *row, int x)
 {
     uint32_t word;
@@ -25,11 +31,13 @@ static uint32_t pixel_at(const unsigned char *row, int x)
     return word;
 }
 
+/* Returns red, green or blue (i 0, 1, 2) of a pixel. */
 static int channel(uint32_t word, int i)
 {
     return (int)(word >> (16 - 8 * i) & 0xff);
 }
 
+/* Returns the index of a pixel's bin. */
 static size_t bin_of(uint32_t word)
 {
     size_t bin = 0;
@@ -38,19 +46,22 @@ static size_t bin_of(uint32_t word)
     return bin;
 }
 
+/* Orders bins by their number of pixels, the largest first, then by address, so that the order is
+ * always the same. */
 static int by_count(const void *a, const void *b)
 {
     const struct bin *x = *(struct bin *const *)a, *y = *(struct bin *const *)b;
     return x->count != y->count ? (x->count < y->count ? 1 : -1) : (x > y) - (x < y);
 }
 
+/* Returns the mean of a channel of a bin in percent. */
 static unsigned char percent(const struct bin *bin, int i)
 {
     const double mean = (double)bin->sum[i] / (double)bin->count;
     return (unsigned char)(mean * 100 / 255 + 0.5);
 }
 
-/* The colour of the palette that is nearest to what the bin holds. */
+/* Returns the index of the palette's colour that is nearest to the mean colour of a bin. */
 static int nearest(const struct palette *palette, const struct bin *bin)
 {
     int best = 0, least = 1 << 30;
@@ -68,6 +79,8 @@ static int nearest(const struct palette *palette, const struct bin *bin)
     return best;
 }
 
+/* Makes the colours of the largest bins the palette, and gives every bin its nearest colour.
+ * Returns false if out of memory. */
 static bool choose_palette(struct palette *palette)
 {
     struct bin **order = malloc(COLOUR_BINS * sizeof *order);
@@ -88,7 +101,7 @@ static bool choose_palette(struct palette *palette)
     return true;
 }
 
-/* `count` times the same six pixels. */
+/* Appends `count` columns of the same six pixels, as a repetition if that is shorter. */
 static void put_sixels(struct buffer *output, int count, int bits)
 {
     if (count > 3)
@@ -98,7 +111,8 @@ static void put_sixels(struct buffer *output, int count, int bits)
             buffer_char(output, (char)(63 + bits));
 }
 
-/* Six rows: for each colour in them a line of characters; what is empty at its end is left out. */
+/* Appends a band of up to six rows: for each colour in it a line of characters without the empty
+ * end. */
 static void put_band(const struct palette *palette, const unsigned char *pixel, size_t stride,
                      int width, int rows, struct buffer *output)
 {
@@ -133,6 +147,7 @@ static void put_band(const struct palette *palette, const unsigned char *pixel, 
 
 _Static_assert(SIXEL_COLORS <= 64, "a band's colours are the bits of a word");
 
+/* Appends an image as a complete sixel sequence. Returns false if out of memory. */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
                  struct buffer *output)
 {

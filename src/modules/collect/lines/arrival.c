@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * When samples were taken, from when their lines arrived. A device that sends at an even rate is
- * heard late, and in bursts where USB packs its lines: the samples lie on a straight line below
- * the arrivals. Its slope is the median of slopes between lines far apart (Theil 1950, Sen 1968),
- * then least squares; lines that were lost are steps of the smallest delays by whole intervals.
- */
+/* Computes when samples were taken from the arrivals of their lines. A device that sends at an even
+ * rate is heard late, and in bursts where USB packs its lines: the samples lie on a straight line
+ * below the arrivals. Its slope is the median of slopes between distant lines (Theil 1950, Sen
+ * 1968), then least squares; lost lines are steps of the smallest delays by whole intervals. */
 #include "modules/collect/lines.h"
 
 #include <hooke/base/numeric.h>
@@ -15,25 +13,29 @@
 enum {
     APART_MAX = 4096,  /* lines between the ends of a slope */
     SLOPES_MAX = 4096, /* slopes that the median is of */
-    BLOCK = 32,        /* lines of which one arrives in time; fewer where there are few … */
-    AHEAD = 16,        /* blocks in which a line that waited is over */
-    BLOCKS_MIN = 8,    /* … but so many blocks, or nothing is said about steps */
-    PASSES = 3         /* passes over the line and the steps */
+    /* lines in a block, of which at least one is assumed to arrive without delay */
+    BLOCK = 32,
+    AHEAD = 16,     /* blocks within which a delay must have ended */
+    BLOCKS_MIN = 8, /* least number of blocks in which steps are looked for */
+    PASSES = 3      /* passes over the line and the steps */
 };
-#define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
+#define STEP_MIN 0.7  /* [interval] least step of the delays that is a lost line */
 #define AT_ONCE 0.1   /* [interval] between lines of one packet */
-#define STEP_SIGMAS 8 /* … nor one that the delays make by themselves */
+#define STEP_SIGMAS 8 /* steps must exceed the usual differences by this factor */
 /* A line that is later by this many robust standard deviations was delayed. */
 #define LATE_LINE_SIGMAS 6
 #define ARRIVAL_ROUNDING_SECONDS 1e-9 /* [s] of rounding */
-/* If means of blocks scatter by more than this part of all, no line describes them. */
+/* If means of blocks scatter by more than this fraction of the scatter of single lines, no straight
+ * line describes the arrivals. */
 #define BLOCK_SCATTER_MAX 0.5
 
-/* The arrival of the line at place x: from + interval x. */
+/* Straight line of arrivals: line number x arrives at intercept + interval x [s]. */
 struct arrival_line {
     double intercept, interval;
 };
 
+/* Returns the median of the slopes [s per line] between lines that are far apart. place [n] holds
+ * the number of each line, lost lines included. */
 static double median_slope(const struct arrivals *a, const double *place, double *scratch)
 {
     const size_t apart = a->n / 4 < APART_MAX ? a->n / 4 + 1 : APART_MAX, count = a->n - apart,
@@ -44,6 +46,7 @@ static double median_slope(const struct arrivals *a, const double *place, double
     return values_quantile(scratch, n, 0.5);
 }
 
+/* Returns by how much [s] line i arrives after the straight line. */
 static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
                     size_t i)
 {
@@ -70,6 +73,7 @@ static void least_squares(const struct arrivals *a, const double *place, double 
     line->intercept = y - line->interval * x;
 }
 
+/* Returns the number of lines in a block, smaller if there are few lines. */
 static size_t block_of(const struct arrivals *a)
 {
     const size_t most = a->n / (2 * BLOCKS_MIN);
@@ -78,6 +82,7 @@ static size_t block_of(const struct arrivals *a)
     return most > 0 ? most : 1;
 }
 
+/* Returns the smallest delay [s] in a block. */
 static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
                        size_t block)
 {
@@ -98,15 +103,16 @@ static bool several_at_once(const struct arrivals *a, struct arrival_line line)
     return 2 * at_once > a->n;
 }
 
-/* Somebody paused there, or beside it. */
+/* Returns true if the collection was paused at this line or a neighbour. */
 static bool pauses(const struct arrivals *a, size_t line)
 {
     return a->pause && (a->pause[line] || (line > 0 && a->pause[line - 1]) ||
                         (line + 1 < a->n && a->pause[line + 1]));
 }
 
-/* Shifts the places behind each step by as many lines as it is high; so many in all, and those of
- * them that are lost. */
+/* Finds lost lines: wherever the smallest delays rise by whole intervals for good, the numbers
+ * (place) of the following lines are shifted. Returns by how many in all; adds those that are not
+ * due to pauses to *lost. */
 static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
                         double *scratch, size_t *lost)
 {
@@ -123,7 +129,8 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
     for (size_t k = 1; k < blocks; k++) {
         const double now = smallest(a, place, line, k) - lost_time, step = now - previous;
         const bool steps = step > usual && step > least * line.interval;
-        /* none of these has lines before it, and what only waited comes in time again */
+        /* smallest rise in the blocks that follow: lines that were only delayed arrive in time
+         * again */
         double remaining_rise = k + 1 < blocks || !steps ? HUGE_VAL : step;
         for (size_t j = k + 1; steps && j < blocks && j <= k + AHEAD; j++)
             remaining_rise =
@@ -136,7 +143,7 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
             continue;
         }
         size_t first = k * each;
-        /* the step begins after the last line that came in time */
+        /* the step begins after the last line that came without delay */
         const double half = previous + lost_time + 0.5 * whole * line.interval;
         while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
             first++;
@@ -155,7 +162,8 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
     return moved;
 }
 
-/* Robust standard deviation of the delays, of means of `each` of them. */
+/* Returns the robust standard deviation [s] of the delays, or of means of `each` successive ones.
+ */
 static double scatter(const struct arrivals *a, const double *place, struct arrival_line line,
                       size_t each, double *scratch)
 {
@@ -172,6 +180,8 @@ static double scatter(const struct arrivals *a, const double *place, struct arri
     return MAD_TO_SIGMA * values_quantile(scratch, n, 0.5);
 }
 
+/* Computes the times of samples: a straight line through the arrivals if one describes them, else
+ * the arrivals themselves. */
 bool arrival_times(const struct arrivals *a, struct arena *arena, struct collected *collected,
                    double *t)
 {
@@ -189,6 +199,7 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     struct arrival_line line = {a->arrival[0], median_slope(a, place, scratch)};
     if (!a->counted)
         collected->lost = 0;
+    /* Lost lines change the slope, and the slope decides which lines are lost. */
     for (int pass = 0; pass < PASSES && line.interval > 0; pass++) {
         const size_t more = find_lost(a, line, place, scratch, &collected->lost);
         line.interval = median_slope(a, place, scratch);

@@ -1,31 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * A device's clock that does not go on: it starts again after a reset, wraps round where its
- * counter is full, or a digit of a stamp is garbled on the way. What comes after a new start goes
- * on where the arrivals say; a single stamp that the next ones do not go on from is none. Stamps
- * that rise are as they are.
- */
+/* Mends time stamps of a device's clock that go back: the clock starts again after a reset,
+ * overflows when its counter is full, or a digit of a stamp is garbled. After a new start the times
+ * continue as the arrivals tell; a single stamp from which the next ones do not continue is
+ * dropped. Rising stamps are unchanged. */
 #include "modules/collect/lines.h"
 
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-/* A counter that is full after fewer steps is no clock. */
+/* A counter that overflows after fewer steps is not taken for a clock. */
 enum { WRAP_STEPS_MIN = 64 };
-/* Whole periods of a signal that is told from a clock. */
+/* whole periods after which a sawtooth is taken for a signal and not for a clock */
 enum { SAWTOOTH_CYCLES = 4 };
-enum { AHEAD = 5 }; /* stamps that tell a new start from a single wrong one */
-/* Parts of the steps of a clock that go up: of one that is known to be a clock, and of a column
- * that nobody has named. */
+enum { AHEAD = 5 }; /* stamps after which a new start is distinguished from a single wrong stamp */
+/* Fraction of steps that must rise: in a column known to be a clock, and in a column whose meaning
+ * is unknown. */
 #define RISING_KNOWN 0.6
 #define RISING_UNNAMED 0.9
-/* A longer time between two lines, in usual steps, means that lines are missing. */
+/* [usual steps] a longer time between two lines means that lines are missing */
 #define GAP_STEPS 1.5
-#define GARBLED_STEPS 8 /* A time stamp that is farther off, in usual steps, may be garbled. */
-/* Deviation from a whole number of usual steps of a device that samples evenly. */
+#define GARBLED_STEPS 8 /* [usual steps] a stamp farther off may be garbled */
+/* [usual steps] deviation from a whole number of steps that an even clock may have */
 #define EVEN_STEP_TOLERANCE 0.25
-#define EVEN_MIN 0.8 /* … does so for that part of the steps */
+#define EVEN_MIN 0.8 /* fraction of the steps that must be even */
 
 /* Values at which the counters of small boards overflow: 16 and 32 bit; microseconds sent as ms
  * and s. */
@@ -33,11 +31,13 @@ static const double full[] = {65536, 4294967296, 4294967.296, 4294.967296, 256};
 
 /* Steps between the stamps of a column. */
 struct clock_steps {
-    double usual; /* the median of those that go up; NAN if none does */
+    double usual; /* median of the steps that rise, or NAN if none does */
+    /* numbers of steps that rise, that go back, and of all steps */
     size_t rises, back, all;
     bool whole; /* all stamps are whole numbers */
 };
 
+/* Counts the steps between the stamps v [n]; unknown ones (NAN) are skipped. scratch is [n]. */
 static struct clock_steps clock_steps_count(const double *v, size_t n, double *scratch)
 {
     struct clock_steps steps = {.usual = NAN, .whole = true};
@@ -59,6 +59,7 @@ static struct clock_steps clock_steps_count(const double *v, size_t n, double *s
     return steps;
 }
 
+/* Returns the rate of the clock [count/s], from steps that rise by plausible amounts. */
 double clock_pace(const struct arrivals *a, const double *v, double *scratch)
 {
     const double usual = clock_steps_count(v, a->n, scratch).usual;
@@ -76,11 +77,9 @@ double clock_pace(const struct arrivals *a, const double *v, double *scratch)
     return passed > 0 ? counted / passed : NAN;
 }
 
-/*
- * Returns true if the stamps behind `index` continue from it rather than from the one before, at
- * `last`. Where both are possible, the nearer prediction counts. A new start in the very last line
- * is told from a garbled stamp by its value, which is 0 or the first one.
- */
+/* Returns true if the stamps behind `index` continue from its stamp rather than from the stamp
+ * `was` at `last`. If both are possible the nearer prediction counts. In the very last line a new
+ * start is recognized by its value, which is 0 or the first one. */
 static bool continues_from(const struct arrivals *a, const double *v, size_t index, size_t last,
                            double was, double usual)
 {
@@ -160,6 +159,8 @@ static bool steps_are_even(const double *v, size_t n, const struct clock_steps *
     return (double)even >= RISING_UNNAMED * (double)steps->rises;
 }
 
+/* Mends the stamps v [n] in place: single wrong ones become NAN, and after a new start or an
+ * overflow an offset makes the times continue. Returns false if out of memory. */
 bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended)
 {
@@ -210,7 +211,8 @@ size_t clock_lost(const struct arrivals *a, const double *t, const bool *is_rest
     const double usual = a->n > 1 ? values_quantile(scratch, a->n - 1, 0.5) : NAN;
     for (size_t i = 0; i + 1 < a->n; i++) {
         const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
-                     received = a->order[i + 1] - a->order[i]; /* includes garbled lines */
+                     /* number of lines that came, garbled ones included */
+            received = a->order[i + 1] - a->order[i];
         even += fabs(steps - whole) < EVEN_STEP_TOLERANCE ? 1 : 0;
         if (steps > GAP_STEPS && steps < 1e9 && whole > received &&
             !(is_restart && is_restart[i + 1]) && !(a->pause && a->pause[i + 1]))

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Files of lines that were collected: the lines alone are a table that the other formats read; the
- * times of their arrival are a column beside it, where it has none.
- */
+/* Files of collected lines: writing a line with its arrival, and reading a file as a recording. The
+ * lines themselves are a table that the other formats read; the arrivals of lines without times of
+ * their own are another column. */
 #include "modules/collect/lines.h"
 
 #include <hooke/base/number.h>
@@ -14,14 +13,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* mark behind a line that was cut */
 #define CUT_MARK "\\..."
-#define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF" /* as it is kept */
-/* relative tolerance for recognizing ms or us by the rate of the device's clock over that of the
- * arrivals */
+/* the byte order mark of UTF-8 as it is written into the file */
+#define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF"
+/* largest relative difference by which the rate of a clock may differ from ms or us per second */
 #define UNIT_NEAR 0.1
 
 /* ---- writing ---- */
 
+/* Returns true if the character at i is written unchanged; sets *len to its bytes. Others are
+ * written as \\xHH, byte by byte. */
 static bool is_plain(struct text line, size_t i, size_t *len)
 {
     const unsigned char c = (unsigned char)line.data[i];
@@ -50,14 +52,19 @@ void collected_put(struct buffer *file, double arrival, struct text line)
 
 /* ---- reading ---- */
 
+/* Lines of a file, without comments. */
 struct collected_text {
-    struct buffer lines; /* as they came; what is garbled is empty */
+    struct buffer lines; /* text of the lines as they came; garbled lines are empty */
     double *arrival;     /* [count] arrival of each line, NAN if unknown */
-    double *order;       /* [count] counted from 0, without blank ones and remarks */
-    bool *pause;         /* [count] it was paused before */
+    /* [count] number of the line, counted from 0 without blank lines and remarks */
+    double *order;
+    bool *pause; /* [count] true if the collection was paused before the line */
+    /* lines; lines without blank ones and remarks; remarks */
     size_t count, came, remarks;
 };
 
+/* Splits the text of a file into lines and arrivals; reads the statement and the calibration among
+ * its comments. Returns false if out of memory. */
 static bool split_lines(const struct table_text *text, struct arena *arena,
                         struct collected *collected, struct collected_text *result)
 {
@@ -109,7 +116,8 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
 
 /* ---- times ---- */
 
-/* The device's clock counts thousandths where it says nothing, but the arrivals do. */
+/* Returns ms or us if the column of times has no unit and advances by as many counts per second of
+ * the arrivals, else NULL. */
 static const struct unit *clock_unit(struct recording *recording, double pace)
 {
     static const char *const names[] = {"ms", "us"};
@@ -123,6 +131,8 @@ static const struct unit *clock_unit(struct recording *recording, double pace)
     return NULL;
 }
 
+/* Collects the arrivals of the lines that became rows of the recording. Returns false if out of
+ * memory. */
 static bool lines_of(const struct recording *recording, const struct collected_text *lines,
                      struct arena *arena, struct arrivals *result)
 {
@@ -140,7 +150,8 @@ static bool lines_of(const struct recording *recording, const struct collected_t
     return arrival && order && pause;
 }
 
-/* Takes the order of the lines from the device's counter, which shows lost lines directly. */
+/* Takes the numbers of the lines from a counter of the device, whose gaps are lost lines. Returns
+ * false if out of memory. */
 static bool count_by(const struct arrivals *a, const double *counter, struct arena *arena,
                      struct collected *collected, struct arrivals *counted)
 {
@@ -161,7 +172,8 @@ static bool count_by(const struct arrivals *a, const double *counter, struct are
     return order != NULL;
 }
 
-/* A column with the times of the samples, from the arrivals of their lines. */
+/* Adds a column "arrival" with the times of the samples, computed from the arrivals of their lines.
+ * Returns false if out of memory. */
 static bool add_arrivals(struct recording *recording, const struct arrivals *arrivals,
                          struct collected *collected, struct arena *arena)
 {
@@ -183,12 +195,13 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
     return arrival_times(arrivals, arena, collected, own->value);
 }
 
-/* A column that counts ms or us to this relative accuracy is a clock; arrivals that differ less
- * from the stated rate confirm it. */
+/* A counter of lines is a clock if it counts ms or us to this relative accuracy; a rate within it
+ * of the stated one is confirmed. */
 #define CLOCK_UNIT_TOLERANCE 0.01
 
-/* Stamps that go back are mended before anybody looks at them: of a column that nobody has named
- * only where the arrivals say that it is a clock. */
+/* Mends the stamps of a column before it is used; its steps back are trusted if the user has named
+ * its unit, it is one of time, or the arrivals show that it is a clock. Returns false if out of
+ * memory. */
 static bool mend_clock(struct recording *recording, const struct arrivals *arrivals,
                        int column_index, bool said, struct arena *arena,
                        struct clock_mended *mended)
@@ -207,7 +220,7 @@ static bool mend_clock(struct recording *recording, const struct arrivals *arriv
                       mended);
 }
 
-/* Mends the clock, and the column behind it where the one in front counts the rows. */
+/* Mends the column of times and, if it is the first and might be a counter, the one behind it. */
 static bool mend_clocks(struct recording *recording, const struct arrivals *arrivals, bool said,
                         struct arena *arena, struct clock_mended *mended)
 {
@@ -217,14 +230,15 @@ static bool mend_clocks(struct recording *recording, const struct arrivals *arri
             mend_clock(recording, arrivals, 1, said, arena, mended));
 }
 
-/* Thousandths are counted one by one where there are a thousand lines a second. */
+/* Returns true if a counter that rises by one per line advances by 1000 or 1e6 per second, so that
+ * it may be a clock. */
 static bool counts_time(double pace)
 {
     return fabs(pace / 1e3 - 1) < CLOCK_UNIT_TOLERANCE ||
            fabs(pace / 1e6 - 1) < CLOCK_UNIT_TOLERANCE;
 }
 
-/* Selects the column as time. */
+/* Makes the column the one of times. Returns false with an error. */
 static bool choose_time(struct recording *recording, struct load_options *options, int column_index,
                         struct arena *arena, struct error *error)
 {
@@ -235,7 +249,8 @@ static bool choose_time(struct recording *recording, struct load_options *option
     return copy ? recording_choose(recording, options, error) : error_memory(error);
 }
 
-/* rate= says how long a line takes; how many there were, the arrivals, where both agree. */
+/* Places samples by the stated rate= [Hz]: their numbers come from the arrivals, lost lines
+ * included, if these confirm the rate. Returns false if out of memory. */
 static bool place_by_rate(struct recording *recording, const struct arrivals *arrivals, double rate,
                           struct collected *collected, struct arena *arena)
 {
@@ -254,7 +269,8 @@ static bool place_by_rate(struct recording *recording, const struct arrivals *ar
     return true;
 }
 
-/* Selects a clock among the columns alone, if there is one; otherwise uses the arrivals. */
+/* Chooses the columns of time and value: a clock among the columns, or rate=, or else the arrivals.
+ * Returns false with an error. */
 static bool choose_columns(struct recording *recording, const struct collected_text *lines,
                            struct load_options *options, struct collected *collected,
                            struct clock_mended *mended, struct arena *arena, struct error *error)
@@ -296,9 +312,10 @@ static bool choose_columns(struct recording *recording, const struct collected_t
            recording_time(recording, options, error);
 }
 
-/* ---- what is told ---- */
+/* ---- counts and warnings ---- */
 
-/* The lost ones between samples of a device that says its times. */
+/* Counts the lines lost between samples of a device with a clock. `line` and `rows` are those
+ * before rows were dropped. Returns false if out of memory. */
 static bool count_lost(const struct recording *recording, const struct collected_text *lines,
                        const struct clock_mended *mended, const uint32_t *line, size_t rows,
                        struct arena *arena, struct collected *collected)
@@ -318,6 +335,7 @@ static bool count_lost(const struct recording *recording, const struct collected
     return true;
 }
 
+/* Fills the numbers of lines of each kind; `first` is the line of the first sample. */
 static void count_lines(const struct recording *recording, const struct collected_text *lines,
                         uint32_t first, struct collected *collected)
 {
@@ -336,6 +354,8 @@ static void count_lines(const struct recording *recording, const struct collecte
         collected->rate = (struct measured){recording->rate, NAN};
 }
 
+/* Adds warnings to the recording: clocks that were mended, times that come from arrivals, lost
+ * lines. */
 static void warn_clock(struct recording *recording, const struct collected *collected,
                        const struct clock_mended *mended)
 {
@@ -388,6 +408,8 @@ static const struct unit *stated_unit(struct text statement)
                              : NULL;
 }
 
+/* Reads the table in the lines, by the format that recognizes it, and finds the times of its rows.
+ * Returns false with an error. */
 static bool read_lines(const struct table_text *text, struct collected_text *lines,
                        const struct load_options *options, struct recording *recording,
                        struct collected *collected, struct arena *arena, struct error *error)
@@ -420,6 +442,7 @@ static bool read_lines(const struct table_text *text, struct collected_text *lin
     return true;
 }
 
+/* Reads a file of collected lines into a recording. Returns false with an error. */
 bool collected_lines(const struct table_text *text, const struct load_options *options,
                      struct recording *recording, struct error *error)
 {

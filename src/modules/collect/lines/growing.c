@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording that lines are added to while they come, thinned where it gets long. */
+/* A recording that grows while lines are collected. Every second row is dropped when it becomes
+ * long, so that drawing it costs the same. */
 #include "modules/collect/lines.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns true if two parts of a file were read in the same way: same columns, times and clock. */
 static bool same_columns(const struct recording *a, const struct recording *b)
 {
     if (a->columns != b->columns || a->time != b->time || a->value != b->value ||
@@ -19,6 +21,7 @@ static bool same_columns(const struct recording *a, const struct recording *b)
     return true;
 }
 
+/* Makes room for `rows` rows in all arrays of the recording. Returns false if out of memory. */
 static bool rows_reserve(struct lengthening *growth, struct recording *recording, size_t rows)
 {
     if (rows <= growth->capacity)
@@ -41,6 +44,7 @@ static bool rows_reserve(struct lengthening *growth, struct recording *recording
     return true;
 }
 
+/* Appends a row of source to target. */
 static void move_row(struct recording *target, const struct recording *source, size_t row)
 {
     const size_t target_row = target->rows++;
@@ -51,7 +55,8 @@ static void move_row(struct recording *target, const struct recording *source, s
     target->line[target_row] = source->line[row];
 }
 
-/* Every second row stays, where there are too many. */
+/* Drops every second row if there are too many, so that the rows kept are multiples of the doubled
+ * stride. */
 static void rows_thin(struct lengthening *growth, struct recording *recording)
 {
     if (recording->rows <= GROWING_ROWS)
@@ -73,6 +78,8 @@ static size_t row_of_line(const struct recording *more, uint32_t line)
     return i > 0 && more->line[i - 1] == line ? i - 1 : more->rows;
 }
 
+/* Shifts the times of `more` so that the given line is at t [s], if it has a clock of the device.
+ */
 void recording_join_clock(struct recording *more, uint32_t line, double t)
 {
     const size_t row = row_of_line(more, line);
@@ -86,6 +93,8 @@ void recording_join_clock(struct recording *more, uint32_t line, double t)
     }
 }
 
+/* Updates what is known of the growing recording from its newest part; its window follows its end
+ * unless the user has set another. */
 static void tell_times(struct lengthening *growth, struct recording *recording,
                        const struct recording *more, double end)
 {
@@ -94,7 +103,7 @@ static void tell_times(struct lengthening *growth, struct recording *recording,
     growth->known->statement = statement;
     recording_set_step(recording);
     recording->rate = 1 / recording->dt;
-    if (recording->window[1] == end) /* nobody has chosen another */
+    if (recording->window[1] == end) /* the user has not set another */
         recording->window[1] = recording->t[recording->rows - 1];
     recording->findings = NULL; /* the findings refer to other rows */
     recording->cleaned = false;
@@ -117,6 +126,8 @@ bool growth_begin(struct lengthening *growth, struct recording *recording)
     return true;
 }
 
+/* Appends the rows of `more` that are new; samples whose times come from arrivals replace those
+ * that both have. */
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other)
 {
@@ -130,7 +141,7 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
     recording_join_clock(more, growth->line, growth->t);
     const double end = recording->t[recording->rows - 1];
     size_t first = known ? newest + 1 : 0, row = growth->last_row + 1;
-    if (arrivals && known) { /* the line through them is another now */
+    if (arrivals && known) { /* the straight line through the arrivals has changed */
         first = 0;
         row = growth->last_row - newest;
         while (recording->rows > 1 && recording->line[recording->rows - 1] >= more->line[0])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The part of the module collect in the terminal: lines from devices, and a simulated sensor. */
+/* The terminal part of the module collect: lines from devices, and the option --simulate-sensor. */
 #include "modules/collect/terminal/sensor.h"
 
 static void offer(struct front *front, struct streams *streams)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Source of a sensor's lines: opened for reading only, locked for this program, and restored
- * when closed. */
+/* The source of a sensor's lines (serial device, pipe, growing file, standard input): opened for
+ * reading only, locked for this program, and restored when closed. */
 #include <hooke/base/safe_text.h>
 #include "modules/collect/terminal/sensor.h"
 
@@ -20,6 +20,7 @@ static const struct {
               {19200, B19200},   {38400, B38400},   {57600, B57600},   {115200, B115200},
               {230400, B230400}, {460800, B460800}, {921600, B921600}, {1000000, B1000000}};
 
+/* Finds the speed of termios for a baud rate. Returns false with an error if there is none. */
 static bool find_speed(long baud, speed_t *speed, struct error *error)
 {
     for (size_t i = 0; i < COUNT_OF(speeds); i++)
@@ -33,6 +34,7 @@ static bool find_speed(long baud, speed_t *speed, struct error *error)
                      baud);
 }
 
+/* Fills `error` with the path and the reason. Returns false. */
 static bool device_refuse(const char *path, const char *why, struct error *error)
 {
     struct buffer safe = {0};
@@ -42,7 +44,7 @@ static bool device_refuse(const char *path, const char *why, struct error *error
     return false;
 }
 
-/* Names the group that may read the device; groups of devices are defined by the system. */
+/* Adds a hint with the group that may read the device, which is defined by the system. */
 static void hint_group(const char *path, struct error *error)
 {
     struct stat st;
@@ -59,6 +61,8 @@ static void hint_group(const char *path, struct error *error)
                    group->gr_name, group->gr_name);
 }
 
+/* Sets a serial line to raw mode and the speed, to be restored when closed or at an abnormal end.
+ * Returns false with an error. */
 static bool make_raw(struct device *device, const char *path, long baud, struct error *error)
 {
     struct termios modes;
@@ -82,6 +86,8 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     return true;
 }
 
+/* Checks and locks the opened source and, if it is a terminal, sets its modes. Returns false with
+ * an error. */
 static bool prepare(struct device *device, const char *path, long baud, bool safe,
                     struct error *error)
 {
@@ -102,6 +108,8 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
     return !isatty(device->fd) || make_raw(device, path, baud, error);
 }
 
+/* Opens a source; `safe` refuses devices. Returns false with an error, and a hint about
+ * permissions. */
 bool device_open(struct device *device, const char *path, long baud, bool safe, struct error *error)
 {
     *device = (struct device){.fd = -1};
@@ -128,6 +136,7 @@ bool device_open(struct device *device, const char *path, long baud, bool safe, 
     return false;
 }
 
+/* Restores the modes of a serial line and closes the source. */
 void device_close(struct device *device)
 {
     if (device->serial) {

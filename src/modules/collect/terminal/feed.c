@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Lines from a sensor into a file, in a thread: what the session does meanwhile delays none, and
- * what is complete is in the file after 20 ms, and on the disk after half a second. The session
- * reads the file.
- */
+/* Writes the lines of a sensor into a file, in a thread of its own, so that nothing the session
+ * does delays them. Complete lines are in the file after 20 ms and on the disk after half a second.
+ * The session reads the file, and the state of the feed by sensor_feed.look(). */
 #define _GNU_SOURCE /* pipe2 */
 #include "modules/collect/lines.h"
 #include <hooke/base/cancel.h>
@@ -19,39 +17,45 @@
 #include <string.h>
 #include <unistd.h>
 
-#define GATHER_NS 20000000 /* lines are written together … */
-#define SYNC_NS 500000000  /* … and put on the disk */
-#define HALF_NS 500000000  /* a serial line that speaks so soon was in the middle of a line */
-#define GROWTH_MS 20       /* interval between looks at a file that grows */
+#define GATHER_NS 20000000 /* [ns] lines are written together after this time */
+#define SYNC_NS 500000000  /* [ns] and synchronised with the disk after this time */
+/* [ns] a serial line that sends before this was in the middle of a line */
+#define HALF_NS 500000000
+#define GROWTH_MS 20 /* [ms] interval between looks at a file that grows */
 #define FEED_CHUNK_BYTES 65536u
 
 struct feed {
     struct device device;
+    /* descriptor of the file, and a pipe that ends the thread */
     int file, wake[2];
+    /* limit of the number of lines */
     uint64_t max;
     double t_begin; /* [s] */
     int64_t begun;  /* [clock_ns] */
     pthread_t thread;
     pthread_mutex_t lock; /* protects the members below, except `part` and `lines` */
     struct feed_look look;
-    double t_end; /* [s] later lines are not wanted */
+    double t_end; /* [s] the feed ends at the first later line */
     bool paused, stopping;
     /* members used by the thread alone */
-    struct buffer part;  /* the line at hand, COLLECTED_LINE + 1 bytes of it at most */
-    struct buffer lines; /* complete ones that are not yet in the file */
+    struct buffer part;  /* beginning of the incomplete line, at most COLLECTED_LINE + 1 bytes */
+    struct buffer lines; /* complete lines that are not in the file yet */
     uint64_t count;      /* number of these lines */
     size_t written;      /* [byte] of the file */
     bool rested;         /* it was paused since the last line */
-    bool half;           /* the line at hand may lack its beginning */
+    bool half;           /* the incomplete line may lack its beginning */
+    /* the file was written to since it was synchronised */
     bool dirty;
     int64_t flushed, synced; /* [clock_ns] */
 };
 
+/* Returns the time [s] of the recording at `now` [clock_ns]. */
 static double seconds_of(const struct feed *feed, int64_t now)
 {
     return feed->t_begin + 1e-9 * (double)(now - feed->begun);
 }
 
+/* Notes why the feed ends, unless it has ended already. */
 static void feed_finish(struct feed *feed, enum feed_end how, const char *failure)
 {
     pthread_mutex_lock(&feed->lock);
@@ -63,6 +67,8 @@ static void feed_finish(struct feed *feed, enum feed_end how, const char *failur
     pthread_mutex_unlock(&feed->lock);
 }
 
+/* Appends the complete lines to the file, and synchronises it with the disk if `sync` is set or
+ * that is due. */
 static void flush(struct feed *feed, int64_t now, bool sync)
 {
     struct error error = {0};
@@ -84,7 +90,8 @@ static void flush(struct feed *feed, int64_t now, bool sync)
     buffer_clear(&feed->lines);
 }
 
-/* One that is complete. */
+/* Adds the incomplete line, which is complete now, to the lines to be written. `cut` marks it as
+ * garbled. */
 static void take_line(struct feed *feed, double arrival, bool cut)
 {
     if (cut)
@@ -105,6 +112,7 @@ static void take_line(struct feed *feed, double arrival, bool cut)
         feed_finish(feed, FEED_FULL, "");
 }
 
+/* Splits received bytes into lines; during a pause they are dropped. Ends the feed after t_end. */
 static void take_bytes(struct feed *feed, struct text piece, int64_t now)
 {
     const double arrival = seconds_of(feed, now);
@@ -136,7 +144,7 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
     }
 }
 
-/* Reads the available bytes. Returns false at the end of the input. */
+/* Reads the available bytes. Returns false if the feed has ended. */
 static bool read_some(struct feed *feed)
 {
     char piece[FEED_CHUNK_BYTES];
@@ -164,12 +172,13 @@ static bool is_stopping(struct feed *feed)
     return stopping;
 }
 
+/* Thread of the feed: waits for bytes, reads and writes them until the feed ends. */
 static void *feed_thread_run(void *context)
 {
     struct feed *feed = context;
     bool more = true;
     while (more && !is_stopping(feed)) {
-        /* a file is always ready: it is looked at now and then */
+        /* a file is always ready to read, so it is looked at every GROWTH_MS */
         struct pollfd ready[2] = {{.fd = feed->wake[0], .events = POLLIN},
                                   {.fd = feed->device.fd, .events = POLLIN}};
         const nfds_t count = feed->device.grows ? 1 : 2;
@@ -204,6 +213,7 @@ static void *feed_thread_run(void *context)
 
 /* ---- for the session ---- */
 
+/* Closes everything and frees the feed. */
 static void destroy(struct feed *feed)
 {
     device_close(&feed->device);
@@ -218,7 +228,7 @@ static void destroy(struct feed *feed)
     free(feed);
 }
 
-/* Signals are for the thread that asks about them. */
+/* Starts the thread with all signals blocked. Returns 0, or the errno of pthread_create(). */
 static int start(struct feed *feed)
 {
     sigset_t all, old_mask;
@@ -229,6 +239,7 @@ static int start(struct feed *feed)
     return number;
 }
 
+/* Opens the source and starts the thread. Takes over request->file. Returns NULL with an error. */
 static struct feed *open_feed(const struct feed_request *request, struct error *error)
 {
     struct feed *feed = calloc(1, sizeof *feed);
@@ -255,6 +266,7 @@ static struct feed *open_feed(const struct feed_request *request, struct error *
     return NULL;
 }
 
+/* Copies the state of the feed. */
 static void look_at(struct feed *feed, struct feed_look *look)
 {
     pthread_mutex_lock(&feed->lock);
@@ -277,6 +289,7 @@ static void limit_feed(struct feed *feed, double t_end)
     pthread_mutex_unlock(&feed->lock);
 }
 
+/* Ends the thread, copies the final state and frees the feed. */
 static void close_feed(struct feed *feed, struct feed_look *look)
 {
     pthread_mutex_lock(&feed->lock);
@@ -289,6 +302,7 @@ static void close_feed(struct feed *feed, struct feed_look *look)
     destroy(feed);
 }
 
+/* Clears a Ctrl-C that has ended the collection. */
 static void heeded(void)
 {
     if (!signals_ending())

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sensors, simulated and at devices. */
+/* Sensors for the module collect: a simulated one, and sources of lines. */
 #pragma once
 
 #include "terminal/parts.h"
@@ -15,7 +15,7 @@
 int simulate_sensor(struct session *session, const char *const *word, int words,
                     struct reply *reply);
 
-/* feed.c */
+/* Functions by which the session reads a sensor. */
 extern const struct feed_access sensor_feed;
 
 /* Source of lines (device.c), opened and locked; a serial line is in raw mode with the given
@@ -26,6 +26,8 @@ struct device {
     struct termios old_modes;
 };
 
+/* Opens the source at `path`. Returns false with an error; nothing is open then. */
 bool device_open(struct device *device, const char *path, long baud, bool safe,
                  struct error *error);
+/* Restores the modes of the source and closes it. */
 void device_close(struct device *device);

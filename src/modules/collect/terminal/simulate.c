@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An ultrasonic sensor with its quirks, before a scene: for trying `collect` without hardware. */
+/* Simulates a cheap ultrasonic sensor that observes a scene, with missing echoes, lost, garbled and
+ * delayed lines, for trying `collect` without hardware. */
 #define _GNU_SOURCE /* ppoll */
 #include "modules/collect/terminal/sensor.h"
 
@@ -18,18 +19,20 @@
 #include <string.h>
 #include <unistd.h>
 
+/* tolerance of the run */
 #define SENSOR_TOLERANCE 1e-9
-/* Chance that a sample has no echo, for which the sensor writes 0. */
+/* probability that a sample has no echo; the sensor then sends 0 */
 #define ECHO_MISSING_CHANCE 0.002
-#define LINE_LOST_CHANCE 0.001     /* Chance that a line never arrives. */
-#define LINE_GARBLED_CHANCE 0.0005 /* Chance that a line loses a byte. */
+#define LINE_LOST_CHANCE 0.001     /* probability that a line is never sent */
+#define LINE_GARBLED_CHANCE 0.0005 /* probability that a byte of a line is garbled */
 #define LINE_DELAY_MAX 0.2         /* Largest delay of a line as a part of the interval. */
 #define SENSOR_DISTANCE 0.3        /* Distance of the position y = 0 from the sensor [m]. */
 
+/* The simulated sensor. */
 struct sensor {
     /* rate [Hz], noise in SI of the measured quantity, length [s] (HUGE_VAL if endless) */
     double rate, noise, length;
-    double quirks, jitter, silent; /* 1 or 0; [s] of silence at the start */
+    double quirks, jitter, silent; /* quirks is 1 or 0; silent [s] is the silence at the start */
     enum { STAMP_MS, STAMP_S, STAMP_NONE } stamp;
     enum quantity quantity;
     double scale; /* number sent = SI value * scale */
@@ -37,6 +40,7 @@ struct sensor {
     struct run *run;
 };
 
+/* Writes an error about a word of the option. Returns false. */
 static bool word_refuse(struct text word, const char *why)
 {
     struct buffer safe = {0};
@@ -46,7 +50,7 @@ static bool word_refuse(struct text word, const char *why)
     return false;
 }
 
-/* NUMBER[UNIT] of that quantity. */
+/* Reads NUMBER or NUMBER UNIT of the quantity into *si. Returns false if it is malformed. */
 static bool read_number(struct text value, enum quantity quantity, double *si)
 {
     size_t used = 0;
@@ -59,12 +63,14 @@ static bool read_number(struct text value, enum quantity quantity, double *si)
     return name.len == 0 || (unit && unit_convert(unit, quantity, number, si));
 }
 
+/* Sink function for errors of the session's commands. */
 static bool complain(void *context, struct text text)
 {
     (void)context;
     return fwrite(text.data, 1, text.len, stderr) == text.len;
 }
 
+/* Executes a command of the session. Returns false after a message. */
 static bool execute(struct session *session, const char *command, struct text rest)
 {
     struct buffer line = {0};
@@ -78,7 +84,8 @@ static bool execute(struct session *session, const char *command, struct text re
     return ok;
 }
 
-/* KEY=VALUE, of the sensor or of the scene. */
+/* Reads KEY=VALUE, of the sensor or else a parameter of the scene. Returns false after a message.
+ */
 static bool take_word(struct session *session, struct sensor *sensor, struct text word)
 {
     const char *mark = memchr(word.data, '=', word.len);
@@ -119,12 +126,15 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
                                    "for=10s time=ms|s|none quirks=on|off silent=2s)");
 }
 
+/* Returns a random number of the standard normal distribution. */
 static double normal(uint64_t *state)
 {
     const double size = sqrt(-2 * log(1 - random_fraction(state))); /* Box, Muller 1958 */
     return size * cos(2 * M_PI * random_fraction(state));
 }
 
+/* Sets up the scene and the sensor from the words, and creates the run. Returns false after a
+ * message. */
 static bool simulation_begin(struct session *session, const char *const *word, int words,
                              struct sensor *sensor)
 {
@@ -165,6 +175,7 @@ static bool wait_until(int64_t due)
     return !cancelled(&interrupt);
 }
 
+/* Appends the line of a sample: time stamp and noisy value, with the sensor's faults. */
 static void put_line(struct sensor *sensor, double t, double y, struct buffer *line)
 {
     const double shown =
@@ -180,6 +191,7 @@ static void put_line(struct sensor *sensor, double t, double y, struct buffer *l
         line->data[(size_t)(random_fraction(&sensor->seed) * (double)(line->len - 2))] = '\xFF';
 }
 
+/* Appends the text that a sensor sends when it is switched on, and the heading. */
 static void simulated_start_put(const struct sensor *sensor, struct buffer *text)
 {
     static const char *const stamps[] = {
@@ -194,8 +206,8 @@ static void simulated_start_put(const struct sensor *sensor, struct buffer *text
     buffer_format(text, "%s%s\r\n", stamps[sensor->stamp], what);
 }
 
-/* Writes the lines, each when it is due. Returns false if the run failed. *failure: errno of a
- * write that failed, or 0. */
+/* Writes each line at its time to standard output, until the end, an interrupt or a failed write.
+ * Returns false if the run failed; *failure is the errno of a failed write, or 0. */
 static bool sensor_send_lines(struct sensor *sensor, int *failure)
 {
     struct buffer line = {0};
@@ -222,7 +234,7 @@ static bool sensor_send_lines(struct sensor *sensor, int *failure)
 int simulate_sensor(struct session *session, const char *const *word, int words,
                     struct reply *reply)
 {
-    (void)reply; /* the lines are on time, whatever is said */
+    (void)reply; /* messages of the session are not shown */
     struct sensor sensor = {.rate = 100, .length = HUGE_VAL, .quirks = 1, .seed = 1};
     if (!simulation_begin(session, word, words, &sensor))
         return ERROR_USAGE;
@@ -236,7 +248,7 @@ int simulate_sensor(struct session *session, const char *const *word, int words,
                 sensor.run->t);
     run_destroy(sensor.run);
     if (!signals_ending())
-        atomic_store(&interrupt.requested, 0); /* a Ctrl-C is the usual end */
+        atomic_store(&interrupt.requested, 0); /* Ctrl-C is the usual end and no failure */
     if (is_lost)
         return ERROR_IO;
     return ok ? 0 : ERROR_NUMERICAL;

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Steps in lanes whose size follows the error, of explicit Runge-Kutta methods whose last slope is
- * the next first one: rk_error.h and adapt_body.h in vectors, each lane by its own control. All
- * lanes attempt a step at once; who was rejected tries again from where it was while the others go
- * on. First and last steps, those across turning points and whatever yields no number are taken
- * alone, by method_adapt().
- */
+/* Adaptive steps in lanes, of explicit Runge-Kutta methods whose last slope is the first of the
+ * next step (FSAL): rk_error.h and adapt_body.h in vectors, each lane with its own controller. All
+ * lanes attempt a step at once; a rejected lane tries again from its old state while the others
+ * continue. First and last steps, steps across turning points and attempts without a finite result
+ * are made for one lane alone, by method_adapt(). */
 #define UNROLL
 #include "modules/lanes/compute/state.h"
 
@@ -20,15 +18,18 @@ bool lanes_adapt_fit(const struct method *method, const struct system *system, e
            system->switches == 0 && system->order == 2 && lanes_fit(method, system, drag, h);
 }
 
-/* ---- alone ---- */
+/* ---- one lane alone ---- */
 
-/* As a run takes it. */
+/* Returns t, or t_end if both are equal within rounding, as at the end of a run. */
 static double end_of_step(double t, double t_end)
 {
     const double larger = fabs(t) > fabs(t_end) ? fabs(t) : fabs(t_end);
     return fabs(t - t_end) <= 4 * DBL_EPSILON * larger ? t_end : t;
 }
 
+/* Makes an accepted step of one lane by method_adapt(), with the lane's controller, and writes
+ * state, slope and controller back. `first` marks the first step, which has no slope yet. The lane
+ * has failed if the step fails or becomes too short, or if its state is too far out. */
 static void step_alone(struct lanes *lanes, int lane, bool first)
 {
     struct lane_control *const own = &lanes->control;
@@ -52,6 +53,7 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
     lane_get(n, lanes->y, lane, y);
     lane_get(n, lanes->k, lane, lanes->work + last);
     lane_get(n, lanes->excess, lane, control.excess);
+    /* A step that creeps is too short a part of the time that has passed. */
     method_choose_kernels(method, &step, true);
     bool good = method_adapt(method, &step, &control, own->t_end) == STEP_OK && step.warm &&
                 !(fabs(control.h) < own->creep * fabs(step.t - lanes->t0));
@@ -74,12 +76,14 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
     lane_put(n, control.excess, lane, lanes->excess);
 }
 
+/* Prepares adaptive steps and makes the first step of the lanes 0..used-1 (see lanes.h). */
 void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep)
 {
     struct lane_control *const own = &lanes->control;
     const struct method *method = lanes->method;
     const int k = method->embedded + 1, n = lanes->n;
     lanes->adapts = true;
+    /* - */
     lanes_march(lanes, 0, NULL); /* prepares */
     *own = (struct lane_control){.t_end = t_end,
                                  .creep = lanes->system[0]->linear ? 0 : creep,
@@ -108,7 +112,7 @@ void lanes_control(struct lanes *lanes, int used, const double *tol, double t_en
 
 /* ---- the control, in vectors ---- */
 
-/* factor_log2() */
+/* Returns log2 of positive numbers, with the operations of factor_log2(). */
 INLINE four four_log2(four x)
 {
     const double shift = 0x1.8p52;
@@ -121,7 +125,7 @@ INLINE four four_log2(four x)
     return ((four)(whole + (four_masks)magic) - shift) + s * (2.885390081777927 + u * series);
 }
 
-/* factor_exp2() */
+/* Returns 2^x, with the operations of factor_exp2(). */
 INLINE four four_exp2(four x)
 {
     const four raised = four_either(x < -1000, x, -1000 - (four){0}),
@@ -136,7 +140,7 @@ INLINE four four_exp2(four x)
     return power * (low + g * g * high);
 }
 
-/* factor_atan() */
+/* Returns atan, with the operations of factor_atan(). */
 INLINE four four_atan(four x)
 {
     const four size = four_either(x < 0, x, -x), z = four_either(size > 1, x, 1 / x), u = z * z;
@@ -146,7 +150,8 @@ INLINE four four_atan(four x)
     return four_either(size <= 1, four_either(x < 0, quarter, -quarter) - angle, angle);
 }
 
-/* factor_limited() */
+/* Returns the limited factor of a step, 1 + atan(2^x - 1), with the operations of factor_limited().
+ */
 INLINE four four_limited(four x)
 {
     const four u = x * x;
@@ -161,7 +166,8 @@ INLINE four four_limited(four x)
     return four_either(is_small, 1 + four_atan(four_exp2(x) - 1), series);
 }
 
-/* Updates lanes->scale, the sizes that errors are relative to, as follow() does. */
+/* Updates lanes->scale, the sizes that errors are relative to, in vector q of the lanes, as
+ * follow() does. */
 INLINE void follow_sizes(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;
@@ -186,7 +192,8 @@ INLINE void follow_sizes(struct lanes *lanes, int q)
     }
 }
 
-/* h sum_j (w_j - u_j) k_j of one variable */
+/* Returns h sum_j (w_j - u_j) k_j, the difference between two formulas of weights w and u, for the
+ * variable at `index` of the vectors. */
 INLINE four difference(const struct lanes *lanes, four h, const double *w, const double *u,
                        int index)
 {
@@ -198,7 +205,7 @@ INLINE four difference(const struct lanes *lanes, four h, const double *w, const
     return h * sum;
 }
 
-/* rk_estimate() */
+/* Returns the squared error estimate of vector q, with the operations of rk_estimate(). */
 INLINE four estimate(const struct lanes *lanes, four h, int q)
 {
     const struct tableau *tableau = lanes->method->tableau;
@@ -240,7 +247,8 @@ INLINE four four_next_step(struct lane_control *control, int q, four h, four err
     return four_either(good, h * four_larger(factor, STEP_SHRINK_MIN - (four){0}), h * rho);
 }
 
-/* Marks lanes whose state after the attempt is not finite (*wild), or is far out (*far). */
+/* Marks lanes of vector q whose state after the attempt is not finite (*wild) or is far out (*far).
+ */
 INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, four_masks *far)
 {
     *wild = *far = (four_masks){0};
@@ -251,6 +259,7 @@ INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, fo
     }
 }
 
+/* Returns the lanes of vector q whose velocity changes its sign in the attempt. */
 INLINE four_masks crosses(const struct lanes *lanes, int q)
 {
     const int index = lanes->rows * LANE_COUNT / WIDE + q;
@@ -258,13 +267,14 @@ INLINE four_masks crosses(const struct lanes *lanes, int q)
     return ((previous < 0) & (current > 0)) | ((previous > 0) & (current < 0));
 }
 
+/* Stores `value` in those lanes of vector q of the array that `when` selects. */
 INLINE void put_where(four_masks when, four value, int q, double *number)
 {
     fours(number)[q] = four_either(when, fours(number)[q], value);
 }
 
-/* Judges an attempt in one vector of lanes. Marks in `alone` the unchanged lanes that have to be
- * stepped alone. */
+/* Accepts or rejects the attempt in vector q of the lanes and plans the next step. Lanes whose
+ * attempt needs the scalar step keep their state and are marked in `alone`. */
 INLINE void judge(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;
@@ -284,6 +294,7 @@ INLINE void judge(struct lanes *lanes, int q)
              ~(next > lane_shortest_of_time * four_magnitude(t) + lane_shortest);
     if (lanes->turns)
         alone |= crosses(lanes, q);
+    /* `moves` are lanes that are decided here, `goes` those of them that are accepted. */
     const four_masks moves = running & ~alone, goes = moves & good;
     /* advance_clock() */
     const four step = h + fours(control->t_low)[q], sum = t + step, gone = sum - t,
@@ -307,7 +318,7 @@ INLINE void judge(struct lanes *lanes, int q)
     }
 }
 
-/* ---- attempts ---- */
+/* ---- attempts in all lanes ---- */
 
 CLONES static void judge_all(struct lanes *lanes)
 {
@@ -315,6 +326,7 @@ CLONES static void judge_all(struct lanes *lanes)
         judge(lanes, q);
 }
 
+/* Attempts one step in all lanes that run: stages, decision, then the steps of single lanes. */
 static void attempt(struct lanes *lanes)
 {
     const struct tableau *tableau = lanes->method->tableau;
@@ -340,6 +352,7 @@ static bool any_runs(const struct lanes *lanes)
     return false;
 }
 
+/* Attempts steps (see lanes.h); without `row` it ends as soon as no lane runs. */
 bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row)
 {
     for (int64_t i = 0; i < attempts; i++) {
@@ -353,6 +366,7 @@ bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row)
     return any_runs(lanes);
 }
 
+/* Writes time, first variable and its derivative of every lane. */
 void lanes_adapted_row(const struct lanes *lanes, double *row)
 {
     const size_t size = LANE_COUNT * sizeof *row;
@@ -361,6 +375,8 @@ void lanes_adapted_row(const struct lanes *lanes, double *row)
     memcpy(row + 2 * LANE_COUNT, lanes->y + lanes->rows * LANE_COUNT, size);
 }
 
+/* Sets the numbers of steps and evaluations of a lane. Returns false if it has not arrived at
+ * t_end. */
 bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals)
 {
     *steps = lanes->control.steps[lane];

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Explicit Runge-Kutta methods and splittings in lanes: rk_body.h and split_body.h on every lane.
- * States of stages stand where programs read them, and slopes are written where the sums want them.
- *
- * Where the method turns, a lane whose velocity changes its sign has its step taken again alone, in
- * pieces.
- */
+/* Fixed steps in lanes, of explicit Runge-Kutta methods and splittings: rk_body.h and split_body.h
+ * on every lane. States of stages are stored where the programs read them, and slopes are written
+ * where the sums read them. If the method locates turning points, the step of a lane whose velocity
+ * changes its sign is repeated for this lane alone, in pieces. */
 #define UNROLL _Pragma("GCC unroll 16")
 #include "modules/lanes/compute/state.h"
 
@@ -13,9 +10,12 @@
 
 /* ---- explicit Runge-Kutta ---- */
 
+/* Computes z = y + sum_j weight_j k_j over all lanes; with h, the steps [LANE_COUNT] of the lanes,
+ * weights are multiplied by it. */
 CLONES void lanes_combine(const struct weights *sum, const double *h, int n, const double *k,
                           const double *y, double *z)
 {
+    /* vectors summed at the same time, to hide the latency of additions */
     enum { AT_ONCE = 4 };
     const four *source = (const four *)(const void *)y;
     four *target = (four *)(void *)z;
@@ -36,7 +36,7 @@ CLONES void lanes_combine(const struct weights *sum, const double *h, int n, con
     }
 }
 
-/* Returns true if a velocity may have changed its sign. */
+/* Returns true if the sign bit of any lane's velocity differs between v0 and v1. */
 static bool any_turns(const double *v0, const double *v1)
 {
     uint64_t any = 0;
@@ -49,7 +49,8 @@ static bool any_turns(const double *v0, const double *v1)
     return any >> 63;
 }
 
-/* Takes the step of one lane again, from its start, by method_turning_step(). */
+/* Repeats the step of one lane from its start by method_turning_step(), and writes the new state to
+ * z; NAN if it fails. */
 static void turn_lane(struct lanes *lanes, int lane, double *z)
 {
     const struct method *method = lanes->method;
@@ -73,7 +74,7 @@ static void turn_lane(struct lanes *lanes, int lane, double *z)
     lane_put(n, lanes->work + last, lane, lanes->k + last * LANE_COUNT);
 }
 
-/* Writes the first variable and how fast it changes. */
+/* Writes the first variable of every lane and its derivative to row [2][LANE_COUNT]. */
 static void write_row(struct lanes *lanes, double *row)
 {
     const size_t size = LANE_COUNT * sizeof *row;
@@ -83,14 +84,17 @@ static void write_row(struct lanes *lanes, double *row)
         memcpy(row + LANE_COUNT, lanes->state + lanes->rows * LANE_COUNT, size);
     } else if (!lanes->method->tableau->fsal || !lanes->timed) {
         memcpy(row + LANE_COUNT, lanes->k, size);
-    } else { /* the last slope belongs to t + h, which rounds in another way than the time of the
-                next step */
+        /* the last slope belongs to t + h, which is rounded differently from the time of the next
+         * step
+         */
+    } else {
         double *slope = lanes->k + lanes->method->tableau->stages * lanes->n * LANE_COUNT;
         lanes_slope(lanes, lanes_time(lanes, 0, own), slope);
         memcpy(row + LANE_COUNT, slope, size);
     }
 }
 
+/* Makes `count` steps of an explicit Runge-Kutta method (see lanes_march()). */
 void lanes_march_rk(struct lanes *lanes, int64_t count, double *row)
 {
     const struct tableau *tableau = lanes->method->tableau;
@@ -122,7 +126,7 @@ void lanes_march_rk(struct lanes *lanes, int64_t count, double *row)
 
 /* ---- splittings ---- */
 
-/* Lets each velocity follow the drag's own flow over h/2 (drag_flow_apply()). */
+/* Applies the exact flow of the drag over half a step to all velocities v (drag_flow_apply()). */
 static void lanes_drag_flow(const struct lanes *lanes, double *v)
 {
     for (int i = 0; i < lanes->rows; i++, v += LANE_COUNT)
@@ -133,7 +137,7 @@ static void lanes_drag_flow(const struct lanes *lanes, double *v)
         }
 }
 
-/* x += w y, each [count] and w [LANE_COUNT] */
+/* Adds w y to x, each [rows][LANE_COUNT] and w [LANE_COUNT]. */
 static inline void add_times(int rows, const double *restrict w, const double *restrict y,
                              double *restrict x)
 {
@@ -142,7 +146,8 @@ static inline void add_times(int rows, const double *restrict w, const double *r
             x[lane] += w[lane] * y[lane];
 }
 
-/* As split_kick(). */
+/* Kicks the velocities v by the forces lanes->pull, with drag as in split_kick(). w [LANE_COUNT]
+ * are the lengths [s] of the kick, `index` is its number in the splitting. */
 CLONES static void lanes_kick(struct lanes *lanes, int index, struct lane_time stage_time,
                               const double *w, double *v)
 {
@@ -151,7 +156,7 @@ CLONES static void lanes_kick(struct lanes *lanes, int index, struct lane_time s
     if (lanes->way.drag == DRAG_EXPLICIT) {
         lanes_force(lanes, SUM_DRAG, stage_time, lanes->drags);
         for (int l = 0; l < count; l++)
-            lanes->drags[l] += pull[l]; /* a sum in either order */
+            lanes->drags[l] += pull[l]; /* the sum is the same in either order */
         add_times(lanes->rows, w, lanes->drags, v);
     } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.drag_at_ends) {
         const double *lost = lanes->frozen + 2 * index * LANE_COUNT, *weight = lost + LANE_COUNT;
@@ -163,11 +168,13 @@ CLONES static void lanes_kick(struct lanes *lanes, int index, struct lane_time s
     }
 }
 
+/* Moves the positions by the velocities over w [LANE_COUNT]. */
 CLONES static void drift(const struct lanes *lanes, const double *w)
 {
     add_times(lanes->rows, w, lanes->state + lanes->rows * LANE_COUNT, lanes->state);
 }
 
+/* Makes `count` steps of a splitting (see lanes_march()): kicks and drifts in turn. */
 CLONES void lanes_march_split(struct lanes *lanes, int64_t count, double *row)
 {
     const struct split_way *way = &lanes->way;
@@ -183,6 +190,7 @@ CLONES void lanes_march_split(struct lanes *lanes, int64_t count, double *row)
             for (int lane = 0; lane < LANE_COUNT; lane++)
                 w[lane] = weight * lanes->own_h[lane];
             if ((index % 2 == 0) == splitting->kick_first) {
+                /* The last force of a step is the first of the next one. */
                 if (!(index == 0 && way->continues && lanes->step > 0))
                     lanes_force(lanes, SUM_FORCE, stage_time, lanes->pull);
                 lanes_kick(lanes, index, stage_time, w, v);

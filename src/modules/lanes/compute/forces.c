@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces in lanes: programs of what was typed, and of the texts of built-in terms. */
+/* Forces in lanes: programs of typed expressions and of the built-in terms' texts, evaluated for
+ * all lanes at once. */
 #include "modules/lanes/compute/state.h"
 
 #include "scene/model/forces.h"
@@ -17,6 +18,7 @@ void lanes_destroy_programs(struct built_in_programs *programs)
     *programs = (struct built_in_programs){.terms = 0};
 }
 
+/* Returns true if the programs were made of these terms, with values from name `first` on. */
 static bool is_known(const struct built_in_programs *programs, const struct system *system,
                      int first)
 {
@@ -26,6 +28,7 @@ static bool is_known(const struct built_in_programs *programs, const struct syst
     return known;
 }
 
+/* Returns true if the system has a built-in term whose flags under `mask` are `wanted`. */
 static bool has_built_in(const struct system *system, unsigned mask, unsigned wanted)
 {
     for (int i = 0; i < system->terms; i++)
@@ -34,9 +37,12 @@ static bool has_built_in(const struct system *system, unsigned mask, unsigned wa
     return false;
 }
 
+/* Flags that choose the terms of each sum: all, those without velocity, those with velocity. */
 static const unsigned sum_mask[LANE_SUMS] = {0, TERM_VELOCITY, TERM_VELOCITY},
                       sum_wanted[LANE_SUMS] = {0, 0, TERM_VELOCITY};
 
+/* Makes the programs of the built-in terms, unless those of the previous systems are the same.
+ * Returns false if out of memory. */
 static bool make_programs(struct built_in_programs *programs, const struct system *system,
                           int first)
 {
@@ -59,12 +65,14 @@ static bool make_programs(struct built_in_programs *programs, const struct syste
     return true;
 }
 
+/* Adds a program to the parts of the force; sums are bits 1 << enum lane_sum. NULL is ignored. */
 static void add_part(struct lanes *lanes, const struct program *program, unsigned sums)
 {
     if (program)
         lanes->part[lanes->parts++] = (struct lane_part){.program = program, .sums = sums};
 }
 
+/* Lists the programs of the system's forces. Returns false if out of memory. */
 bool lanes_describe_forces(struct lanes *lanes, const struct system *system)
 {
     const struct bound_term *const whole = lanes->method->splitting ? NULL : system_whole(system);
@@ -96,6 +104,7 @@ bool lanes_describe_forces(struct lanes *lanes, const struct system *system)
 
 /* ---- values ---- */
 
+/* Copies a system's values of typed names and coefficients of built-in terms to one lane. */
 void lanes_set_values(struct lanes *lanes, int lane, const struct system *system)
 {
     double *value = lanes->state + lanes->n * LANE_COUNT;
@@ -106,6 +115,7 @@ void lanes_set_values(struct lanes *lanes, int lane, const struct system *system
                  value + i * TERM_COEFFICIENTS * LANE_COUNT);
 }
 
+/* Returns true if a number is the same in all lanes. */
 static bool is_alike(const double *value)
 {
     bool alike = true;
@@ -114,6 +124,8 @@ static bool is_alike(const double *value)
     return alike;
 }
 
+/* Tells the programs which of their inputs are fixed and which are the same in all lanes, so that
+ * expressions of these are computed once. */
 void lanes_prepare_forces(struct lanes *lanes)
 {
     /* The time is the same in all lanes unless they have their own. */
@@ -129,6 +141,8 @@ void lanes_prepare_forces(struct lanes *lanes)
 
 /* ---- sums ---- */
 
+/* Computes the sum of the forces that belong to `sum`, at lanes->state and the time of the stage.
+ */
 CLONES void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time stage_time,
                         double *force)
 {
@@ -150,6 +164,8 @@ CLONES void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time
         force[l] = -0.0;
 }
 
+/* Computes the derivatives of the state: velocities, then accelerations; for first order the forces
+ * alone. */
 void lanes_slope(struct lanes *lanes, struct lane_time stage_time, double *slope)
 {
     const int positions = lanes->n - lanes->rows;
@@ -158,6 +174,8 @@ void lanes_slope(struct lanes *lanes, struct lane_time stage_time, double *slope
     lanes_force(lanes, SUM_ALL, stage_time, slope + positions * LANE_COUNT);
 }
 
+/* Returns t + c h of the present step, as one number or, where lanes have their own times, in the
+ * array own [LANE_COUNT]. */
 CLONES struct lane_time lanes_time(const struct lanes *lanes, double c, double *own)
 {
     const double step = (double)lanes->step;
@@ -168,6 +186,7 @@ CLONES struct lane_time lanes_time(const struct lanes *lanes, double c, double *
     return (struct lane_time){.t = own};
 }
 
+/* Advances a time by `part` of the step. */
 CLONES void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *stage_time,
                            double *own)
 {

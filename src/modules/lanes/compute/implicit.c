@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Implicit Runge-Kutta methods whose stages are solved one by one, in lanes of one coordinate:
- * irk_body.h, oscillator_stage() and motion_stage() on every lane. Lanes iterate until all are
- * there; one whose iteration does not go straight to the solution beside the guess takes the whole
- * step again, alone.
- */
+/* Fixed steps in lanes of implicit Runge-Kutta methods whose stages are solved one by one, for
+ * scenes of one coordinate: irk_body.h, oscillator_stage() and motion_stage() on every lane. Lanes
+ * iterate until all have converged; a lane whose iteration does not converge directly repeats the
+ * whole step alone, by method_step(). */
 #define UNROLL
 #include "modules/lanes/compute/state.h"
 
@@ -13,18 +11,20 @@
 #include "method/step/irk_body.h"
 #include "method/step/newton_body.h"
 
+/* variables (position and velocity), and most stages of such a method */
 enum { N = 2, IMPLICIT_STAGES = 3 };
 
 #define EACH_LANE for (int l = 0; l < LANE_COUNT; l++)
 
-/* A stage over h from y: the increments and the new state; lanes whose step is to be taken alone,
- * evaluations. */
+/* Work memory of a stage: the implicit step over h from y has the increment z and the result sum;
+ * lanes whose step must be made alone; number of evaluations. */
 struct lane_stage {
     double h[LANE_COUNT], y[N][LANE_COUNT], z[N][LANE_COUNT], sum[N][LANE_COUNT];
     lane_mask alone[LANE_COUNT];
     int64_t evals[LANE_COUNT];
 };
 
+/* Returns the mask of a lane: all bits set if `so`. */
 static inline lane_mask mask_if(bool so)
 {
     return -(lane_mask)so;
@@ -47,7 +47,8 @@ static inline double larger_of(double a, double b)
     return a > b ? a : b;
 }
 
-/* oscillator_stage() */
+/* Solves a stage of oscillators with linear and quadratic damping in closed form, with the
+ * operations of oscillator_stage(). Lanes without a finite result are marked to be made alone. */
 CLONES static void solve_closed(struct lanes *lanes, struct lane_time stage_time,
                                 struct lane_stage *stage)
 {
@@ -63,6 +64,7 @@ CLONES static void solve_closed(struct lanes *lanes, struct lane_time stage_time
                    r = previous + h * force, u = r * inverse;
         four v = u, drag = -(four){0}, lost = -(four){0};
         if (dragged) {
+            /* Quadratic damping makes it a quadratic equation for the velocity. */
             const four bend = 4 * (quadratic * h * inverse) * inverse;
             v = 2 * u / (1 + four_root(1 + bend * four_magnitude(r)));
             drag = quadratic * h * four_magnitude(v);
@@ -82,7 +84,8 @@ CLONES static void solve_closed(struct lanes *lanes, struct lane_time stage_time
     }
 }
 
-/* motion_factor() at lanes->state; `none` of lanes that have no next iterate is set. */
+/* Computes the inverse of Newton's equation at lanes->state, with the operations of
+ * motion_factor(); lanes without one are marked in `none`. */
 CLONES static void factor(struct lanes *lanes, const double *h, double *inverse, lane_mask *none)
 {
     double jacobian[N][LANE_COUNT];
@@ -94,13 +97,16 @@ CLONES static void factor(struct lanes *lanes, const double *h, double *inverse,
     }
 }
 
-/* The iteration of motion_stage(). */
+/* State of the Newton iteration of motion_stage(): increment x of the velocity, weight of the
+ * error, inverse of the equation, size of the last correction and of the last residual. */
 struct motion {
     double x[LANE_COUNT], weight[LANE_COUNT], inverse[LANE_COUNT], last[LANE_COUNT],
         residual[LANE_COUNT];
+    /* lanes that still iterate, and lanes that need a new inverse */
     lane_mask active[LANE_COUNT], again[LANE_COUNT];
 };
 
+/* Sets positions and velocities of the lanes to the present iterate. */
 CLONES static void set_iterate(const struct lane_stage *stage, const struct motion *m,
                                double *state)
 {
@@ -111,7 +117,9 @@ CLONES static void set_iterate(const struct lane_stage *stage, const struct moti
     }
 }
 
-/* Iterates once, as motion_iterate() does; `a` is the force at the iterate. */
+/* Makes one iteration in all active lanes, with the operations of motion_iterate(); a is the force
+ * at the iterate. Lanes that converge become inactive, lanes that do not are marked to be made
+ * alone. */
 CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a, bool first)
 {
     for (int q = 0; q < LANE_COUNT / 4; q++) {
@@ -120,9 +128,13 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
         const four rest = fours(stage->h)[q] * fours(a)[q] - x, weight = fours(m->weight)[q],
                    rest_size = four_magnitude(rest) * weight, move = rest * inverse,
                    size = four_magnitude(move) * weight;
+        /* A lane has converged if its correction is negligible, has stalled at rounding, or if the
+         * next one would be negligible. */
         const four_masks done = (size <= DBL_EPSILON / 2) |
                                 ((size >= last) & (size <= INCREMENT_STALL_RELATIVE)) |
                                 (~begins & (size * size <= INCREMENT_NEGLIGIBLE * last));
+        /* A lane does not converge if the residual grows or is not finite, or if corrections shrink
+         * too slowly. */
         const four_masks alone =
             (~(rest_size < fours(m->residual)[q]) & (last > INCREMENT_STALL_RELATIVE)) |
             (begins & ~(four_magnitude(rest) <= DBL_MAX)) |
@@ -138,6 +150,7 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
     }
 }
 
+/* Computes the inverses anew, at the present iterate, for lanes that converge slowly. */
 static void renew_factors(struct lanes *lanes, struct motion *m, struct lane_stage *stage)
 {
     double inverse[LANE_COUNT];
@@ -152,7 +165,8 @@ static void renew_factors(struct lanes *lanes, struct motion *m, struct lane_sta
     }
 }
 
-/* motion_stage(), where newton_follow() is not needed */
+/* Solves a stage by Newton's method, with the operations of motion_stage(). Lanes that would need
+ * newton_follow() are marked to be made alone. */
 static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struct lane_stage *stage)
 {
     struct motion m;
@@ -191,7 +205,7 @@ static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struc
 
 /* ---- steps ---- */
 
-/* base = y + h sum_j w_j k_j */
+/* Computes base = y + h sum_j w_j k_j of all lanes, skipping weights that are 0. */
 CLONES static void stage_base(const double *w, int count, const double *h,
                               double (*k)[N][LANE_COUNT], const double *y,
                               double (*base)[LANE_COUNT])
@@ -207,7 +221,8 @@ CLONES static void stage_base(const double *w, int count, const double *h,
         }
 }
 
-/* A step of one lane by itself, from y and the slope before; its state and its last slope. */
+/* Makes the step of one lane alone, by method_step(), from its old state and previous slope; writes
+ * the new state to stage->sum and the last slope to `last`. The state is NAN if the step fails. */
 static void step_lane(struct lanes *lanes, int lane, double (*previous)[LANE_COUNT],
                       struct lane_stage *stage, double (*last)[LANE_COUNT])
 {
@@ -261,6 +276,8 @@ static void implicit_stages(struct lanes *lanes, struct lane_stage *stage,
     }
 }
 
+/* Makes one step in all lanes, then repeats those that have to be made alone. k has the slopes of
+ * the previous step and receives those of this one. */
 static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k)[N][LANE_COUNT])
 {
     const struct implicit_tableau *const tableau = lanes->method->implicit;
@@ -281,6 +298,7 @@ static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k
     memcpy(lanes->y, stage->sum, sizeof stage->sum);
 }
 
+/* Makes `count` steps of an implicit method (see lanes_march()). */
 void lanes_march_implicit(struct lanes *lanes, int64_t count, double *row)
 {
     const struct implicit_tableau *const tableau = lanes->method->implicit;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interface of the lanes: systems that fit, memory, and initialization. */
+/* Interface of the lanes (lanes.h): which systems fit, memory, initialization of each lane, and the
+ * choice of the function that steps. */
 #include "modules/lanes/compute/state.h"
 
 #include "scene/model/forces.h"
@@ -8,10 +9,12 @@
 
 #include <stdlib.h>
 
-enum { ROOM_MAX = 1 << 18 /* [double] what is larger goes alone */ };
+enum { ROOM_MAX = 1 << 18 /* [double] lanes that need more memory are not used */ };
 
-/* ---- room ---- */
+/* ---- memory ---- */
 
+/* Sets *where to the next `count` doubles of the memory, aligned to 64 bytes, or only counts them
+ * if there is no memory yet. */
 static void lanes_take_memory(struct lanes *lanes, double **where, size_t count)
 {
     *where = lanes->memory ? lanes->memory + lanes->used : NULL;
@@ -25,6 +28,8 @@ static int stages_of(const struct method *method)
                               : 0;
 }
 
+/* Divides the memory among the arrays that the method needs; without memory only lanes->used is
+ * computed. */
 static void lay_out(struct lanes *lanes)
 {
     const size_t n = (size_t)lanes->n, line = LANE_COUNT;
@@ -56,6 +61,8 @@ static void lay_out(struct lanes *lanes)
         lanes_take_memory(lanes, &lanes->slopes.frame, program_frame_lanes(lanes->slopes.program));
 }
 
+/* Notes what all lanes have in common: method, drag, dimensions, kinds of forces. Returns false if
+ * out of memory. */
 static bool describe(struct lanes *lanes, const struct method *method, const struct system *system,
                      enum drag drag, double h)
 {
@@ -74,8 +81,8 @@ static bool describe(struct lanes *lanes, const struct method *method, const str
     return lanes_describe_forces(lanes, system);
 }
 
-/* Returns true if the numbers of such lanes, with the programs of what was typed, are few enough.
- */
+/* Returns true if lanes of such systems, with the programs of typed expressions, need at most
+ * ROOM_MAX numbers. */
 static bool has_room(const struct method *method, const struct system *system)
 {
     size_t numbers = (size_t)((stages_of(method) + 10) * system->n + TERM_VALUES) * LANE_COUNT;
@@ -87,12 +94,15 @@ static bool has_room(const struct method *method, const struct system *system)
     return numbers <= ROOM_MAX;
 }
 
+/* Returns true if systems of this kind can be stepped in lanes by the method with step h. */
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)
 {
     const bool splits =
         method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
     const bool solves = method->implicit && method->implicit->diagonal != 0 &&
                         !system->model->typed && (system->oscillator.whole || !system->linear);
+    /* || Excluded are negative steps, other methods, quadratic damping that drives, and switches.
+     */
     if (!(h > 0) || !(method->tableau || splits || solves) || system->oscillator.quadratic < 0 ||
         (method->tableau && method->tableau->stages > WEIGHT_STAGES) ||
         method_meets_switches(method, system))
@@ -124,6 +134,8 @@ void lanes_destroy(struct lanes *lanes)
     free(lanes);
 }
 
+/* Prepares lanes for systems like this one; memory is kept if it is large enough. Returns false if
+ * out of memory. */
 bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
                  const struct system *like, double h)
 {
@@ -148,6 +160,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 
 /* ---- each lane ---- */
 
+/* Stores the factors of one lane's exact drag: its flow over h/2, and its part in each kick. */
 static void set_drag(struct lanes *lanes, int lane, const struct oscillator *oscillator, double h)
 {
     const struct split_way *way = &lanes->way;
@@ -167,6 +180,7 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     lanes_set_step(lanes, lane, system, lanes->h);
 }
 
+/* Starts a lane at the system's initial state, with a step of its own. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h)
 {
     lane_put(lanes->n, system->start, lane, lanes->state);
@@ -203,6 +217,8 @@ static void lanes_prepare_steps(struct lanes *lanes)
         lanes_slope(lanes, lanes_time(lanes, 0, own), lanes->k);
 }
 
+/* Makes `count` steps in all lanes, by a kernel for the forces if there is one, else by the family
+ * of the method. row receives values after each step, or is NULL. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row)
 {
     const struct method *method = lanes->method;
@@ -220,12 +236,14 @@ void lanes_state(const struct lanes *lanes, int lane, double *y)
     lane_get(lanes->n, lanes->adapts ? lanes->y : lanes->state, lane, y);
 }
 
-/* Evaluations of `each` a step, one of which is the next step's first: `again`. */
+/* Returns the evaluations of steps with `each` of them; if `again`, one of each step is also the
+ * first of the next. */
 static int64_t steps_evals(int64_t steps, int each, bool again)
 {
     return steps * (each - again) + (again && steps > 0);
 }
 
+/* Returns the number of evaluations of the force in a lane. */
 int64_t lanes_evals(const struct lanes *lanes, int lane)
 {
     const struct tableau *tableau = lanes->method->tableau;
@@ -235,6 +253,7 @@ int64_t lanes_evals(const struct lanes *lanes, int lane)
            lanes->evals[lane];
 }
 
+/* Returns true if a step reuses an evaluation of the previous one. */
 bool lanes_carry(const struct method *method, enum drag drag)
 {
     struct split_way way;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Programs on many lanes at once: each operation is a loop that the compiler turns into vector
- * instructions, so that what it costs to find out which operation comes next is shared by all
- * lanes. Where its operands are is found out beforehand: names where the caller has them, outputs
- * where they are wanted. A function of what is the same in all lanes is called once.
- */
+/* Evaluates programs of formulas for many lanes at once. Each operation is a loop over lanes that
+ * the compiler turns into vector instructions, so that the cost of finding the next operation is
+ * shared. Addresses of operands are found beforehand: names are read where the caller has them,
+ * outputs written where they are wanted. A function of numbers that are the same in all lanes is
+ * called once. */
 #ifndef __clang__
+/* - */
 #pragma GCC optimize("O3") /* vectors */
 #endif
 #include <hooke/base/numeric.h>
@@ -15,20 +15,23 @@
 #include "modules/lanes/lanes.h"
 #include "scene/formula/program/program.h"
 
+/* One operation of a prepared program. */
 struct lane_operation {
     enum node_kind kind; /* NODE_KINDS stands for a copy */
-    bool once;           /* a function of what is the same in all lanes */
-    bool known;          /* its value for `argument` */
+    bool once;           /* function whose arguments are the same in all lanes: it is called once */
+    /* `value` is the result for `argument`, of a function that is called once */
+    bool known;
     double argument[2], value;
-    double *target; /* NULL for output number `output` */
+    double *target; /* address of the result, or NULL for output number `output` */
     int output;
     const double *operand[3];
     const struct node *node;
-    void (*many)(int n, const double *x, double *result); /* NULL if it takes one at a time */
+    /* function on many numbers at once, or NULL if there is none */
+    void (*many)(int n, const double *x, double *result);
 };
 
-/* The frame: numbers and intermediate values, room for those that are fixed, then the operations.
- */
+/* Returns the size [double] of a frame: constants and intermediate values, results that are
+ * computed when preparing, then the operations with an end mark. */
 size_t program_frame_lanes(const struct program *p)
 {
     const size_t values = (size_t)(p->slots - p->names + p->count) * PROGRAM_LANES;
@@ -36,12 +39,14 @@ size_t program_frame_lanes(const struct program *p)
     return values + (operations * sizeof(struct lane_operation) + 63) / 64 * (64 / sizeof(double));
 }
 
+/* Returns the operations within a frame. */
 static struct lane_operation *operations(const struct program *p, double *frame)
 {
     return (struct lane_operation *)(void *)(frame + (size_t)(p->slots - p->names + p->count) *
                                                          PROGRAM_LANES);
 }
 
+/* Returns true if both numbers have the same bits (0 and -0 differ, equal NANs do not). */
 static bool same_bits(double a, double b)
 {
     uint64_t x, y;
@@ -50,7 +55,8 @@ static bool same_bits(double a, double b)
     return x == y;
 }
 
-/* A function of what is the same in all lanes, which may be the same as last time. */
+/* Returns the value of a function whose arguments are the same in all lanes, or the previous value
+ * if the arguments have not changed. */
 static double value_once(struct lane_operation *operation)
 {
     const double a = *operation->operand[0], b = *operation->operand[1];
@@ -64,6 +70,7 @@ static double value_once(struct lane_operation *operation)
                operation->kind == NODE_ONE ? operation->node->one(a) : operation->node->two(a, b);
 }
 
+/* Computes one operation in all lanes: result = operation(a, b, c). */
 static inline __attribute__((always_inline)) void
 apply(const struct lane_operation *operation, double *restrict result, const double *restrict a,
       const double *restrict b, const double *restrict c)
@@ -84,6 +91,7 @@ apply(const struct lane_operation *operation, double *restrict result, const dou
 #undef CASE
 }
 
+/* Runs operations up to the end mark; `output` receives the program's outputs. */
 CLONES static void lane_operations_run(struct lane_operation *i, double *output)
 {
     for (; i->node; i++) {
@@ -104,6 +112,7 @@ CLONES static void lane_operations_run(struct lane_operation *i, double *output)
 
 /* ---- preparing ---- */
 
+/* Returns the function that computes a whole array for one of the fixed functions, or NULL. */
 static void (*many_of(double (*one)(double)))(int n, const double *x, double *result)
 {
     return one == fixed_sin   ? fixed_sines
@@ -124,6 +133,8 @@ static struct slot_value *value_in_slot(const struct program *p, double *frame, 
     return (struct slot_value *)(void *)(frame + (size_t)(slot - p->names) * PROGRAM_LANES);
 }
 
+/* Returns where the value of a slot is stored (input, constant or intermediate value) and whether
+ * it is fixed or the same in all lanes. `lanes` tells that of the names, or is NULL. */
 static struct slot_value slot_lookup(const struct program *p, const double *input,
                                      const unsigned char *lanes, double *frame, int slot)
 {
@@ -135,6 +146,8 @@ static struct slot_value slot_lookup(const struct program *p, const double *inpu
     return *value_in_slot(p, frame, slot);
 }
 
+/* Prepares a frame for the program with names at `input`: finds addresses, and computes at once
+ * what depends only on fixed values. */
 void program_prepare_lanes(const struct program *p, const double *input,
                            const unsigned char *lanes_of, double *frame)
 {
@@ -153,10 +166,13 @@ void program_prepare_lanes(const struct program *p, const double *input,
             const struct slot_value operand =
                 slot_lookup(p, input, lanes_of, frame, i->node.operand[j]);
             next->operand[j] = operand.values;
-            lanes &= operand.lanes; /* one that it does not have is the first one again */
+            /* - */
+            lanes &= operand.lanes; /* an operation with fewer operands repeats its first one */
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
         next->many = next->kind == NODE_ONE && !next->once ? many_of(i->node.one) : NULL;
+        /* A result of fixed values is computed here and gets a place that later operations do not
+         * overwrite. */
         const bool now = lanes & LANES_FIXED && i->output < 0;
         double *target = now ? fixed : frame + (size_t)(i->target_slot - p->names) * PROGRAM_LANES;
         *value_in_slot(p, frame, i->target_slot) = (struct slot_value){lanes, target};
@@ -171,6 +187,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
     }
     for (int i = 0; i < p->outputs; i++) {
         const struct slot_value output = slot_lookup(p, input, lanes_of, frame, p->output[i]);
+        /* Outputs that no operation writes (a name, a constant) are copied. */
         if (!p->written[i])
             *next++ =
                 (struct lane_operation){.kind = NODE_KINDS,
@@ -181,6 +198,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
     *next = end;
 }
 
+/* Evaluates a prepared program; output is [outputs][PROGRAM_LANES]. */
 void program_eval_lanes(const struct program *p, double *output, double *frame)
 {
     lane_operations_run(operations(p, frame), output);

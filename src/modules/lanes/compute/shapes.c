@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Oscillators of the commonest terms by splittings and by the classical method, in lanes: forces
- * are the texts of terms.def on vectors, so that stages stay in registers. All else goes by
- * programs (fixed.c). The operations are those of rk_body.h, split_body.h and turn.c in their
- * order: the same bits.
- */
+/* Fixed steps in lanes of the most common oscillators, by splittings and by the classical
+ * Runge-Kutta method: forces are the texts of terms.def on vectors, so that stages stay in
+ * registers. Other scenes use programs (fixed.c). The operations are those of rk_body.h,
+ * split_body.h and turn.c in the same order, which gives the same bits. */
 #define UNROLL _Pragma("GCC unroll 16")
 #include "method/kernel/kernel.h"
 #include "modules/lanes/compute/state.h"
@@ -14,6 +12,7 @@
 
 #include <float.h>
 
+/* Loads four numbers. */
 INLINE four four_load(const double *x)
 {
     return *(const four *)(const void *)x;
@@ -21,7 +20,7 @@ INLINE four four_load(const double *x)
 
 /* ---- forces ---- */
 
-/* Functions of rows that no shape has. */
+/* Functions of four numbers, for rows of terms.def that no shape uses. */
 #define OF_EACH_LANE(name)                                                                         \
     UNUSED INLINE four four_##name(four x)                                                         \
     {                                                                                              \
@@ -48,8 +47,9 @@ OF_EACH_LANE(cos)
 #undef sin
 #undef cos
 
-/* Sums the terms whose flags under `mask` are `wanted`. c has the coefficients
- * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on, `cosine` is that of the drive. */
+/* Function that returns the sum of the terms whose flags under `mask` are `wanted`. c has the
+ * coefficients [terms][TERM_COEFFICIENTS][LANE_COUNT] from the first lane on, `cosine` is that of
+ * the drive. */
 typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q, four v,
                         four cosine);
 
@@ -72,7 +72,7 @@ typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q,
 #define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
 LANE_SHAPES(LANE_FORCE)
 
-/* ---- the drive ---- */
+/* ---- the drive: its cosines are computed ahead for many steps ---- */
 
 /* The drive is FORCE(drive, c0 * cos(c1 * t + c2)). Returns the angles of four lanes at time t. */
 INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
@@ -80,6 +80,8 @@ INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
     return four_load(drive->c1 + lane) * t + four_load(drive->c2 + lane);
 }
 
+/* Computes the drive's cosine at one stage and stores it at index `place`: one number if it is the
+ * same in all lanes, else a row, which the previous index shares if the time is the same. */
 CLONES static void look_at_drive(struct lane_drive *drive, int64_t place,
                                  struct lane_time stage_time)
 {
@@ -105,7 +107,7 @@ CLONES static void look_at_drive(struct lane_drive *drive, int64_t place,
     drive->rows++;
 }
 
-/* The places of the step lanes->step, `place` the first of them. */
+/* Computes the drive at all stages of step lanes->step, which have the indices from `place` on. */
 static void look_at_step(struct lanes *lanes, int64_t place)
 {
     const struct splitting *splitting = lanes->method->splitting;
@@ -121,8 +123,8 @@ static void look_at_step(struct lanes *lanes, int64_t place)
             lanes_time_add(lanes, splitting_weight(splitting, i), &stage_time, time);
 }
 
-/* Returns of how many of the next steps, at most `count`, the drive is known. Where it is the same
- * in all lanes, it mostly is in the next ones, too, and stays. */
+/* Computes the drive for the next steps. Returns their number, at most `count`. Values that are the
+ * same in all lanes are kept for the next call, which often needs the same. */
 static int64_t look_ahead(struct lanes *lanes, int64_t count)
 {
     struct lane_drive *const drive = &lanes->drive;
@@ -148,7 +150,7 @@ static int64_t look_ahead(struct lanes *lanes, int64_t count)
     return end - first;
 }
 
-/* Kernels know that there is no drive; a cosine for all lanes; one for each. */
+/* Compile-time knowledge of a kernel: no drive, one cosine for all lanes, or one for each. */
 enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
 
 /* Returns the cosine of the drive at an index of the next steps. */
@@ -162,10 +164,10 @@ INLINE four cosine_at(enum drive_known known, const struct lane_drive *drive, in
 
 /* ---- the classical method ---- */
 
-/* Those of the stages in the sum, then those of each in the next one. */
+/* weights of the four stages in the sum, then of each of the first three in the next stage */
 enum { RK_WEIGHTS = 7 };
 
-/* Times h. */
+/* Computes the weights of the classical method times h. */
 INLINE void classical_weights(const struct tableau *tableau, four h, four w[RK_WEIGHTS])
 {
     for (int s = 0; s < 4; s++)
@@ -174,6 +176,8 @@ INLINE void classical_weights(const struct tableau *tableau, four h, four w[RK_W
         w[3 + s] = h * tableau_row(tableau, s)[s - 1];
 }
 
+/* Makes a step of the classical method from y to z; w are weights times h, cosine is the drive at
+ * each stage. */
 INLINE void classical_step(lane_force *force, const double *c, const four w[RK_WEIGHTS],
                            const four cosine[4], const four y[2], four z[2])
 {
@@ -191,9 +195,11 @@ INLINE void classical_step(lane_force *force, const double *c, const four w[RK_W
     }
 }
 
-/* As turn.c has them. */
+/* Members of a point on the way to a turning point, as in turn.c. */
 enum { TURN_TIME, TURN_SPEED, TURN_SLOPE, TURN_NUMBERS };
 
+/* Returns the time at which the velocity passes zero between two points, by inverse cubic
+ * interpolation, or the middle if that lies outside. */
 INLINE four turning_time(const four *p, const four *q)
 {
     const four begin = p[TURN_TIME], size = q[TURN_TIME] - begin,
@@ -203,24 +209,29 @@ INLINE four turning_time(const four *p, const four *q)
     return four_either((x - begin) * (q[TURN_TIME] - x) > 0, begin + size / 2, x);
 }
 
+/* Returns the lanes in which the number changes its sign. */
 INLINE four_masks crosses(four first, four second)
 {
     return ((first < 0) & (second > 0)) | ((first > 0) & (second < 0));
 }
 
+/* Returns the lanes in which a number is not finite. */
 INLINE four_masks is_infinite(const four z[2])
 {
     return ~((four_magnitude(z[0]) <= DBL_MAX) & (four_magnitude(z[1]) <= DBL_MAX));
 }
 
+/* Copies `count` vectors in the lanes of `which`. */
 INLINE void fours_select(four_masks which, int count, const four *source, four *target)
 {
     for (int j = 0; j < count; j++)
         target[j] = four_either(which, target[j], source[j]);
 }
 
-/* method_turning_step() of those lanes of a vector whose velocity changes its sign in the step from
- * y to z, which becomes the state after it. Returns the evaluations. */
+/* Repeats the step in the lanes of a vector whose velocity changes its sign between y and z, in
+ * pieces that end at turning points, as method_turning_step() does. z becomes the state after the
+ * step, NAN where it fails. `rest` is the length of the step. Returns the additional evaluations.
+ */
 INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct tableau *tableau,
                              four rest, four y[2], four z[2])
 {
@@ -239,6 +250,7 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
         if (piece == TURN_PIECES || four_none(moving))
             break;
         evals += moving & 2;
+        /* Finds the turning point between the start and the end of the piece. */
         four first[TURN_NUMBERS] = {{0}, y[1], force(0, 0, c, y[0], y[1], rest)},
              last[TURN_NUMBERS] = {rest, t[1], force(0, 0, c, t[0], t[1], rest)};
         const four tolerance = TURN_NEAR * four_magnitude(rest);
@@ -272,6 +284,7 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
     return evals;
 }
 
+/* Makes `count` steps of the classical method with a compiled force. */
 INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned flags,
                             struct lanes *lanes, int64_t count, double *row)
 {
@@ -287,6 +300,7 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
             UNROLL for (int s = 0; s < 4; s++) cosine[s] =
                 cosine_at(drive, &lanes->drive, 4 * i + s, lane);
             classical_step(force, c + lane, w[lane], cosine, y, z);
+            /* The sign bits of the velocities before and after differ. */
             const four_masks turned = (four_masks)y[1] ^ (four_masks)z[1];
             if (flags & TERM_KINK && lanes->turns &&
                 (turned[0] | turned[1] | turned[2] | turned[3]) < 0) {
@@ -306,24 +320,26 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
 
 /* ---- splittings ---- */
 
-/* Vectors that are stepped together, so that one is computed while others are waited for. */
+/* number of vectors that are stepped together, so that one is computed while others wait for
+ * results */
 enum { SPLIT_PARTS = 4 };
 
-/* Copy numbers [count][LANE_COUNT] of these vectors from a lane on. */
+/* Loads numbers [count][LANE_COUNT] of SPLIT_PARTS vectors from one lane on. */
 INLINE void parts_load(int count, const double *source, four *target)
 {
     UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) target[j] =
         four_load(source + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE);
 }
 
+/* Stores what parts_load() loads. */
 INLINE void parts_store(int count, const four *source, double *target)
 {
     UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) *
         fours(target + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = source[j];
 }
 
-/* Applies the drag's own flow over h/2 to the velocities, as drag_flow_apply(), which has no
- * pole forward in time. half is its array from the lane on. */
+/* Applies the exact flow of the drag over half a step to the velocities, as drag_flow_apply(),
+ * which has no pole forward in time. half is its array from the first lane on. */
 INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
 {
     UNROLL for (int p = 0; p < SPLIT_PARTS; p++, half += WIDE) v[p] =
@@ -331,7 +347,8 @@ INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
         (four_load(half + LANE_COUNT) + four_load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
 }
 
-/* Kicks as split_kick(); `lost` is the array of this kick from the lane on. */
+/* Kicks the velocities z[1] by `pull` over w, as split_kick(); `lost` is the array of this kick's
+ * exact drag from the first lane on. */
 INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, const double *c,
                        const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
                        four z[2][SPLIT_PARTS])
@@ -348,6 +365,8 @@ INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, 
     }
 }
 
+/* Makes `count` steps of a splitting with a compiled force, SPLIT_PARTS vectors of lanes at a time.
+ */
 INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned flags,
                             struct lanes *lanes, int64_t count, double *row)
 {
@@ -396,7 +415,7 @@ INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned 
 
 typedef void march_lanes(struct lanes *lanes, int64_t count, double *row);
 
-/* AVX-512 adds nothing to vectors of four. */
+/* Defines the two kernels of a shape. AVX-512 adds nothing to vectors of four numbers. */
 #define LANE_KERNEL(shape, name)                                                                   \
     CLONES_FOR("avx2") static void shape##name(struct lanes *lanes, int64_t count, double *row)    \
     {                                                                                              \
@@ -416,7 +435,7 @@ LANE_SHAPES(LANE_KERNELS)
 #define LANE_ENTRY(shape) [SHAPE_##shape] = {shape##_classical, shape##_splitting},
 static march_lanes *const kernels[SHAPE_COUNT][2] = {LANE_SHAPES(LANE_ENTRY)};
 
-/* Four stages, each from the one before. */
+/* Returns true for methods of four stages, each of which depends only on the one before. */
 static bool is_classical(const struct lanes *lanes)
 {
     const struct weights *w = lanes->weights;
@@ -425,6 +444,8 @@ static bool is_classical(const struct lanes *lanes)
            w[3].stage[0] == 2;
 }
 
+/* Makes steps by the kernel of the system's shape. Returns false, without a step, if there is none.
+ */
 bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row)
 {
     const struct system *system = lanes->system[0];

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Shows figures as pixels. The terminal is queried once, for kitty's graphics (with a
- * picture of one pixel), for its name (XTVERSION, to which iTerm2 responds), and for its attributes
- * (DA1, in which 4 means sixel). Every terminal answers the last one, and after the others.
- */
+/* Shows figures as pictures in the terminal. The terminal is asked once which protocol it knows:
+ * for kitty's graphics (with a picture of one pixel), for its name (XTVERSION, which iTerm2
+ * answers), and for its attributes (DA1, in which 4 means sixel). Every terminal answers the last
+ * question, and after the others. */
 #define _GNU_SOURCE /* memmem */
 #include "modules/pictures/pictures.h"
 #include <hooke/base/cancel.h>
@@ -21,18 +20,20 @@
 #include <readline/readline.h>
 
 #define GRAPHICS_QUERY "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
-#define PATIENCE_NS 1000000000 /* a slow link; who answers does so long before */
-#define LATE_MS 100            /* largest time between two bytes of an answer */
-#define CELL_WIDTH 10          /* [pixel] of terminals that do not say: those of a VT340 */
+#define PATIENCE_NS 1000000000 /* [ns] time to wait for answers, enough for a slow link */
+#define LATE_MS 100            /* [ms] largest time between two bytes of an answer */
+/* [pixel] size of a cell if the terminal does not tell it: that of a VT340 */
+#define CELL_WIDTH 10
 #define CELL_HEIGHT 20
-#define SEQUENCE_BYTES 4096 /* Bytes of a picture in one escape sequence. */
+#define SEQUENCE_BYTES 4096 /* [byte] part of a picture in one escape sequence */
 
+/* Protocols for pictures, the better ones first. */
 enum protocol { PROTOCOL_UNKNOWN, PROTOCOL_NONE, PROTOCOL_KITTY, PROTOCOL_ITERM, PROTOCOL_SIXEL };
 
-/* One terminal for the whole program. */
+/* State of the program's terminal. */
 static struct {
     enum protocol protocol;
-    bool owed; /* an answer, when patience was over */
+    bool owed; /* answers may still come, because waiting for them has ended */
     struct streams *streams;
 } pixels;
 
@@ -61,6 +62,7 @@ static size_t answer_length(struct text text)
     return 0;
 }
 
+/* Returns true if the attributes (DA1) of a terminal contain 4, which means sixel. */
 static bool has_sixels(struct text attributes)
 {
     const struct text inside = {attributes.data + 3, attributes.len - 4};
@@ -71,7 +73,7 @@ static bool has_sixels(struct text attributes)
     return false;
 }
 
-/* Evaluates an answer; returns true if it is the last. */
+/* Updates *best by an answer. Returns true if it is the last one expected. */
 static bool take_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;
@@ -86,7 +88,8 @@ static bool take_answer(struct text answer, enum protocol *best)
     return answer.data[1] == '[';
 }
 
-/* Reads until the last answer; what a person typed meanwhile stays in `bytes`. */
+/* Reads until the last answer, which are removed from `bytes`; keys that were typed meanwhile
+ * remain there. Returns false if it does not come in time. */
 static bool await_answers(struct buffer *bytes, enum protocol *best)
 {
     const int64_t deadline = clock_ns() + PATIENCE_NS;
@@ -120,6 +123,8 @@ static bool await_answers(struct buffer *bytes, enum protocol *best)
     }
 }
 
+/* Asks the terminal for its protocol, in raw mode, and passes keys that were typed meanwhile to
+ * readline. Returns PROTOCOL_NONE if it answers none. */
 static enum protocol protocol_query(bool at_prompt)
 {
     struct termios saved, raw;
@@ -149,6 +154,8 @@ static enum protocol protocol_query(bool at_prompt)
     return best;
 }
 
+/* Skips an answer that comes late, before readline gets it as keys. Returns NO_KEY if it was one,
+ * else the key. */
 static int skip_answer(int key)
 {
     if (!pixels.owed || key != '\033')
@@ -172,7 +179,8 @@ static int skip_answer(int key)
 
 /* ---- pictures ---- */
 
-/* https://sw.kovidgoyal.net/kitty/graphics-protocol: transmit and display, without an answer. */
+/* Appends a PNG picture (base64) for kitty: transmit and display, without an answer
+ * (https://sw.kovidgoyal.net/kitty/graphics-protocol). */
 static void put_kitty(struct text code, int columns, struct buffer *output)
 {
     for (size_t i = 0; i < code.len; i += SEQUENCE_BYTES) {
@@ -186,7 +194,8 @@ static void put_kitty(struct text code, int columns, struct buffer *output)
     }
 }
 
-/* https://iterm2.com/documentation-images.html */
+/* Appends a picture of `size` bytes (base64) for iTerm2
+ * (https://iterm2.com/documentation-images.html). */
 static void put_iterm(struct text code, size_t size, int columns, struct buffer *output)
 {
     buffer_format(output, "\033]1337;File=inline=1;preserveAspectRatio=1;size=%zu;width=%d:", size,
@@ -195,7 +204,8 @@ static void put_iterm(struct text code, size_t size, int columns, struct buffer 
     buffer_char(output, '\a');
 }
 
-/* [pt] of a picture that is as wide as the cells, and not higher: 2 pixels are a point. */
+/* Computes the page [pt] of a picture that is as wide as the cells and not higher; two pixels are a
+ * point. */
 static void choose_page(int columns, int rows, double page[2])
 {
     struct winsize size = {0};
@@ -209,7 +219,8 @@ static void choose_page(int columns, int rows, double page[2])
     page[1] = fmin(cell[1] * rows / 2, page[0] * PICTURE_HEIGHT / PICTURE_WIDTH);
 }
 
-/* picture: PICTURE_PIXELS of that page. */
+/* Appends a picture of raw pixels (PICTURE_PIXELS of that page) as sixels. Returns false if out of
+ * memory. */
 static bool put_sixel(const struct buffer *picture, const double page[2], struct buffer *output)
 {
     const int width = (int)(PICTURE_PIXELS_EACH * page[0]);
@@ -218,6 +229,7 @@ static bool put_sixel(const struct buffer *picture, const double page[2], struct
                        (int)(picture->len / stride), output);
 }
 
+/* Makes the picture of a figure and writes it to the terminal. Returns false with an error. */
 static bool pixels_figure_show(const struct figure *figure, int width, int height,
                                struct error *error)
 {
@@ -248,6 +260,8 @@ static bool pixels_figure_show(const struct figure *figure, int width, int heigh
     return ok;
 }
 
+/* Shows a figure as a picture; with NULL it only finds out whether the terminal can show pictures.
+ * Returns false with an error if it cannot. */
 static bool pixels_show(const struct front *front, const struct figure *figure, int width,
                         int height, struct error *error)
 {
