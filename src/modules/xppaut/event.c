@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* global SIGN {CONDITION} {NAME=FORMULA;…} of .ode files */
+/* Reads events of .ode files, global SIGN {CONDITION} {NAME=FORMULA;…}. */
 #include <hooke/base/statement.h>
 #include <string.h>
 
 #include "modules/xppaut/ode.h"
 
-/* Reads the text in {braces}; the condition may lack them. */
+/* Splits off the text in {braces}, or what comes before them, as a condition may lack them. Returns
+ * false if there is none. */
 static bool braced(struct text *rest, struct text *inside)
 {
     *rest = text_trim(*rest);
@@ -23,6 +24,8 @@ static bool braced(struct text *rest, struct text *inside)
     return true;
 }
 
+/* Appends the command for NAME=FORMULA of an event, or sets *stops for NAME arret. Returns false
+ * with an error. */
 static bool add_reset(const struct ode_reader *reader, struct text reset, bool *stops,
                       struct buffer *output)
 {

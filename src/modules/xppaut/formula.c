@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formulas of .ode files as formulas of typed scenes: functions and sums are written out. */
+/* Writes formulas of .ode files as formulas of typed scenes. */
 #include <hooke/base/number.h>
 #include "modules/xppaut/formula.h"
 #include "modules/xppaut/net.h"
@@ -7,18 +7,19 @@
 #include <string.h>
 
 enum {
-    DEEPEST = 4500,    /* trees in trees, by way of functions */
-    LONGEST = 1 << 16, /* [byte] */
-    TERMS = 4096       /* terms of a sum */
+    DEEPEST = 4500,    /* largest depth of trees, through functions that are called */
+    LONGEST = 1 << 16, /* largest size of a formula [byte] */
+    TERMS = 4096       /* largest number of terms of a sum */
 };
 
-/* expressions that may appear at a position without parentheses */
+/* The loosest expression that may stand at a position without parentheses. */
 enum { ANY, TERM, FACTOR, POWER, ATOM };
 
-/* Scope in which names are looked up: the arguments of a function, or the index of a sum. */
+/* Names around an expression: arguments of a function, or (function NULL) the index of a sum. */
 struct scope {
-    const struct scope *outer; /* a sum: what is around it; a function: where it is called */
+    const struct scope *outer; /* scope around a sum, or in which a function is called */
     const struct ode_symbol *function;
+    /* arguments of the call, to be read in the outer scope */
     const struct ode_node *const *argument;
     double index;
 };
@@ -26,8 +27,8 @@ struct scope {
 struct ode_writing {
     const struct ode_reader *reader;
     struct buffer *output;
-    int depth;
-    bool numbers; /* parameters as their values */
+    int depth;    /* depth of trees so far */
+    bool numbers; /* parameters are written as their values */
 };
 
 typedef const struct ode_node *node;
@@ -42,6 +43,7 @@ static bool ode_writing_fail(struct ode_writing *w, const char *prefix, struct t
                      (int)(name.len < 60 ? name.len : 60), name.data, suffix);
 }
 
+/* Appends text. Returns false with an error if the formula becomes too long. */
 static bool ode_text_put(struct ode_writing *w, const char *text)
 {
     buffer_put(w->output, text_of(text));
@@ -51,8 +53,6 @@ static bool ode_text_put(struct ode_writing *w, const char *text)
     return true;
 }
 
-/* ---- names ---- */
-
 struct ode_symbol *ode_find(const struct ode *ode, struct text name)
 {
     for (int i = 0; i < ode->symbols; i++)
@@ -61,7 +61,7 @@ struct ode_symbol *ode_find(const struct ode *ode, struct text name)
     return NULL;
 }
 
-/* The argument that a name is; *where: what it is written in. Returns NULL if there is none. */
+/* Returns the argument that a name denotes, to be read in scope *where, or NULL if it is none. */
 static node argument_named(const struct scope *scope, struct text name, const struct scope **where)
 {
     while (scope && !scope->function)
@@ -83,7 +83,7 @@ static const struct scope *sum_around(const struct scope *scope)
 
 static bool ode_number_put(struct ode_writing *w, double number);
 
-/* A parameter, or what follows from those before it, as a number or a formula of them. */
+/* Writes a parameter of a table as its value, a derived one as a formula; false if it changes. */
 static bool ode_value_put(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     struct ode *ode = w->reader->ode;
@@ -97,6 +97,7 @@ static bool ode_value_put(struct ode_writing *w, const struct ode_symbol *symbol
     return body && formula_put(w, body, NULL, ATOM);
 }
 
+/* Writes a symbol's name. Returns false with an error if it is NULL or may not be read here. */
 static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     const struct ode_symbol *owner = w->reader->subject;
@@ -116,6 +117,7 @@ static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, s
     return ode_text_put(w, symbol->as);
 }
 
+/* Writes a name: the argument that it denotes, t, pi, or a symbol. */
 static bool ode_name_put(struct ode_writing *w, struct text name, const struct scope *scope,
                          int may)
 {
@@ -128,8 +130,6 @@ static bool ode_name_put(struct ode_writing *w, struct text name, const struct s
     return put_symbol(w, ode_find(w->reader->ode, name), name);
 }
 
-/* ---- numbers ---- */
-
 static bool ode_number_put(struct ode_writing *w, double number)
 {
     char text[REAL_TEXT_SIZE];
@@ -139,7 +139,7 @@ static bool ode_number_put(struct ode_writing *w, double number)
                : ode_text_put(w, text);
 }
 
-/* Evaluates an expression that consists of numbers and indices only. */
+/* Evaluates an expression of numbers and indices. Returns false if it has anything else. */
 static bool ode_node_value(node expr, const struct scope *scope, int depth, double *value)
 {
     const struct scope *where = sum_around(scope);
@@ -170,15 +170,14 @@ static bool ode_node_value(node expr, const struct scope *scope, int depth, doub
     return true;
 }
 
-/* ---- logic ---- */
-
+/* Returns true for comparisons and logical operations, whose value is 0 or 1. */
 static bool is_logical(node expr)
 {
     return (expr->kind == NODE_JOIN && strchr("<>=!&|", expr->op)) ||
            (expr->kind == NODE_SIGN && expr->op == '!');
 }
 
-/* 1 where it is not 0. */
+/* Writes an expression that is 1 where the given one is not 0. */
 static bool put_truth(struct ode_writing *w, node expr, const struct scope *scope)
 {
     if (is_logical(expr))
@@ -195,6 +194,7 @@ static bool put_compared(struct ode_writing *w, node expr, const struct scope *s
            ode_text_put(w, ")");
 }
 
+/* Writes logical operations by products, maxima and differences of comparisons. */
 static bool put_logical(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const node *a = expr->argument;
@@ -222,6 +222,7 @@ static bool put_logical(struct ode_writing *w, node expr, const struct scope *sc
     }
 }
 
+/* Writes if(condition)then(a)else(b) as if(condition, a, b). */
 static bool put_choice(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const node *a = expr->argument;
@@ -235,6 +236,7 @@ static bool put_choice(struct ode_writing *w, node expr, const struct scope *sco
 
 /* ---- calls ---- */
 
+/* Functions of XPPAUT, and what they are called in typed scenes. */
 static const struct builtin {
     const char *name, *as;
     int arguments;
@@ -247,6 +249,7 @@ static const struct builtin {
     {"min", "min", 2},
 };
 
+/* Sets the error for a function that expressions do not have. Returns false. */
 static bool refuse_call(struct ode_writing *w, struct text name)
 {
     static const struct {
@@ -265,7 +268,7 @@ static bool refuse_call(struct ode_writing *w, struct text name)
     return ode_writing_fail(w, "expressions have no function '", name, "'");
 }
 
-/* XPPAUT's remainder is that of fmod(), plus b where it is below 0. */
+/* Writes XPPAUT's mod(a, b): the remainder of fmod(), plus b where that is below 0. */
 static bool put_mod(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const node *a = expr->argument;
@@ -285,7 +288,7 @@ static bool put_mod(struct ode_writing *w, node expr, const struct scope *scope)
            formula_put(w, a[1], scope, ANY) && ode_text_put(w, ")) < 0))");
 }
 
-/* The quantity so many places behind another one. */
+/* Writes shift(NAME, k): the quantity of the same kind k places behind NAME. */
 static bool put_shift(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const struct ode *ode = w->reader->ode;
@@ -302,7 +305,7 @@ static bool put_shift(struct ode_writing *w, node expr, const struct scope *scop
     return ode_writing_fail(w, "there is no such index after ", base->name, "");
 }
 
-/* Its text as a function of what it is called with. */
+/* Writes the body of a function with the arguments of the call in it. */
 static bool put_function(struct ode_writing *w, node expr, struct ode_symbol *function,
                          const struct scope *scope, int may)
 {
@@ -316,7 +319,7 @@ static bool put_function(struct ode_writing *w, node expr, struct ode_symbol *fu
     return function->body && formula_put(w, function->body, &inner, may);
 }
 
-/* A table or a network, written out. */
+/* Writes the value of a table or of a network at an argument. */
 static bool put_places(struct ode_writing *w, node expr, struct ode_symbol *symbol,
                        const struct scope *scope, int may)
 {
@@ -361,6 +364,7 @@ static bool put_call(struct ode_writing *w, node expr, const struct scope *scope
     return ode_text_put(w, ")");
 }
 
+/* Writes the terms of a sum, one for each value of its index. */
 static bool put_sum(struct ode_writing *w, node expr, const struct scope *scope)
 {
     double first, last;
@@ -383,9 +387,7 @@ static bool put_sum(struct ode_writing *w, node expr, const struct scope *scope)
     return ode_text_put(w, ")");
 }
 
-/* ---- operations ---- */
-
-/* Returns true if the node continues a chain a + b - c or a*b/c. */
+/* Returns true for a + b and a - b or, unless `sum`, for a*b and a/b. */
 static bool is_link(node expr, bool sum)
 {
     return expr->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", expr->op);
@@ -404,7 +406,7 @@ static bool put_link(struct ode_writing *w, node expr, const struct scope *scope
            formula_put(w, expr->argument[1], scope, is_link(expr, true) ? FACTOR : POWER);
 }
 
-/* A chain without nesting: it may have thousands of links. */
+/* Writes a chain of sums or products without recursion, as it may have thousands of links. */
 static bool put_chain(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     const bool sum = is_link(expr, true);
@@ -434,6 +436,7 @@ static bool put_power(struct ode_writing *w, node expr, const struct scope *scop
            formula_put(w, expr->argument[1], scope, ATOM) && (may <= POWER || ode_text_put(w, ")"));
 }
 
+/* Writes an expression by its kind; see ANY for `may`. */
 static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     const struct scope *enclosing_sum = sum_around(scope);
@@ -463,6 +466,7 @@ static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope
            formula_put(w, expr->argument[0], scope, ATOM) && (may <= TERM || ode_text_put(w, ")"));
 }
 
+/* Writes an expression. Returns false with an error. */
 static bool formula_put(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     if (++w->depth > DEEPEST)

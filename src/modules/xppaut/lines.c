@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lines of .ode files: x[1..9]'=… and groups between %[1..9] and % are written out. */
+/* Splits .ode files into lines: x[1..9]'=… and groups between %[1..9] and % are written out. */
 #include <stdio.h>
 #include <string.h>
 
 #include "modules/xppaut/ode.h"
 
+/* Lines that were read so far. */
 struct ode_lines {
     struct arena *arena;
     struct error *error;
-    struct ode_line *line;
+    struct ode_line *line; /* [count] in the arena */
     int count, capacity;
-    size_t bytes;
+    size_t bytes; /* size of their texts */
 };
 
 bool ode_error(struct error *error, int line, const char *format, ...)
@@ -24,6 +25,7 @@ bool ode_error(struct error *error, int line, const char *format, ...)
     return false;
 }
 
+/* Adds a copy of a line, unless it is empty. Returns false with an error if there are too many. */
 static bool ode_line_add(struct ode_lines *r, struct text text, int number)
 {
     text = text_trim(text);
@@ -52,6 +54,7 @@ static bool ode_line_add(struct ode_lines *r, struct text text, int number)
 
 /* ---- arrays ---- */
 
+/* Returns the integer at the begin of the text, at most about 1e7, or 0 if there is none. */
 static long whole(struct text text)
 {
     long value = 0;
@@ -62,12 +65,14 @@ static long whole(struct text text)
     return negative ? -value : value;
 }
 
+/* Returns the first character c of the text, or NULL if there is none. */
 static const char *text_find(struct text text, char c)
 {
     return text.len > 0 ? memchr(text.data, c, text.len) : NULL;
 }
 
-/* Reads an index in brackets: 5, j, j+1, j-1, j*2. */
+/* Reads an index in brackets, 5, j, j+1, j-1 or j*2, where *j is the index of the array, or NULL
+ * outside of arrays. Returns false with an error. */
 static bool subscript(struct text inside, const long *j, int number, long *value,
                       struct error *error)
 {
@@ -95,13 +100,15 @@ static bool subscript(struct text inside, const long *j, int number, long *value
     return true;
 }
 
+/* Returns true if the bracket at that position belongs to an integral such as int[.5]. */
 static bool is_kernel(const struct text line, size_t index) /* int[.5] */
 {
     return index >= 3 && memcmp(line.data + index - 3, "int", 3) == 0;
 }
 
-/* Writes the line for index j. range_begin and range_end are the ends of "1..9" inside its
- * brackets, or NULL if it has none. */
+/* Adds the line with its indices replaced by numbers, for index *j of an array (NULL outside).
+ * range_begin and range_end are the ends of the text "1..9" in its brackets, or NULL if it has
+ * none. Returns false with an error. */
 static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
                       const char *range_begin, const char *range_end)
 {
@@ -130,7 +137,8 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
     return fine;
 }
 
-/* [a..b] of a line: where it stands, and its ends. */
+/* Finds the first [a..b] of a line: the text in its brackets, and both numbers. Returns false if
+ * there is none. */
 static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
 {
     for (const char *cursor = line.data;
@@ -150,6 +158,8 @@ static bool range_of(struct text line, const char **begin, const char **end, lon
     return false;
 }
 
+/* Adds a line, once for each index if it has a range; settings (@) have none. Returns false with an
+ * error. */
 static bool add_array(struct ode_lines *r, struct text line, int number)
 {
     const char *begin, *end;
@@ -166,7 +176,8 @@ static bool add_array(struct ode_lines *r, struct text line, int number)
     }
 }
 
-/* All lines of a group at 1, then at 2, ... */
+/* Adds all lines of a group for the first index of its head, then for the next, and so on. Returns
+ * false with an error. */
 static bool add_group(struct ode_lines *r, struct text head, const struct ode_line *line, int count,
                       int number)
 {
@@ -186,7 +197,8 @@ static bool add_group(struct ode_lines *r, struct text head, const struct ode_li
 
 /* ---- whole lines ---- */
 
-/* One line with those that continue it: up to the first backslash of each. */
+/* Reads a line with those that continue it, each up to its first backslash, in lower case and
+ * without tabs. Returns false at the end of the file. *number counts lines of the file. */
 static bool take_line(struct text *rest, int *number, struct buffer *line)
 {
     struct text part;
@@ -221,12 +233,15 @@ static bool is_done(struct text line)
            (rest.len == 0 || rest.data[0] != '=');
 }
 
+/* A group of lines that is being read. */
 struct group {
     struct ode_lines lines;
-    struct text head;
-    int number; /* 0 if none is open */
+    struct text head; /* its first line, %[1..9] */
+    int number;       /* line of its head, or 0 if no group is open */
 };
 
+/* Takes a complete line: comments are dropped, lines of a group collected, others added. Returns
+ * false with an error. */
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
     if (line.data[0] == '#' && text_starts(text_after(line, 1), TEXT("include")))

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables of .ode files, and networks that weigh neighbours by one (`special`). */
+/* Tables of .ode files, and networks that are weighted sums over neighbours (`special`). */
 #include <hooke/base/number.h>
 #include "modules/xppaut/net.h"
 
 #include <string.h>
 
+/* largest number of points of a table, and of quantities of a network */
 enum { POINTS = 1000 };
 
+/* Splits a number off the begin of a text. Returns false if there is none. */
 static bool take_number(struct text *rest, double *number)
 {
     size_t used;
@@ -44,11 +46,13 @@ bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
     return true;
 }
 
+/* Returns the argument of point i. */
 static double point_of(const struct ode_table *table, int i)
 {
     return table->x_low + i * ((table->x_high - table->x_low) / (table->points - 1));
 }
 
+/* Computes the table's formula at t. Returns false with an error if it is no finite number. */
 static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
                        const struct ode_node *formula, double t, double *value)
 {
@@ -67,7 +71,8 @@ static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
     return fine && isfinite(*value);
 }
 
-/* Its values, with the parameters that the file has. */
+/* Computes all values of a table, unless that is done, with the parameters that the file has.
+ * Returns false with an error. */
 static bool find_values(struct ode *ode, struct ode_symbol *symbol)
 {
     struct ode_table *table = symbol->table;
@@ -90,6 +95,7 @@ static bool find_values(struct ode *ode, struct ode_symbol *symbol)
 
 /* ---- formulas ---- */
 
+/* Makes a node for a number. Returns NULL with an error if out of memory. */
 static struct ode_node *number_of(struct ode *ode, double number)
 {
     struct ode_node *made = arena_alloc(ode->arena, sizeof *made);
@@ -100,7 +106,8 @@ static struct ode_node *number_of(struct ode *ode, double number)
     return made;
 }
 
-/* a op b, or max(a, b) */
+/* Makes a node a op b, or max(a, b) for op 'm'. Returns NULL with an error if out of memory, or if
+ * a or b is NULL. */
 static const struct ode_node *net_node_join(struct ode *ode, char op, const struct ode_node *a,
                                             const struct ode_node *b)
 {
@@ -122,7 +129,7 @@ static const struct ode_node *net_node_join(struct ode *ode, char op, const stru
     return made;
 }
 
-/* factor*max(at - x, 0), or without the max() */
+/* Makes factor*max(argument - x, 0) if it `bends`, otherwise factor*(argument - x). */
 static const struct ode_node *ramp_node(struct ode *ode, double factor,
                                         const struct ode_node *argument, double x, bool bends)
 {
@@ -132,8 +139,8 @@ static const struct ode_node *ramp_node(struct ode *ode, double factor,
     return net_node_join(ode, '*', number_of(ode, factor), excess);
 }
 
-/* Its value at the first point, its first slope, and by how much the slope changes at the others.
- */
+/* The formula is the value at the first point, plus a line with the first slope, plus a ramp for
+ * each change of slope. */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
                                     const struct ode_node *argument)
 {
@@ -155,6 +162,7 @@ const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
 
 /* ---- special NAME=conv(EDGE,COUNT,REACH,TABLE,FIRST) ---- */
 
+/* Reads a text that is an integer from 0 to `most`. Returns false if it is not. */
 static bool take_whole(struct text text, int most, int *whole)
 {
     double value;
@@ -194,8 +202,8 @@ bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
     return true;
 }
 
-/* Returns the index in the net, where indices beyond the ends are mirrored or wrapped, or -1 for
- * none. */
+/* Returns the index of a quantity of the network, where indices beyond the ends are mirrored or
+ * wrapped, or -1 if there is none. */
 static int neighbour(const struct ode_net *net, int i)
 {
     if (i >= 0 && i < net->count)
@@ -205,7 +213,8 @@ static int neighbour(const struct ode_net *net, int i)
     return net->edge == 'e' ? (i < 0 ? -i : 2 * (net->count - 1) - i) : -1;
 }
 
-/* The quantity i places behind the first, as a formula; NULL if there is none. */
+/* Makes a node for the quantity i places after `first`. Returns NULL if there is none, or with an
+ * error if out of memory. */
 static const struct ode_node *quantity_node(struct ode *ode, const struct ode_symbol *first, int i)
 {
     for (int k = 0; k < ode->symbols; k++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* .ode files as typed scenes. */
+/* Turns .ode files into lines of typed scenes: chooses names, applies values, and writes
+ * formulas. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
 #include <hooke/base/safe_text.h>
@@ -20,6 +21,8 @@ static bool is_initial_of(struct text name, struct text variable)
            memcmp(name.data + variable.len, end.data, end.len) == 0;
 }
 
+/* Returns true if the symbol can have that name in the scene: it is valid, not needed by the
+ * program, and not taken by another symbol or initial value. */
 static bool is_free(const struct ode *ode, const struct ode_symbol *symbol,
                     const struct ode_options *options, struct text name)
 {
@@ -33,14 +36,15 @@ static bool is_free(const struct ode *ode, const struct ode_symbol *symbol,
             return false;
         if (other->kind == ODE_VARIABLE && is_initial_of(name, other->name))
             return false;
-        /* a later one that keeps its name */
+        /* a symbol that will be named later keeps its own name */
         if (other != symbol && other->kind < symbol->kind && text_equal(name, other->name))
             return false;
     }
     return true;
 }
 
-/* As it is, or with _1 behind it, _2, ...; signs that names do not have become _. */
+/* Chooses the symbol's name in the scene: its own with invalid characters replaced by _, followed
+ * by _1, _2, ... if that is taken. Notes a change. Returns false with an error. */
 static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
                         const struct ode_options *options)
 {
@@ -70,6 +74,7 @@ static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
                                                    safe_name(symbol->name, safe), name);
 }
 
+/* Chooses the names of all symbols that are not functions. Returns false with an error. */
 static bool choose_names(struct ode_statements *s, const struct ode_options *options)
 {
     for (enum ode_kind kind = ODE_VARIABLE; kind < ODE_FUNCTION; kind++)
@@ -81,6 +86,8 @@ static bool choose_names(struct ode_statements *s, const struct ode_options *opt
 
 /* ---- values ---- */
 
+/* Sets the initial values of variables. Returns false with an error if there is no such
+ * variable. */
 static bool set_initials(struct ode_statements *s)
 {
     for (int i = 0; i < s->initials; i++) {
@@ -101,6 +108,8 @@ bool ode_stopped(const struct ode *ode)
            !error_set(ode->error, ERROR_CANCELLED, "stopped: nothing was loaded");
 }
 
+/* Applies a set of values to settings, parameters and initial values. Returns false with an
+ * error. */
 static bool apply_set(struct ode_statements *s, const struct ode_set *set)
 {
     struct text rest = set->values, name, value;
@@ -123,6 +132,8 @@ static bool apply_set(struct ode_statements *s, const struct ode_set *set)
     return true;
 }
 
+/* Lists the names of all sets in the scene and applies the wanted one, if its name is not empty.
+ * Returns false with an error if there is no such set. */
 static bool choose_set(struct ode_statements *s, struct text wanted, struct ode_scene *scene)
 {
     struct text *names = arena_array(s->ode.arena, (size_t)s->sets + 1, sizeof *names);
@@ -148,7 +159,8 @@ static bool choose_set(struct ode_statements *s, struct text wanted, struct ode_
 
 /* ---- lines of a scene ---- */
 
-/* The right-hand side as typed scenes have it, in the arena; NULL if an error is set. */
+/* Returns the right-hand side of a symbol as a formula of typed scenes, in the arena, or NULL with
+ * an error. */
 static const char *right_side(struct ode *ode, const struct ode_symbol *symbol)
 {
     const bool ordered = symbol->kind == ODE_DERIVED || symbol->kind == ODE_FIXED;
@@ -166,6 +178,8 @@ static const char *right_side(struct ode *ode, const struct ode_symbol *symbol)
     return copy;
 }
 
+/* Adds a line of the scene, of kind `as`, for each symbol of a kind. Returns false with an
+ * error. */
 static bool add_lines(struct ode *ode, enum ode_kind kind, enum typed_kind as,
                       struct ode_scene *scene)
 {
@@ -189,6 +203,7 @@ static bool add_lines(struct ode *ode, enum ode_kind kind, enum typed_kind as,
     return true;
 }
 
+/* Reads all events. Returns false with an error. */
 static bool add_events(struct ode_statements *s, struct ode_scene *scene)
 {
     for (int i = 0; i < s->events; i++)
@@ -197,7 +212,8 @@ static bool add_events(struct ode_statements *s, struct ode_scene *scene)
     return true;
 }
 
-/* As XPPAUT's do in a run of its own, where nobody has it make them again. */
+/* Notes which tables have parameters in them and keep their numbers when these are changed, as in
+ * XPPAUT. Returns false with an error if out of memory. */
 static bool note_tables(struct ode_statements *s)
 {
     for (int i = 0; i < s->ode.symbols; i++) {

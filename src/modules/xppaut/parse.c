@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * XPPAUT's grammar: + - | bind loosest, then * / & and signs, then ^ and the comparisons; all from
- * the left. A sign stands at the start of a formula, of an argument and behind '(' only.
- */
+/* Parses formulas by XPPAUT's grammar: + - | bind loosest, then * / & and signs, then ^ and the
+ * comparisons; all are left-associative. A sign may only stand at the begin of a formula or an
+ * argument and after '('. */
 #include <hooke/base/number.h>
 #include <string.h>
 
 #include "modules/xppaut/formula.h"
 
+/* Largest depth of parentheses, and largest number of nodes. */
 enum { DEEPEST = 60, NODES = LIMIT_EXPR_SIZE };
 
+/* State of parsing. */
 struct ode_parser {
     struct arena *arena;
     struct error *error;
@@ -22,6 +23,7 @@ typedef const struct ode_node *node;
 
 static node sum_parse(struct ode_parser *p);
 
+/* Sets an error that shows the text at the present position. Returns NULL. */
 static node parser_fail(struct ode_parser *p, const char *what)
 {
     const struct text rest = {p->text.data + p->position, p->text.len - p->position};
@@ -35,6 +37,8 @@ static node parser_fail(struct ode_parser *p, const char *what)
     return NULL;
 }
 
+/* Makes a node with room for its arguments. Returns NULL with an error if out of memory or if there
+ * are too many. */
 static struct ode_node *parser_node_make(struct ode_parser *p, enum ode_node_kind kind,
                                          int arguments)
 {
@@ -54,6 +58,7 @@ static struct ode_node *parser_node_make(struct ode_parser *p, enum ode_node_kin
     return made;
 }
 
+/* Makes a node with two arguments. Returns NULL if one of them is NULL, or with an error. */
 static node ode_node_join(struct ode_parser *p, enum ode_node_kind kind, char op, bool equal,
                           node a, node b)
 {
@@ -67,6 +72,7 @@ static node ode_node_join(struct ode_parser *p, enum ode_node_kind kind, char op
     return made;
 }
 
+/* Makes a node for a sign or `not`. Returns NULL if the operand is NULL, or with an error. */
 static node sign_node_make(struct ode_parser *p, char op, node operand)
 {
     struct ode_node *made = operand ? parser_node_make(p, NODE_SIGN, 1) : NULL;
@@ -77,6 +83,7 @@ static node sign_node_make(struct ode_parser *p, char op, node operand)
     return made;
 }
 
+/* Skips blanks and returns the next character, or 0 at the end. */
 static char parser_peek(struct ode_parser *p)
 {
     while (p->position < p->text.len &&
@@ -85,6 +92,7 @@ static char parser_peek(struct ode_parser *p)
     return p->position < p->text.len ? p->text.data[p->position] : '\0';
 }
 
+/* Skips the word if it comes next, and returns true then. */
 static bool ode_word_take(struct ode_parser *p, const char *word)
 {
     parser_peek(p);
@@ -100,7 +108,7 @@ static bool is_ode_letter(char c)
     return (c >= 'a' && c <= 'z') || c == '_';
 }
 
-/* "(" sum ")" */
+/* Parses "(" sum ")". Returns NULL with an error. */
 static node in_parentheses(struct ode_parser *p)
 {
     if (!ode_word_take(p, "("))
@@ -111,6 +119,7 @@ static node in_parentheses(struct ode_parser *p)
     return inside;
 }
 
+/* Parses what follows `if`: (condition)then(a)else(b). Returns NULL with an error. */
 static node choice(struct ode_parser *p)
 {
     const node condition = in_parentheses(p);
@@ -129,7 +138,7 @@ static node choice(struct ode_parser *p)
     return made;
 }
 
-/* Parses the arguments in the parentheses of a call. */
+/* Parses the arguments in parentheses of a call. Returns NULL with an error. */
 static struct ode_node *call_parse(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];
@@ -155,6 +164,7 @@ static struct ode_node *call_parse(struct ode_parser *p, struct text name)
     return made;
 }
 
+/* Parses a sum, sum(from,to)of(formula), of which the name was read. Returns NULL with an error. */
 static node series(struct ode_parser *p, struct text name)
 {
     struct ode_node *ends = call_parse(p, name);
@@ -172,6 +182,7 @@ static node series(struct ode_parser *p, struct text name)
     return made;
 }
 
+/* Parses what begins with a name. Returns NULL with an error. */
 static node word_parse(struct ode_parser *p)
 {
     const size_t begin = p->position;
@@ -200,6 +211,7 @@ static node word_parse(struct ode_parser *p)
     return made;
 }
 
+/* Parses a number, a name, a call or a formula in parentheses. Returns NULL with an error. */
 static node atom_parse(struct ode_parser *p)
 {
     const char next = parser_peek(p);
@@ -222,6 +234,7 @@ static node atom_parse(struct ode_parser *p)
     return parser_fail(p, "a number or a name is missing");
 }
 
+/* Parses a chain of powers and comparisons. Returns NULL with an error. */
 static node parse_power(struct ode_parser *p)
 {
     static const struct {
@@ -241,7 +254,7 @@ static node parse_power(struct ode_parser *p)
     return left;
 }
 
-/* Reads the word `not` and returns true if it comes next. */
+/* Skips the word `not` if it comes next, and returns true then. */
 static bool takes_not(struct ode_parser *p)
 {
     parser_peek(p);
@@ -253,11 +266,14 @@ static bool takes_not(struct ode_parser *p)
     return is;
 }
 
+/* Parses a power, which `not` may precede. Returns NULL with an error. */
 static node factor(struct ode_parser *p)
 {
     return takes_not(p) ? sign_node_make(p, '!', parse_power(p)) : parse_power(p);
 }
 
+/* Parses a chain of products; the `first` one of a sum may begin with a minus sign. Returns NULL
+ * with an error. */
 static node product(struct ode_parser *p, bool first)
 {
     node left = first && ode_word_take(p, "-") ? sign_node_make(p, '-', factor(p)) : factor(p);
@@ -272,6 +288,7 @@ static node product(struct ode_parser *p, bool first)
     return left;
 }
 
+/* Parses a chain of sums. Returns NULL with an error. */
 static node sum_parse(struct ode_parser *p)
 {
     if (++p->depth > DEEPEST)

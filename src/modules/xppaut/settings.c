@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads `@` lines and sets of .ode files: NAME=VALUE, of which the last one holds. */
+/* Reads settings of .ode files, in lines `@` and in sets, as NAME=VALUE of which the last one
+ * holds, and chooses the method. */
 #include <hooke/base/number.h>
 #include <string.h>
 
 #include "modules/xppaut/ode.h"
 
+/* Returns true for characters that separate settings. */
 static bool is_setting_end(char c)
 {
     return c == ' ' || c == ',' || c == '\r' || c == ';' || c == '{' || c == '}';
 }
 
+/* Skips separators, `all` or only blanks. */
 static void setting_separators_skip(struct text *rest, bool all)
 {
     while (rest->len > 0 && (all ? is_setting_end(rest->data[0]) : rest->data[0] == ' '))
         *rest = (struct text){rest->data + 1, rest->len - 1};
 }
 
+/* Splits off a word, which ends at '=', too, if it is a `name`. */
 static struct text setting_word_take(struct text *rest, bool name)
 {
     size_t len = 0;
@@ -50,10 +54,12 @@ bool ode_number(int line, struct text name, struct text value, double *number, s
                      (int)(value.len < 40 ? value.len : 40), value.data);
 }
 
-/* XPPAUT's names, of which what stands here is the beginning. */
+/* Settings of XPPAUT. A name in the file needs only to begin with the name here. */
 static const struct known {
     const char *name;
-    size_t number, has; /* offsets; has 0: not used, for which `note` says why, or nothing has to */
+    /* offsets in struct ode_settings of the number and its flag; `has` is 0 for settings that are
+     * not used, with a note if that matters */
+    size_t number, has;
     const char *note;
 } known[] = {
     {"total", offsetof(struct ode_settings, total), offsetof(struct ode_settings, has_total), NULL},
@@ -70,6 +76,7 @@ static const struct known {
     {"delay", 0, 0, NULL},
 };
 
+/* Stores the letter of the method. */
 static bool set_method(struct ode_settings *settings, int line, struct text value)
 {
     if (value.len == 0)
@@ -101,14 +108,14 @@ bool ode_setting(struct ode_settings *settings, int line, struct text name, stru
         *has = true;
         return true;
     }
-    return true; /* settings of its windows and of its other tools */
+    return true; /* settings of windows and of other tools */
 }
 
 /* ---- the method ---- */
 
 static const struct {
     char letter;
-    const char *name, *meant; /* meant: XPPAUT's, where it is another one */
+    const char *name, *meant; /* `meant` describes XPPAUT's method if it is another one */
     bool adapts;
 } methods[] = {
     {'r', "rk4", NULL, false},
@@ -135,7 +142,7 @@ bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, st
     size_t i = 0;
     while (i < COUNT_OF(methods) && settings->has_method && methods[i].letter != settings->method)
         i++;
-    i = i < COUNT_OF(methods) ? i : 0; /* as XPPAUT: what it does not know is left out */
+    i = i < COUNT_OF(methods) ? i : 0; /* an unknown letter means the default, as in XPPAUT */
     scene->method = methods[i].name;
     scene->meant = methods[i].meant;
     scene->adapts = methods[i].adapts;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Takes the lines of .ode files apart: statements that begin with a word, and definitions. */
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include "modules/xppaut/statements.h"
@@ -7,11 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Returns the text from a position on, without blanks at its ends. */
 static struct text statement_tail(struct text text, size_t position)
 {
     return text_trim(text_after(text, position));
 }
 
+/* Returns the number of characters of a text that errors show. */
 static int shown(struct text text)
 {
     return (int)(text.len < 60 ? text.len : 60);
@@ -56,6 +59,7 @@ bool ode_note(struct ode_statements *s, int line, bool warns, const char *format
 
 /* ---- names ---- */
 
+/* Returns true if the text can be a name. */
 static bool is_name(struct text name)
 {
     for (size_t i = 0; i < name.len; i++) {
@@ -66,6 +70,8 @@ static bool is_name(struct text name)
     return name.len > 0;
 }
 
+/* Adds a symbol with its right-hand side. Returns NULL with an error if the name is invalid or
+ * defined twice, or if there are too many. */
 static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind kind, int line,
                                          struct text name, struct text text)
 {
@@ -96,6 +102,7 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
 
 /* ---- statements that begin with a word ---- */
 
+/* Adds parameters NAME=VALUE, which are 0 without a value. Returns false with an error. */
 static bool take_params(struct ode_statements *s, int line, struct text rest)
 {
     struct text name, value;
@@ -108,6 +115,7 @@ static bool take_params(struct ode_statements *s, int line, struct text rest)
     return true;
 }
 
+/* Adds an initial value. Returns false with an error if it is no number. */
 static bool take_initial(struct ode_statements *s, int line, struct text name, struct text value)
 {
     if (!ode_grow(&s->ode, &s->initial, s->initials, &s->initial_capacity, sizeof *s->initial))
@@ -120,6 +128,7 @@ static bool take_initial(struct ode_statements *s, int line, struct text name, s
                      shown(name), name.data, shown(value), value.data);
 }
 
+/* Adds initial values NAME=VALUE. Returns false with an error. */
 static bool take_initials(struct ode_statements *s, int line, struct text rest)
 {
     struct text name, value;
@@ -129,6 +138,7 @@ static bool take_initials(struct ode_statements *s, int line, struct text rest)
     return true;
 }
 
+/* Adds an auxiliary quantity. Returns false with an error. */
 static bool take_aux(struct ode_statements *s, int line, struct text rest)
 {
     const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
@@ -139,6 +149,7 @@ static bool take_aux(struct ode_statements *s, int line, struct text rest)
                           statement_tail(rest, (size_t)(equals + 1 - rest.data)));
 }
 
+/* Adds a table. Returns false with an error. */
 static bool take_table(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "%");
@@ -147,6 +158,7 @@ static bool take_table(struct ode_statements *s, int line, struct text rest)
     return symbol && ode_table_read(&s->ode, symbol);
 }
 
+/* Adds a network. Returns false with an error. */
 static bool take_special(struct ode_statements *s, int line, struct text rest)
 {
     const char *equals = rest.len > 0 ? memchr(rest.data, '=', rest.len) : NULL;
@@ -158,6 +170,7 @@ static bool take_special(struct ode_statements *s, int line, struct text rest)
     return symbol && ode_net_read(&s->ode, symbol);
 }
 
+/* Adds a set of values. Returns false with an error if it has no name. */
 static bool take_set(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "{");
@@ -167,6 +180,8 @@ static bool take_set(struct ode_statements *s, int line, struct text rest)
     return true;
 }
 
+/* Adds the line of an event, which is read when all names are known. Returns false with an error if
+ * there are too many. */
 static bool take_global(struct ode_statements *s, int line, struct text rest)
 {
     if (s->events == ODE_EVENTS)
@@ -175,6 +190,7 @@ static bool take_global(struct ode_statements *s, int line, struct text rest)
     return true;
 }
 
+/* Notes that boundary conditions are left out. */
 static bool take_boundary(struct ode_statements *s, int line, struct text rest)
 {
     (void)rest;
@@ -182,17 +198,19 @@ static bool take_boundary(struct ode_statements *s, int line, struct text rest)
                     "boundary conditions are ignored; the scene starts from its initial values");
 }
 
+/* Ignores a statement that has no effect on the motion. */
 static bool take_nothing(struct ode_statements *s, int line, struct text rest)
 {
     (void)s, (void)line, (void)rest;
     return true;
 }
 
+/* Statements that begin with a word. */
 static const struct word {
-    const char *full; /* full word; a file may have its beginning, at least `min` letters */
+    const char *full; /* full word; the file may have only its begin, of at least `min` letters */
     size_t min;
     bool (*take)(struct ode_statements *s, int line, struct text rest); /* NULL if not supported */
-    const char *why;
+    const char *why; /* reason if it is not supported */
 } words[] = {
     {"parameters", 1, take_params, NULL},
     {"params", 1, take_params, NULL},
@@ -217,6 +235,8 @@ static const struct word {
     {"options", 2, NULL, "its settings are in another file (options); insert them here"},
 };
 
+/* Takes a line that begins with a word of `end` letters. Returns false with an error if it is
+ * unknown or not supported. */
 static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *line, size_t end)
 {
     const struct text word = {line->text.data, end}, rest = statement_tail(line->text, end);
@@ -232,6 +252,7 @@ static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *li
 
 /* ---- statements that begin with a name ---- */
 
+/* Returns true if the word occurs in the text. */
 static bool text_holds(struct text text, const char *word)
 {
     const size_t len = strlen(word);
@@ -250,6 +271,8 @@ static bool is_inside(struct text inside, const char *what)
     return *what == '\0';
 }
 
+/* Adds a function with the names of its arguments, `inside` its parentheses. Returns false with an
+ * error. */
 static bool take_function(struct ode_statements *s, int line, struct text name, struct text inside,
                           struct text text)
 {
@@ -266,7 +289,8 @@ static bool take_function(struct ode_statements *s, int line, struct text name, 
     return true;
 }
 
-/* NAME(…)=… */
+/* Takes a line NAME(…)=…: an initial value NAME(0), or a function. Returns false with an error for
+ * maps and integral equations. */
 static bool take_call(struct ode_statements *s, const struct ode_line *line, size_t open)
 {
     const struct text all = line->text, name = text_trim((struct text){all.data, open});
@@ -287,6 +311,8 @@ static bool take_call(struct ode_statements *s, const struct ode_line *line, siz
     return take_function(s, line->number, name, inside, right);
 }
 
+/* Adds the symbol `name` with the text behind the next '=' as its right-hand side. Returns false
+ * with an error. */
 static bool take_right(struct ode_statements *s, const struct ode_line *line, enum ode_kind kind,
                        struct text name, size_t position)
 {
@@ -297,6 +323,7 @@ static bool take_right(struct ode_statements *s, const struct ode_line *line, en
                           statement_tail(line->text, (size_t)(equals + 1 - line->text.data)));
 }
 
+/* Takes the settings of a line @. Returns false with an error. */
 static bool take_settings(struct ode_statements *s, const struct ode_line *line)
 {
     struct text rest = line->text, name, value;
@@ -314,6 +341,8 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     return true;
 }
 
+/* Takes a line of any kind, by the sign that follows its first word. Returns false with an
+ * error. */
 static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
 {
     const struct text text = line->text;

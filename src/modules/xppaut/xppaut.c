@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module xppaut: scenes read from XPPAUT's .ode files. */
+/* The module xppaut: `load scene FILE.ode` makes a typed scene from XPPAUT's file, with its method,
+ * times and events. */
 #include "modules/xppaut/ode_file.h"
 #include <hooke/base/file.h>
 #include <hooke/base/number.h>
@@ -14,12 +15,14 @@
 
 #define FILE_MAX ((size_t)1 << 22) /* [byte] */
 
+/* Returns true if the program needs the name for a setting. */
 static bool is_setting(struct text name)
 {
     return catalog_find(&setting_catalog, name);
 }
 
-/* That of the file, unless it is one of the program's. */
+/* Makes the name of the scene from that of the file, with "-ode" if the program has a scene of that
+ * name. */
 static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
 {
     static const char mark[] = "-ode";
@@ -65,6 +68,8 @@ static void name_line(const struct ode_scene *scene, struct error *error)
 
 /* ---- the set-up ---- */
 
+/* Sets how often rows are recorded: every so many steps, or times if the method adapts. Returns
+ * false with an error. */
 static bool set_record(struct settings *settings, const struct ode_scene *scene, bool adapts,
                        struct error *error)
 {
@@ -79,6 +84,7 @@ static bool set_record(struct settings *settings, const struct ode_scene *scene,
            (setting_from(row))->parse(settings, text_of(every), error);
 }
 
+/* Sets method, steps, tolerance and duration of the set-up. Returns false with an error. */
 static bool set_method(struct setup *setup, const struct ode_scene *scene, struct error *error)
 {
     const struct row *row = catalog_find(&method_catalog, text_of(scene->method));
@@ -99,6 +105,7 @@ static bool set_method(struct setup *setup, const struct ode_scene *scene, struc
     return set_record(settings, scene, adapts, error);
 }
 
+/* Adds the events of the file to the session. Returns false with an error that names the line. */
 static bool add_events(struct session *session, const struct arguments *args,
                        const struct ode_scene *scene, struct error *error)
 {
@@ -126,7 +133,8 @@ static bool add_events(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* The caller takes the set-up back where it fails. */
+/* Makes the file's scene the session's, with method and events. Returns false with an error; the
+ * caller then restores the set-up. */
 static bool ode_scene_take(struct session *session, const struct arguments *args, struct text file,
                            const struct ode_scene *ode_scene, struct error *error)
 {
@@ -155,6 +163,7 @@ static bool ode_scene_take(struct session *session, const struct arguments *args
 
 /* ---- what is said ---- */
 
+/* Returns the number of lines of a kind. */
 static int count_of(const struct ode_scene *scene, enum typed_kind kind)
 {
     int count = 0;
@@ -163,6 +172,7 @@ static int count_of(const struct ode_scene *scene, enum typed_kind kind)
     return count;
 }
 
+/* Lists the sets of values that the file has. */
 static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
 {
     char name[SAFE_NAME_SIZE];
@@ -171,6 +181,7 @@ static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
                       safe_name(ode_scene->set[i], name));
 }
 
+/* Replies with what was read: a summary, notes and a record. */
 static void reply_from(const struct session *session, const struct ode_scene *ode_scene,
                        struct text file, struct reply *reply)
 {
@@ -217,6 +228,8 @@ static void reply_from(const struct session *session, const struct ode_scene *od
     reply_end(reply);
 }
 
+/* Reads a file and makes it the session's scene, with the values of `set` unless it is empty.
+ * Returns false with an error, and leaves the session unchanged. */
 static bool ode_load(struct session *session, const struct arguments *args, struct text file,
                      struct text set, struct reply *reply, struct error *error)
 {
