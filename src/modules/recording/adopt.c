@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording.
- */
+/* The command adopt: takes the values of the last fit into the scene, and compares a run of it with
+ * the recording. */
 #include <hooke/base/unit.h>
 #include <hooke/plot.h>
 #include "modules/recording/fit_text.h"
@@ -12,11 +12,13 @@
 
 /* ---- what was taken ---- */
 
+/* Largest number of adopted values, and of terms that the scene cannot represent. */
 enum { ADOPTED_MAX = LIMIT_VARIABLES + 16, LEFT_OUT_MAX = 4 };
 
+/* The state of an adoption. */
 struct adoption {
     struct session *session;
-    struct scene scene; /* as it becomes */
+    struct scene scene; /* the scene with the adopted values */
     struct adopted {
         char name[LIMIT_NAME + 1];
         struct measured value;
@@ -24,16 +26,18 @@ struct adoption {
     } taken[ADOPTED_MAX];
     int count;
     const char *left_out[LEFT_OUT_MAX];
-    int left;
+    int left; /* number of terms that are left out */
     int data; /* index of the recording that was fitted, or -1 */
-    /* the adopted motion starts where the fit does, so that it can be compared with the
-     * recording */
+    /* The adopted motion starts where the fit does, so that it can be compared with the
+     * recording. */
     bool as_on_data;
-    struct inputs inputs; /* inputs that entered besides the fit */
+    struct inputs inputs; /* values that entered besides the fit */
     bool pendulum;        /* the scene is a pendulum, not a mass on a spring */
     bool unscaled;        /* true if the fit is in volts or newtons and their scale is unknown */
 };
 
+/* Sets a parameter of the scene and adds it to the list. Returns false with the error if it is
+ * outside of its range. */
 static bool adopt_value(struct adoption *a, const char *name, struct measured value,
                         struct error *error)
 {
@@ -50,7 +54,7 @@ static bool adopt_value(struct adoption *a, const char *name, struct measured va
     return true;
 }
 
-/* The scene becomes that, and with it what is known of its uncertainty. */
+/* Makes the scene the session's, and stores it as adopted. */
 static void become(const struct adoption *a)
 {
     struct fits *fits = fits_made(a->session);
@@ -60,6 +64,7 @@ static void become(const struct adoption *a)
     memcpy(fits->adopted.subject, fits->fit_of, sizeof fits->adopted.subject);
 }
 
+/* Notes a term that the scene cannot represent. */
 static void leave_out(struct adoption *a, const char *what)
 {
     if (a->left < LEFT_OUT_MAX)
@@ -68,13 +73,13 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
-#define RMS_RATIO_MAX 1.2 /* largest rms of the run over that of the fit */
+#define RMS_RATIO_MAX 1.2 /* largest rms of the run relative to that of the fit */
 #define RUN_ERROR_AMPLITUDE_FRACTION                                                               \
     1e-8                /* part of the amplitude that the run's own errors may add */
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 
-/* Returns the rms of the scene, run from its start over the window of the fit, or NAN if it cannot
- * be compared or was stopped. */
+/* Returns the rms difference between the recording and a run of the scene over the window of the
+ * fit, or NAN if they cannot be compared or it was cancelled. */
 static double rms_of_run(const struct adoption *a)
 {
     const struct session *session = a->session;
@@ -88,7 +93,7 @@ static double rms_of_run(const struct adoption *a)
     return rms;
 }
 
-/* Warns that the run is far from the data, with the likely reason. */
+/* Warns that the run differs from the data, with the likely reason. */
 static void warn_apart(const struct adoption *a, double rms, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -109,6 +114,7 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
     buffer_free(&text);
 }
 
+/* Runs the scene, compares, and adds text and record of the adoption to the reply. */
 static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -158,6 +164,7 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
         warn_apart(a, rms, reply);
 }
 
+/* Appends the adopted values. */
 static void put_taken(const struct adoption *a, struct buffer *text)
 {
     for (int i = 0; i < a->count; i++) {
@@ -166,7 +173,8 @@ static void put_taken(const struct adoption *a, struct buffer *text)
     }
 }
 
-/* Numbers without a unit are taken as positions. */
+/* Returns how often a position was differentiated to give the quantity, or a negative number for
+ * others. Numbers without a unit count as positions. */
 static int derivatives(enum quantity quantity)
 {
     return quantity == QUANTITY_OTHER ? 0 : quantity_order(quantity);
@@ -178,7 +186,7 @@ static bool is_turning(enum quantity quantity)
            quantity == QUANTITY_ANGULAR_ACCELERATION;
 }
 
-/* Returns the index of the recording that was fitted, or -1 if it was none or has been removed. */
+/* Returns the index of the recording that was fitted, or -1 if there was none or it was removed. */
 static int fitted_recording(const struct session *session)
 {
     const struct text source = text_of(fits_of(session)->fit_of);
@@ -187,7 +195,8 @@ static int fitted_recording(const struct session *session)
                : -1;
 }
 
-/* Takes the free parameters of a fit of the scene into the scene. */
+/* Adopts the free parameters of a fit of the scene. Returns false with the error for fits that
+ * cannot be adopted. */
 static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {
@@ -242,7 +251,8 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
 
 /* ---- of an oscillation ---- */
 
-/* A coefficient that these parameters turned into one of the scene. */
+/* Returns a coefficient of the scene that was computed from a fitted rate and these parameters,
+ * with their uncertainties, and notes them as inputs. */
 static struct measured converted(struct adoption *a, struct measured rate, const char *names)
 {
     struct inputs used = {.exacts = 0};
@@ -252,7 +262,8 @@ static struct measured converted(struct adoption *a, struct measured rate, const
     return inputs_widen(&used, rate);
 }
 
-/* Every term of the law, those it does not have as 0. */
+/* Adopts every term of the law of damping, those that it does not have as 0. Returns false with the
+ * error. */
 static bool take_law(struct adoption *a, const struct fit *fit, const struct measured *value,
                      struct error *error)
 {
@@ -290,7 +301,8 @@ static bool take_law(struct adoption *a, const struct fit *fit, const struct mea
                        error);
 }
 
-/* The spring of the fit, or the rod that swings as fast. */
+/* Adopts the spring constant of the fit, or the length of the pendulum. Returns false with the
+ * error. */
 static bool take_force(struct adoption *a, const struct measured *value, struct error *error)
 {
     if (a->pendulum && !(param_value(&a->scene, "g") > 0))
@@ -301,6 +313,7 @@ static bool take_force(struct adoption *a, const struct measured *value, struct 
                        : adopt_value(a, "k", value[ADOPTED_STIFFNESS], error);
 }
 
+/* Adopts the start of the motion at t0. */
 static bool take_start(struct adoption *a, const struct measured *value, double t0,
                        struct error *error)
 {
@@ -311,6 +324,7 @@ static bool take_start(struct adoption *a, const struct measured *value, double 
     return taken && adopt_value(a, "t0", (struct measured){t0, 0}, error);
 }
 
+/* Returns false with the error if the scene cannot represent the fit's restoring force. */
 static bool can_have_spring(const struct scene *scene, const struct fit *fit, struct error *error)
 {
     if (fit->drag.force != RESTORING_SINE)
@@ -321,7 +335,8 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
 }
 
 /* Sets *scale to the position [m, rad] per unit of a voltage or a force: the option's value, or the
- * scale at which the fitted motion is as wide as the scene's, which is 0 for a scene at rest. */
+ * scale at which the fitted motion has the amplitude of the scene's; that is 0 for a scene at rest.
+ * Returns false with the error. */
 static bool find_scale(const struct adoption *a, const struct fit *fit,
                        const struct argument_value *args, double *scale, struct error *error)
 {
@@ -337,6 +352,7 @@ static bool find_scale(const struct adoption *a, const struct fit *fit,
     return true;
 }
 
+/* Appends the scale and where it comes from. */
 static void put_scaled(const struct adoption *a, const struct fit *fit, double scale,
                        enum quantity quantity, bool option, struct buffer *text)
 {
@@ -355,8 +371,8 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
         buffer_put(text, TEXT("\nquadratic drag and dry friction are computed with that scale"));
 }
 
-/* Warns of fitted values that the scene does not take, and of motions that the fit does not
- * cover. */
+/* Warns of fitted values that the scene does not take, and of effects that the fit does not
+ * include. starts tells that the start was adopted, scaled that a voltage or force was fitted. */
 static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
                       enum quantity quantity, struct reply *reply)
 {
@@ -388,6 +404,7 @@ static void warn_left(const struct adoption *a, const struct fit *fit, bool star
             "the scene also has quadratic drag or a driving force, which the fit does not include");
 }
 
+/* Adopts the fit of an oscillation: force, law, start, and the zero of the recording. */
 bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
                struct error *error)
 {

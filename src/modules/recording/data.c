@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* data */
+/* The command data: lists, chooses, changes and cleans recordings. */
 #ifndef COMMAND_ROWS
 #include "modules/recording/known/known.h"
 #include "modules/recording/recording_text.h"
@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Tells the window and the zero of a recording. */
 static void reply_part(const struct recording *recording, struct reply *reply)
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
@@ -16,6 +17,7 @@ static void reply_part(const struct recording *recording, struct reply *reply)
                recording->window[1], SHOWN_VALUE(recording->zero, quantity, 6));
 }
 
+/* Adds all recordings to the reply; the current one is marked by '*'. */
 static void list_recordings(const struct session *session, struct reply *reply)
 {
     if (session->recordings == 0)
@@ -31,6 +33,7 @@ static void list_recordings(const struct session *session, struct reply *reply)
     }
 }
 
+/* Sets the zero of a recording. Returns false with the error if its unit is of another quantity. */
 static bool set_zero(struct session *session, struct recording *recording,
                      const struct arguments *args, struct error *error)
 {
@@ -46,6 +49,7 @@ static bool set_zero(struct session *session, struct recording *recording,
     return true;
 }
 
+/* Sets the window of a recording; an open side extends to its end. Returns false with the error. */
 static bool set_window(struct recording *recording, const struct argument_value *window,
                        struct error *error)
 {
@@ -58,7 +62,8 @@ static bool set_window(struct recording *recording, const struct argument_value 
     return false;
 }
 
-/* The sensor's own velocities instead of differences of the positions. */
+/* Takes the velocities of a positions' recording from another one, instead of differences. Returns
+ * false with the error. */
 static bool recording_join(const struct session *session, struct recording *recording,
                            const struct argument_value *args, struct error *error)
 {
@@ -75,6 +80,7 @@ static bool recording_join(const struct session *session, struct recording *reco
     return true;
 }
 
+/* Tells the mass and the joined velocities of a recording, if it has them. */
 static void reply_joined(const struct recording *recording, struct reply *reply)
 {
     if (recording->mass.value > 0)
@@ -84,6 +90,7 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
         reply_line(reply, "%s: velocities from %s", recording->name, recording->velocity);
 }
 
+/* Applies the arguments that change a recording. Returns false with the error. */
 static bool change(struct session *session, struct recording *recording,
                    const struct arguments *args, struct error *error)
 {
@@ -118,6 +125,7 @@ bool recording_list(struct session *session, struct arena *arena, struct reply *
     return true;
 }
 
+/* Lists recordings, or drops, chooses, cleans or changes one. */
 HANDLER(data)
 {
     struct recording *recording = session_recording(session);

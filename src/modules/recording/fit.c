@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fit, adopt */
+/* The commands fit and adopt: dispatch to the kinds of fit, and fits of one oscillation. */
 #include "modules/recording/fit/fit.h"
 #ifndef COMMAND_ROWS
 #include "modules/recording/fit_text.h"
@@ -19,6 +19,8 @@ bool known_mass(const struct scene *scene, struct measured *mass)
     return true;
 }
 
+/* Keeps a fit of an oscillation in the session, for the report and as results (fit_period …). k is
+ * NULL if unknown. */
 static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
                      const struct measured *k, const struct inputs *inputs)
 {
@@ -53,13 +55,14 @@ static void keep_fit(struct session *session, const struct subject *subject, con
             session_set_result(session, results[i].name, results[i].value, results[i].quantity);
 }
 
+/* Sets the error of a fit that did not converge. Returns false. */
 static bool not_converged(const char *why, struct error *error)
 {
     error_set(error, ERROR_NUMERICAL, "the fit %s", why);
     return error_hint(error, "choose a window where the motion is regular: fit window=FROM:TO");
 }
 
-/* Arguments that belong to other kinds of fit. */
+/* Returns false with the error if there are arguments that belong to other kinds of fit. */
 static bool refuse_others(const struct fit_request *call, const struct fit_model *model,
                           struct error *error)
 {
@@ -81,6 +84,8 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
     return true;
 }
 
+/* Fits the subject with a row of the catalog, keeps the fit and reports it. Returns false with the
+ * error. */
 static bool fit_motion(const struct fit_request *call, const struct fit_model *model,
                        struct error *error)
 {
@@ -92,7 +97,7 @@ static bool fit_motion(const struct fit_request *call, const struct fit_model *m
         return false;
     struct measured mass, stiffness = {NAN, NAN};
     const struct scene *scene = &session->setup.scene;
-    /* Neither is the motion of something else that of a spring. */
+    /* A spring constant has a meaning only for the motion of a spring. */
     const bool spring = scene->model == &oscillator_model &&
                         (!subject->run || subject->run->system.model == &oscillator_model);
     const bool with_k = spring && known_mass(scene, &mass);
@@ -113,7 +118,8 @@ static bool fit_motion(const struct fit_request *call, const struct fit_model *m
     return fit.converged || not_converged(why, error);
 }
 
-/* Fits the recording that is being collected, or the next one, every second. */
+/* Arranges that the recording which is being collected, or the next one, is fitted every second.
+ * Returns false with the error for arguments that do not go with it. */
 static bool fit_while_collecting(struct session *session, const struct arguments *args,
                                  struct reply *reply, struct error *error)
 {
@@ -136,6 +142,7 @@ static bool fit_while_collecting(struct session *session, const struct arguments
     return true;
 }
 
+/* Opens the subject and calls the function for a formula or for the kind of the model. */
 HANDLER(fit)
 {
     if (added_argument(args, "live"))
@@ -144,7 +151,7 @@ HANDLER(fit)
                                 *run = argument_value(args, "run"),
                                 *target = argument_value(args, "to");
     struct subject subject;
-    /* Recordings are what is fitted, unless there is none or a run is named. */
+    /* The current recording is fitted, unless there is none or a run is named. */
     struct item current = {.index = session->current_recording};
     const struct argument_value data = target->count || current.index < 0
                                            ? *target

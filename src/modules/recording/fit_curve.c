@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fit scene, fit EXPR: what was asked for, and what stays in the session. */
+/* Fits of the scene (fit scene) and of formulas (fit EXPR): arguments, report, and what is kept in
+ * the session. */
 #include <hooke/scene/formula.h>
 #include "modules/recording/fit_text.h"
 #include <hooke/command/handler.h>
@@ -39,8 +40,8 @@ bool session_add_curve(const struct fit_request *call, const double *residual,
     return true;
 }
 
-/* Returns the rms of the samples with weight, each counted alike, as the rms of a run is
- * computed. */
+/* Returns the rms of the residuals of samples with weight, each with equal weight, as the rms of a
+ * run is computed. */
 static double plain_rms(const struct curve_fit *fit, size_t n)
 {
     double sum = 0;
@@ -54,7 +55,8 @@ static double plain_rms(const struct curve_fit *fit, size_t n)
     return sqrt(sum / (double)used);
 }
 
-/* The curve at the samples, and fit_NAME. */
+/* Keeps the curve at the samples as the last fit, and its parameters as results (fit_NAME). Returns
+ * false with the error if out of memory. */
 static bool keep_curve(const struct fit_request *call, const struct fit_summary *summary,
                        const char *model, struct measured offset, struct error *error)
 {
@@ -84,7 +86,7 @@ static bool keep_curve(const struct fit_request *call, const struct fit_summary 
     return true;
 }
 
-/* Says it, keeps it, or says why not. */
+/* Reports a fit and keeps it if it converged. Returns false with the error otherwise. */
 static bool conclude(const struct fit_request *call, struct fit_summary *summary, const char *model,
                      struct measured offset, struct error *error)
 {
@@ -98,6 +100,7 @@ static bool conclude(const struct fit_request *call, struct fit_summary *summary
     return error_hint(error, "give other starts, free fewer parameters, or choose a window");
 }
 
+/* Returns the requested number of bootstrap samples, or 0. */
 static int bootstrap_of(const struct arguments *args)
 {
     return has_argument(args, "bootstrap")
@@ -112,7 +115,8 @@ static bool is_offset(struct text name)
     return text_is(name, "offset");
 }
 
-/* NAME=VALUE into the scene of this fit; *offset NAN: it is fitted. */
+/* Sets the scene's parameters to the given NAME=VALUE, and *offset to a given offset; it stays NAN
+ * if the offset is to be fitted. Returns false with the error. */
 static bool take_values(const struct fit_request *call, struct scene *scene, double *offset,
                         struct error *error)
 {
@@ -134,13 +138,15 @@ static bool take_values(const struct fit_request *call, struct scene *scene, dou
     return true;
 }
 
+/* Appends the parameters of free= to index. Returns false with the error for unknown or repeated
+ * names. */
 static bool take_free(const struct fit_request *call, int *index, int *count, struct error *error)
 {
     const struct argument_value *names = argument_value(call->args, "free");
     for (int i = 0; i < names->count; i++) {
         const struct item *item = &names->item[i];
         bool twice = false;
-        /* it always is, unless offset=VALUE holds it */
+        /* The offset is always free, unless offset=VALUE holds it. */
         if (is_offset(item->text))
             continue;
         if (item->index < 0)
@@ -156,6 +162,7 @@ static bool take_free(const struct fit_request *call, int *index, int *count, st
     return true;
 }
 
+/* Returns the parameters that the fit held fixed, as inputs. */
 static struct inputs exact_in(const struct scene *scene, const int *index, int count)
 {
     struct inputs inputs = {.exacts = 0};
@@ -166,7 +173,8 @@ static struct inputs exact_in(const struct scene *scene, const int *index, int c
     return inputs;
 }
 
-/* Returns "k = 15 N/m, m = 0.2 kg (free= frees them)", or NULL if nothing is held. */
+/* Returns a text such as "k = 15 N/m, m = 0.2 kg, as set (free=NAME,.. fits them)" from the arena,
+ * or NULL if nothing is held. */
 static const char *describe_fixed(const struct scene *scene, const int *fixed, int count,
                                   struct arena *arena)
 {
@@ -183,6 +191,7 @@ static const char *describe_fixed(const struct scene *scene, const int *fixed, i
     return copy;
 }
 
+/* Subtracts an offset from a copy of the series. Returns false with the error if out of memory. */
 static bool shift(struct series *series, double offset, struct arena *arena, struct error *error)
 {
     double *y = arena_array(arena, series->n, sizeof *y);
@@ -194,8 +203,8 @@ static bool shift(struct series *series, double offset, struct arena *arena, str
     return true;
 }
 
-/* Copies the covariance of the free parameters, in ascending order of their places in the scene; n
- * stays 0 if one is not determined. */
+/* Copies the covariances of the free parameters, in ascending order of their indices in the scene;
+ * n becomes 0 if one is not determined. */
 static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *result)
 {
     int order[CURVE_PARAMETERS];
@@ -214,6 +223,7 @@ static void cover(const struct scene_fit *fit, int frees, struct fit_covariance 
         }
 }
 
+/* Reads the arguments, fits the scene, reports it and keeps the result. */
 bool fit_the_scene(const struct fit_request *call, struct error *error)
 {
     struct session *session = call->session;
@@ -269,14 +279,15 @@ bool fit_the_scene(const struct fit_request *call, struct error *error)
 
 /* ---- a formula ---- */
 
-/* Names that mean something already, but those that were made free and the state of a run, which is
- * no constant. */
+/* Names that are constants in a formula: all names of the session, except those that were made free
+ * and the states of runs, which vary. */
 struct known_names {
     const struct expr_scope *all;
     const struct arguments *args;
     struct buffer *fixed; /* receives the names that were used */
 };
 
+/* Returns true if the user named it in free= or NAME=. */
 static bool was_named(const struct arguments *args, struct text name)
 {
     static const char *const lists[] = {"free", "NAME"};
@@ -287,6 +298,8 @@ static bool was_named(const struct arguments *args, struct text name)
     return false;
 }
 
+/* Finds a constant for the compiler of formulas, and notes it as fixed. Returns false for names
+ * that are not constants. */
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;
@@ -318,6 +331,8 @@ static bool has_parameter(const struct formula *formula, struct text name)
     return false;
 }
 
+/* Compiles the formula and sets its starts. fixed receives the constants that it uses. Returns
+ * false with the error. */
 static bool read_formula(const struct fit_request *call, struct text text, struct buffer *fixed,
                          struct formula *formula, struct error *error)
 {
@@ -342,6 +357,7 @@ static bool read_formula(const struct fit_request *call, struct text text, struc
     return true;
 }
 
+/* Reads the formula, fits it, reports it and keeps the result. */
 bool fit_a_formula(const struct fit_request *call, struct text text, struct error *error)
 {
     struct arena *arena = call->args->arena;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fit modes: several damped sines, as lines and as keys of the record. */
+/* The command fit modes: fits several damped sines, and reports them as text and in the record. */
 #include "modules/recording/fit_text.h"
 #include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
@@ -7,9 +7,11 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Default number of modes. */
 #define MODES_USUAL 2
 
-/* Values of a mode that are reported: in text, in records, and as results for expressions. */
+/* Values of a mode that are reported: in text (lead), in records (key), and as results for
+ * expressions. */
 static const struct mode_value {
     const char *lead, *key, *result;
     size_t offset;
@@ -22,11 +24,13 @@ static const struct mode_value {
     {"   phase = ", "phase", "fit_phase", offsetof(struct normal_mode, phase), QUANTITY_ANGLE},
 };
 
+/* Returns a value of a mode by its row. */
 static struct measured value_of(const struct normal_mode *mode, const struct mode_value *value)
 {
     return *(const struct measured *)(const void *)((const char *)mode + value->offset);
 }
 
+/* Returns the quantity of a value; `series` is that of the series. */
 static enum quantity quantity_of(const struct mode_value *value, enum quantity series)
 {
     return value->quantity == QUANTITY_OTHER ? series : value->quantity;
@@ -39,11 +43,13 @@ static void modes_measured_put(struct buffer *text, const char *name, struct mea
     buffer_measured(text, value, quantity, 6);
 }
 
+/* Returns 1/f with its uncertainty. */
 static struct measured inverse(struct measured f)
 {
     return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
 }
 
+/* Appends splitting and coupling of two modes. */
 static void put_coupling(const struct fit_summary *summary, struct buffer *text)
 {
     const struct modes_fit *modes = summary->modes;
@@ -98,7 +104,7 @@ void reply_modes(const struct fit_summary *summary, struct reply *reply)
     reply_if_known(reply, "kc", summary->k, QUANTITY_STIFFNESS);
 }
 
-/* fit_frequency1, fit_gamma1 … and the like: results that expressions can use. */
+/* Sets fit_frequency1, fit_gamma1 and so on: results that expressions can use. */
 static void keep_results(struct session *session, const struct modes_fit *modes,
                          enum quantity quantity)
 {
@@ -117,6 +123,7 @@ static void keep_results(struct session *session, const struct modes_fit *modes,
     session_set_result(session, "fit_rms", (struct measured){modes->fit.rms, 0}, quantity);
 }
 
+/* Returns the requested number of modes, or 0 with the error. */
 static int modes_of(const struct arguments *args, struct error *error)
 {
     const struct argument_value *count = argument_value(args, "COUNT");
@@ -127,7 +134,8 @@ static int modes_of(const struct arguments *args, struct error *error)
     return 0;
 }
 
-/* kc, where the mass of one oscillator is known. */
+/* Returns the coupling spring kc, or NAN if the mass of an oscillator is unknown or if there are
+ * not two modes. */
 static struct measured coupling_spring(const struct modes_fit *modes, const struct measured *mass)
 {
     if (!mass || modes->modes != 2)
@@ -137,6 +145,7 @@ static struct measured coupling_spring(const struct modes_fit *modes, const stru
                                        mass->uncertainty * modes->stiffness.value)};
 }
 
+/* Fits the modes, reports them and keeps the result. */
 bool fit_the_modes(const struct fit_request *call, const struct measured *mass, struct error *error)
 {
     struct modes_fit modes;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fit as lines and as a record. */
+/* Fits as text: head, table of laws or parameters, verdicts; and reply_fit(), which adds text,
+ * record and warnings to a reply. */
 #include "modules/recording/fit_text.h"
 #include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
@@ -9,11 +10,11 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#define CORRELATION_STRONG 0.95 /* correlation of two parameters from which it is named */
-/* correlation above which the data cannot tell two parameters apart */
+#define CORRELATION_STRONG 0.95 /* correlation of parameters that is reported */
+/* Correlation above which the data cannot distinguish two parameters. */
 #define CORRELATION_COMPLETE 0.999999
-#define AUTOCORRELATION_NOTABLE 0.3 /* autocorrelation of neighbouring residuals that is named */
-/* Digits beyond which an uncertainty is not shown: it is that of rounding in a simulation. */
+#define AUTOCORRELATION_NOTABLE 0.3 /* correlation of neighbouring residuals that is reported */
+/* Digits beyond which an uncertainty is not shown, as it is rounding of a simulation. */
 #define EXACT_DIGITS 12
 
 void fit_add_warning(struct fit_summary *summary, const char *format, ...)
@@ -86,6 +87,7 @@ void put_pace(const struct series *series, struct buffer *text)
                       100 * series->pace);
 }
 
+/* Appends the first line: model, subject, window, numbers of samples. */
 static void put_head(const struct fit_summary *summary, struct buffer *text)
 {
     const struct series *series = &summary->subject->series;
@@ -98,8 +100,8 @@ static void put_head(const struct fit_summary *summary, struct buffer *text)
 
 /* ---- an oscillation ---- */
 
-/* A rate with its uncertainty in brackets, in its last two digits: its unit stands in the heading,
- * so that a row of three fits on 80 columns. */
+/* Adds a cell with a rate and its uncertainty in brackets, in the last two digits. The unit is in
+ * the heading, so that a row of three fits in 80 columns. */
 static void cell_rate(struct text_table *table, struct measured value)
 {
     const double u = value.uncertainty;
@@ -112,8 +114,8 @@ static void cell_rate(struct text_table *table, struct measured value)
         cell_format(table, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
 }
 
-/* Returns the unit of rate k: 1/m for b and m/s^2 for f if the position is in metres; for angles
- * and plain numbers the units without the metre. */
+/* Returns the unit of rate k: for positions in metres 1/m for b and m/s^2 for f, for angles and
+ * plain numbers the same without the metre. */
 const char *fit_rate_unit(const struct fit_summary *summary, int k)
 {
     const enum quantity quantity = summary->subject->series.quantity;
@@ -148,6 +150,7 @@ static void put_forces(const struct fit_summary *summary, struct buffer *text)
         buffer_put(text, TEXT("\n  T and omega apply to small amplitudes"));
 }
 
+/* Adds a row of the table of laws. */
 static void law_cells(const struct drag_candidate *c, struct text_table *table)
 {
     cell_text(table, drag_law_name(c->law));
@@ -159,7 +162,7 @@ static void law_cells(const struct drag_candidate *c, struct text_table *table)
         cell_format(table, isfinite(c->bic) ? "%.1f" : "-", c->bic);
 }
 
-/* Sets rank [candidates] to their places by BIC, the preferred one first. */
+/* Sets rank [candidates] to the laws ordered by BIC, the preferred one first. */
 static void rank_laws(const struct fit *fit, int *rank)
 {
     const struct drag_fit *drag = &fit->drag;
@@ -178,6 +181,7 @@ static void rank_laws(const struct fit *fit, int *rank)
     }
 }
 
+/* Appends the table of laws and the verdict. */
 static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     static const char *const names[DRAG_RATES] = {"gamma", "b", "f"};
@@ -197,6 +201,7 @@ static void put_laws(const struct fit_summary *summary, struct arena *arena, str
     put_forces(summary, text);
 }
 
+/* Appends the values of an oscillation. */
 static void put_motion(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     const struct fit *fit = summary->motion;
@@ -240,6 +245,7 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
 
 /* ---- a curve ---- */
 
+/* Appends the table of a curve's parameters with their 95 % intervals. */
 static void put_parameters(const struct fit_summary *summary, struct arena *arena,
                            struct buffer *text)
 {
@@ -250,7 +256,7 @@ static void put_parameters(const struct fit_summary *summary, struct arena *aren
         cell_text(&table, heads[i]);
     for (int j = 0; j < curve->parameters; j++) {
         const double *range = curve->interval[j], half = 0.5 * (range[1] - range[0]);
-        /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
+        /* The interval gets two digits of its half width; for a run these are only rounding. */
         const double size = fmax(fabs(range[0]), fabs(range[1]));
         const int digits = summary->subject->recording && half > 0 && size > half
                                ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15)
@@ -274,6 +280,7 @@ bool fit_correlated(const struct curve_fit *curve, int i, int j)
            fabs(curve->correlation[i][j]) > CORRELATION_STRONG;
 }
 
+/* Appends the parameters, residuals and correlations of a curve. */
 static void put_curve(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     const struct curve_fit *curve = summary->curve;
@@ -296,6 +303,7 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
     inputs_put(&summary->inputs, text);
 }
 
+/* Appends the whole text of a fit. */
 static void put_fit(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     put_head(summary, text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Latest fits, which a session keeps in the part of this module. */
+/* The latest fits, which a session keeps in this module's part. */
 #include "modules/recording/fits.h"
 
 #include <hooke/base/numeric.h>
@@ -88,6 +88,8 @@ void fits_drop_band(struct fits *fits)
     fits->band = (struct fit_band){.half = NULL};
 }
 
+/* Returns the value of the kept curve at t by linear interpolation, or NAN outside of its
+ * samples. */
 static double curve_value(const struct fits *fits, double t)
 {
     const double *time = fits->fit_curve[0], *value = fits->fit_curve[1];

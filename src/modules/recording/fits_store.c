@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stores the latest fits in the session's file. */
+/* Stores the latest fits in the session's file, and reads them back with all checks that a foreign
+ * file needs. */
 #include "modules/recording/fits.h"
 
 #include <hooke/session/read.h>
@@ -11,6 +12,7 @@
 
 #define OF_FITS(member) FIELD_OF(struct fits, member)
 #define IN_FITS(member, least, most) FIELD_IN(struct fits, member, least, most)
+/* Members of struct fits that are written as they are. */
 static const struct field members[] = {
     OF_FITS(has_fit),
     OF_FITS(fit_of),
@@ -24,6 +26,7 @@ static const struct field members[] = {
 };
 
 #define OF_FIT(member) FIELD_OF(struct stored_fit, member)
+/* Members of struct stored_fit that are written. */
 static const struct field stored_fit_members[] = {
     OF_FIT(fit.period),
     OF_FIT(fit.omega),
@@ -57,6 +60,7 @@ static const struct field stored_fit_members[] = {
 /* ---- whether what was read can stand in a session ---- */
 
 #define FIT_IN(member, least, most) FIELD_IN(struct fit, member, least, most)
+/* Ranges that members of a fit must have in a session. */
 static const struct field fit_sound[] = {
     FIT_IN(preferred, LAW_NONE, LAW_UNDECIDED),
     FIT_IN(converged, 0, 1),
@@ -73,6 +77,7 @@ static const struct field fit_sound[] = {
     FIT_IN(covariance.n, 0, CURVE_PARAMETERS),
 };
 
+/* Returns true if a fit that was read can be used in a session. */
 static bool sound_fit(const struct fit *fit)
 {
     const struct field law = FIELD_IN(struct drag_candidate, law, LAW_NONE, LAW_UNDECIDED),
@@ -89,6 +94,7 @@ static bool sound_fit(const struct fit *fit)
     return sound;
 }
 
+/* Ranges that members of an adopted fit must have. */
 static const struct field adopted_sound[] = {
     ALL_END(struct adopted_fit),
     FIELD_CALLED("of", struct adopted_fit, subject, 0, 0),
@@ -96,6 +102,7 @@ static const struct field adopted_sound[] = {
     FIELD_IN(struct adopted_fit, known.index, 0, LIMIT_PARAMETERS - 1),
 };
 
+/* Returns true if an adopted fit that was read can be used in a session. */
 static bool sound_adopted(const struct adopted_fit *adopted)
 {
     bool sound = fields_sound(adopted_sound, COUNT_OF(adopted_sound), adopted);
@@ -109,13 +116,14 @@ static const struct field stored_fit_sound[] = {
     ALL_END(struct stored_fit),
 };
 
+/* Returns true if a stored fit that was read can be used in a session. */
 static bool sound_stored(const void *item)
 {
     const struct stored_fit *fit = item;
     return fields_sound(stored_fit_sound, COUNT_OF(stored_fit_sound), item) && sound_fit(&fit->fit);
 }
 
-/* The name of its model is written beside it. */
+/* The array of stored fits; the name of each model is written separately. */
 static const struct store_array stored_fits = {
     .name = "stored_fit",
     .offset = offsetof(struct fits, stored_fit),
@@ -162,7 +170,7 @@ void fits_put(const void *part, struct buffer *output)
 
 /* ---- reading ---- */
 
-/* Names of models are constants of the program. */
+/* Returns the program's constant for a name of a model, which outlives the file's text. */
 static const char *model_name(struct text name)
 {
     static const char *const others[] = {"scene", "modes", "formula"};
@@ -173,6 +181,7 @@ static const char *model_name(struct text name)
     return row ? row->name : "fit";
 }
 
+/* Reads the curve of the last fit; leaves it empty if it is missing or out of memory. */
 static void read_curve(const struct reader *reader, struct fits *fits)
 {
     struct text times, values;
@@ -198,7 +207,8 @@ static void read_curve(const struct reader *reader, struct fits *fits)
     fits->fit_curve_sum = sum;
 }
 
-/* The parameters that are known of what was adopted; none, if one is not there. */
+/* Moves the indices of known parameters to those of the present program; drops the covariances if a
+ * parameter does not exist. */
 static void move_adopted(const struct field_places *places, struct adopted_fit *adopted)
 {
     for (int i = 0; i < adopted->known.count; i++) {
@@ -209,6 +219,7 @@ static void move_adopted(const struct field_places *places, struct adopted_fit *
     }
 }
 
+/* Reads the last fit. Returns false if it is missing or damaged. */
 static bool read_last_fit(const struct reader *reader, struct fit *fit)
 {
     struct text text;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fit for programs and files. */
+/* The record of a fit, for programs and files. */
 #include "modules/recording/fit_text.h"
 #include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Returns the value of the curve's parameter with that name, or NAN. */
 static struct measured parameter(const struct fit_summary *summary, const char *name)
 {
     for (int j = 0; summary->curve && j < summary->curve->parameters; j++)
@@ -16,6 +17,7 @@ static struct measured parameter(const struct fit_summary *summary, const char *
     return (struct measured){NAN, NAN};
 }
 
+/* Adds the parameters of a curve and the pairs that are correlated to the record. */
 static void reply_parameters(const struct fit_summary *summary, struct reply *reply)
 {
     const struct curve_fit *curve = summary->curve;
@@ -46,6 +48,7 @@ static void reply_parameters(const struct fit_summary *summary, struct reply *re
     reply_close(reply);
 }
 
+/* Adds the rates of a law to the record. */
 static void reply_rates(const struct fit_summary *summary, const struct drag_candidate *c,
                         struct reply *reply)
 {
@@ -54,6 +57,7 @@ static void reply_rates(const struct fit_summary *summary, const struct drag_can
             reply_in_unit(reply, drag_rates[k].name, c->rate[k], fit_rate_unit(summary, k));
 }
 
+/* Adds the laws, their rates and the choice among them to the record. */
 static void reply_laws(const struct fit_summary *summary, struct reply *reply)
 {
     const struct drag_fit *drag = summary->motion ? &summary->motion->drag : NULL;
@@ -87,10 +91,10 @@ static void reply_laws(const struct fit_summary *summary, struct reply *reply)
     reply_real(reply, "p_value", compared ? drag->p_value : NAN);
 }
 
-/* Members of the record that every kind of fit has. */
+/* Values of the record that every kind of fit has. */
 struct fit_record {
     const struct fit_summary *summary;
-    struct fit fit; /* the known values if a curve was fitted */
+    struct fit fit; /* if a curve was fitted, only what it has */
     struct measured k;
     const char *preferred;
     double rms;
@@ -98,6 +102,7 @@ struct fit_record {
     bool converged;
 };
 
+/* Fills the record from a summary of either kind. */
 static void fit_record_init(struct fit_record *record, const struct fit_summary *summary)
 {
     static const struct measured none = {NAN, NAN};
@@ -125,6 +130,7 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
     record->converged = summary->motion ? fit->converged : curve->converged;
 }
 
+/* Returns the summary of a record. */
 static const struct fit_summary *told_by(const void *row)
 {
     return ((const struct fit_record *)row)->summary;
@@ -154,7 +160,7 @@ static void put_halves(struct reply *reply, const char *key, const void *row)
     reply_close(reply);
 }
 
-/* Adds the rates of a law, or the parameters of a curve. */
+/* Adds the rates of the best law, or the parameters of a curve. */
 static void put_law_or_parameters(struct reply *reply, const char *key, const void *row)
 {
     const struct fit_summary *summary = told_by(row);
@@ -169,6 +175,7 @@ static void put_law_or_parameters(struct reply *reply, const char *key, const vo
     reply_close(reply);
 }
 
+/* Adds laws and modes. */
 static void put_candidates(struct reply *reply, const char *key, const void *row)
 {
     (void)key;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* load, and what is said of a recording */
+/* The command load: recordings, tables of export, scenes; and recordings in replies. */
 #ifndef COMMAND_ROWS
 #include "modules/recording/recording_text.h"
 #include "modules/recording/known/handed_in.h"
@@ -31,6 +31,7 @@ void reply_description(const struct recording *recording, struct reply *reply)
     }
 }
 
+/* Returns the name of the catalog's row whose letter this is, or NULL. */
 static const char *word_of(const struct catalog *catalog, const char *letters, char letter)
 {
     const char *cursor = strchr(letters, letter);
@@ -78,7 +79,7 @@ void reply_recording(const struct recording *recording, struct reply *reply)
     reply_end(reply);
 }
 
-/* The options as they have to stand to load the file again in the same way. */
+/* Appends the options with which the file is loaded again in the same way, for a saved session. */
 static void put_options(const struct arguments *args, struct buffer *output)
 {
     static const char *const keys[] = {"t",    "y",       "run", "unit", "tunit",
@@ -105,9 +106,10 @@ static char letter_of_argument(const struct arguments *args, const char *name, c
     return has_argument(args, name) ? letters[argument_value(args, name)->item->index] : 0;
 }
 
+/* Rows of a preview. */
 #define PREVIEW_ROWS 5
 
-/* The first rows as they were understood. Nothing is kept. */
+/* Shows the first rows as they were understood; nothing is kept. */
 static void reply_preview(const struct recording *recording, struct arena *arena,
                           struct reply *reply)
 {
@@ -134,9 +136,10 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 
 /* ---- tables ---- */
 
-#define SHOWN_ROWS 10 /* rows shown of a table that was read */
+#define SHOWN_ROWS 10 /* rows and columns that are shown of a table */
 #define SHOWN_COLUMNS 8
 
+/* Returns true if the command has arguments besides the file. */
 static bool any_option(const struct arguments *args)
 {
     for (int i = 0; i < args->command->arguments; i++)
@@ -145,7 +148,8 @@ static bool any_option(const struct arguments *args)
     return false;
 }
 
-/* No more than the beginning of what is no table. */
+/* Stops the reading of a file that does not begin as a table of export (the look of a
+ * read_watch). */
 static bool look_for_table(void *context, struct text content, size_t offset, uintmax_t size,
                            struct error *error)
 {
@@ -156,6 +160,7 @@ static bool look_for_table(void *context, struct text content, size_t offset, ui
     return *is_table || error_set(error, ERROR_IO, "no table");
 }
 
+/* Returns true if one of the first two columns is t, as in a recording. */
 static bool has_times(const struct table *table)
 {
     for (int c = 0; c < table->columns && c < 2; c++)
@@ -164,8 +169,8 @@ static bool has_times(const struct table *table)
     return false;
 }
 
-/* Reads a table that export has written, unless it is a recording, in which times come first. Sets
- * *found if it was such a table. Returns false with the error if it is not well formed. */
+/* Reads a table that `export` wrote, unless it is a recording, in which times come first. Sets
+ * *found if it is such a table. Returns false with the error if it is malformed. */
 static bool read_table(const char *path, const struct cancel *cancel, struct arena *arena,
                        struct table *table, bool *found, struct error *error)
 {
@@ -183,6 +188,7 @@ static bool read_table(const char *path, const struct cancel *cancel, struct are
     return ok;
 }
 
+/* Shows the first rows of a loaded table and adds its record. */
 static void reply_loaded(const struct table *table, struct text file, struct arena *arena,
                          struct reply *reply)
 {
@@ -208,7 +214,8 @@ static void reply_loaded(const struct table *table, struct text file, struct are
     buffer_free(&shown);
 }
 
-/* *found: the file was a table and no recording. */
+/* Loads a table for `plot` and expressions. Sets *found if the file is a table and not a recording.
+ * Returns false with the error. */
 static bool load_table(const char *path, const struct cancel *cancel, const struct arguments *args,
                        bool *found, struct reply *reply, struct error *error)
 {
@@ -223,6 +230,7 @@ static bool load_table(const char *path, const struct cancel *cancel, const stru
     return ok;
 }
 
+/* Reads the checksum of sum=. Returns false with the error. */
 static bool read_sum(struct text text, uint64_t *sum, struct error *error)
 {
     *sum = 0;
@@ -235,8 +243,8 @@ static bool read_sum(struct text text, uint64_t *sum, struct error *error)
     return true;
 }
 
-/* Finds a recording that has moved, by the same bytes under the same name beside the file of
- * commands, or here. Returns NULL with the earlier error and a hint if there is none. */
+/* Finds a recording that has moved, by the same bytes under the same name, beside the command file
+ * or in the current folder. Returns NULL with the earlier error and a hint if there is none. */
 static struct recording *load_moved(const struct arguments *args, const char *path, uint64_t sum,
                                     const struct load_options *options, struct reply *reply,
                                     struct error *error)
@@ -274,13 +282,15 @@ bool check_input(const struct session *session, struct text where, struct error 
         "use -c or a command file, so that standard input is free for data; a file named - is ./-");
 }
 
+/* Sets the error of a missing file. Returns false. */
 static bool needs_file(const struct arguments *args, struct error *error)
 {
     error_at(error, args->word, "load needs a FILE, or 'scene' and a FILE");
     return error_hint(error, "'load disk.txt' reads a recording, 'load scene lorenz.ode' a scene");
 }
 
-/* The scene of another program's file, into the set-up. */
+/* Loads a scene from another program's file, by the module that reads its ending. Returns false
+ * with the error. */
 static bool load_scene(struct session *session, const struct arguments *args, struct reply *reply,
                        struct error *error)
 {
@@ -315,6 +325,7 @@ bool recording_list_formats(struct session *session, struct arena *arena, struct
     return true;
 }
 
+/* Loads a scene, a table or a recording, or previews a recording. */
 HANDLER(load)
 {
     const struct argument_value *file = argument_value(args, "FILE"),

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure */
+/* The command measure: period, frequency, decay, energy, drift, Reynolds number, spring constant,
+ * spectrum. Each measurement adds text and a record to the reply, a result for expressions, and a
+ * row to the session's list. */
 #ifndef COMMAND_ROWS
 #include "modules/recording/fit_text.h"
 #include <hooke/base/unit.h>
@@ -29,13 +31,15 @@ bool measure_keep(struct measuring *m, const char *name, struct measured value, 
     return true;
 }
 
+/* Begins a record of the quantity that was asked for. */
 static void begin_measure_record(struct measuring *m, struct measured value, enum quantity unit,
                                  double periods)
 {
     measure_begin(m, m->quantity, value, unit, periods);
 }
 
-/* Reports what else entered the latest measurement: in the text, the open record and the report. */
+/* Reports the values that entered the latest measurement: in the text, the open record and the
+ * report. */
 static void put_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
 {
     inputs_put(inputs, text);
@@ -43,7 +47,8 @@ static void put_inputs(struct measuring *m, const struct inputs *inputs, struct 
     inputs_keep(inputs, &measure_latest(m)->exact);
 }
 
-/* "   theory 1.9390 s (-0.09 %)" */
+/* Appends the predicted value and the deviation, such as "   theory 1.9390 s (-0.09 %)"; nothing if
+ * theory is NAN. */
 static void put_theory(struct buffer *text, double value, double theory, enum quantity unit)
 {
     if (!isfinite(theory))
@@ -53,8 +58,8 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
                   fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
-/* Returns the period [s] that the scene predicts, or NAN if it predicts none. For a recording the
- * scene counts only if its k was set or adopted. */
+/* Returns the period [s] that the scene predicts, or NAN. For a recording the scene counts only if
+ * its k was set or adopted. */
 static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
@@ -74,13 +79,13 @@ bool measure_say(struct measuring *m, struct buffer *text)
 
 /* ---- the quantities ---- */
 
+/* Returns 1/x with its uncertainty. */
 static struct measured inverse(struct measured x)
 {
     return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
 }
 
-/* Returns the part of a series that its period was read from, the whole where that is most of it.
- */
+/* Returns the part of a series from which its period was read, or all if that is most of it. */
 static struct series swinging_part(const struct series *s, const struct period *p)
 {
     static const double most = 0.8;
@@ -88,8 +93,7 @@ static struct series swinging_part(const struct series *s, const struct period *
     return p->last - p->first < most * span ? series_window(*s, p->first, p->last) : *s;
 }
 
-/* Two ways to one period that do not agree: at least one of them takes the motion for what it is
- * not. */
+/* Warns if two estimates of one period disagree: at least one of them assumes a wrong motion. */
 static void warn_contradiction(struct measuring *m, struct measured period, struct measured alike)
 {
     static const double doubtful = 4; /* standard deviations */
@@ -102,6 +106,7 @@ static void warn_contradiction(struct measuring *m, struct measured period, stru
                       fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
 }
 
+/* Measures the period of the subject. Returns false with the error. */
 static bool read_period(struct measuring *m, struct period *p)
 {
     const bool is_state = !m->subject.energy && !m->subject.column;
@@ -112,6 +117,7 @@ static bool read_period(struct measuring *m, struct period *p)
     return true;
 }
 
+/* Measures the period, once or in windows, and compares it with theory and autocorrelation. */
 static bool measure_period(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -145,6 +151,7 @@ static bool measure_period(struct measuring *m)
     return measure_say(m, &text);
 }
 
+/* Measures frequency and angular frequency from the period. */
 static bool measure_frequency(struct measuring *m)
 {
     struct period p;
@@ -165,6 +172,7 @@ static bool measure_frequency(struct measuring *m)
     return measure_say(m, &text);
 }
 
+/* Measures gamma from readings of the amplitude, with 1/e time, decrement and quality factor. */
 static bool measure_decay(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -226,6 +234,7 @@ static bool measure_decay(struct measuring *m)
     return measure_say(m, &text);
 }
 
+/* Measures mean and spread of the energy over the window. */
 static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
@@ -255,6 +264,7 @@ static bool measure_energy(struct measuring *m)
     return measure_say(m, &text);
 }
 
+/* Measures the error of a run's energy balance. */
 static bool measure_drift(struct measuring *m)
 {
     struct ledger ledger;
@@ -287,8 +297,8 @@ static bool measure_drift(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the
- * scene will start with. */
+/* Sets *speed to the largest speed [m/s]: of a run as recorded, of a recording from amplitude and
+ * period, else of the scene's future motion. Returns false with the error. */
 static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
@@ -321,6 +331,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
     return true;
 }
 
+/* Measures the Reynolds number at the largest speed. */
 static bool measure_reynolds(struct measuring *m)
 {
     struct measured speed = {NAN, 0};
@@ -347,7 +358,7 @@ static bool measure_reynolds(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* k = m (omega^2 + gamma^2/4), gamma from the decay where it can be measured. */
+/* Measures k = m (omega^2 + gamma^2/4), with gamma from the decay if it can be measured. */
 static bool measure_k(struct measuring *m)
 {
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
@@ -390,6 +401,7 @@ static bool measure_k(struct measuring *m)
     return measure_say(m, &text);
 }
 
+/* Lists the lines of the spectrum; the strongest is the measurement. */
 static bool measure_spectrum(struct measuring *m)
 {
     struct spectrum_peak found[PEAKS_EACH];
@@ -407,6 +419,7 @@ static bool measure_spectrum(struct measuring *m)
     return true;
 }
 
+/* Opens the subject and calls the function of the quantity; advises a better window. */
 HANDLER(measure)
 {
     static bool (*const measures[])(struct measuring *) = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Several readings together: how the amplitude falls, and whether the period depends on it. */
+/* Several readings together: the fall of the amplitude, and the dependence of the period on it. */
 #include <hooke/base/number.h>
 #include <hooke/command/handler.h>
 #include "modules/recording/fit_text.h"
@@ -8,9 +8,10 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Smallest number of readings for a straight line. */
 #define READINGS_MIN 3
-#define DEPENDENCE_SEEN_SIGMAS 3.0 /* standard deviations */
-/* relative difference of amplitudes that shows no dependence of T on the amplitude */
+#define DEPENDENCE_SEEN_SIGMAS 3.0 /* standard deviations of a significant dependence */
+/* Relative difference of amplitudes below which a dependence cannot be seen. */
 #define SAME_AMPLITUDE 1e-6
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
@@ -29,13 +30,14 @@ void measure_begin(struct measuring *m, const char *quantity, struct measured va
     reply_columns(m->reply, &measurement_columns, &row);
 }
 
+/* Returns 2/x with its uncertainty: gamma from tau. */
 static struct measured twice_over(struct measured x)
 {
     return (struct measured){2 / x.value, 2 * x.uncertainty / (x.value * x.value)};
 }
 
-/* [s] in which the first reading falls to 1/e, on the straight line between the logarithms of the
- * two about it, or NAN if it does not. */
+/* Returns the time [s] in which the first reading falls to 1/e, on the straight line between the
+ * logarithms of the two readings around it, or NAN if it does not. */
 static struct measured fall_to_e(const double *t, const struct measured *log_a, int count)
 {
     const double wanted = log_a[0].value - 1;
@@ -92,7 +94,8 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
     reply_end(m->reply);
 }
 
-/* Sets the times of the readings: the given ones, or the middles of equal parts, or the start. */
+/* Sets the times [s] of the readings: the given ones, the middles of equal windows, or the start.
+ * Returns false with the error. */
 static bool reading_times(struct measuring *m, double **reading_time, int *count)
 {
     const struct argument_value *times = argument_value(m->args, "at"),
@@ -145,6 +148,8 @@ bool measure_amplitude(struct measuring *m)
 
 /* ---- the period against the amplitude ---- */
 
+/* Reports by how much the period changes from the smallest to the largest amplitude, if there are
+ * enough readings. */
 static void say_dependence(struct measuring *m, const double *a, const struct measured *period,
                            int count, struct buffer *text)
 {
@@ -174,6 +179,7 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
     reply_end(m->reply);
 }
 
+/* Reports the period and the amplitude of one window, with the theory for that amplitude. */
 static void say_reading(struct measuring *m, const struct period_reading *r, bool first,
                         struct buffer *text)
 {

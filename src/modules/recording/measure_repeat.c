@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The same quantity of several recordings, or of several windows: what their scatter says of the
- * uncertainties. */
+/* Repeated measurements of a quantity, in several recordings or windows: mean, scatter, and a test
+ * of the uncertainties. */
 #include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
 #include "modules/recording/measuring.h"
@@ -8,10 +8,12 @@
 #include <math.h>
 #include <stdio.h>
 
-/* chance of such a scatter from which on stated uncertainties are called too small */
+/* Probability of the scatter below which the stated uncertainties are called too small. */
 #define CHANCE_SURPRISING 0.01
+/* Smallest number of samples of one measurement. */
 #define MIN_SAMPLES 8
 
+/* The repeated values with their names. */
 struct repeated {
     enum measurable what;
     enum quantity unit;
@@ -22,6 +24,7 @@ struct repeated {
 
 /* ---- one value ---- */
 
+/* Measures the quantity once, in a series of a recording. Returns false with the error. */
 static bool repeat_value(struct measuring *m, const struct recording *recording,
                          enum measurable what, const struct series *series, struct arena *arena,
                          struct measured *value)
@@ -57,10 +60,11 @@ static bool repeat_value(struct measuring *m, const struct recording *recording,
            error_set(m->error, ERROR_COMMAND, "k needs the mass, for example: data mass 200 g");
 }
 
+/* Measures one series and adds the value. Returns false with the error, which names it. */
 static bool repeated_add(struct measuring *m, struct repeated *r, const struct recording *recording,
                          const struct series *series, const char *name)
 {
-    /* one for each recording: releasing the memory of all at once would take long */
+    /* The memory is freed after each recording, which is faster than all at once. */
     struct arena scratch = {0};
     const bool ok = repeat_value(m, recording, r->what, series, &scratch, &r->value[r->count]);
     arena_reset(&scratch);
@@ -73,6 +77,7 @@ static bool repeated_add(struct measuring *m, struct repeated *r, const struct r
     return true;
 }
 
+/* Returns the quantity of the values; of_series is that of the series. */
 static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 {
     switch (what) {
@@ -91,7 +96,8 @@ static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 
 /* ---- all of them ---- */
 
-/* Adds the values of one recording, taken as a whole or in `windows` windows. */
+/* Adds the values of one recording, as a whole or in `windows` windows. Returns false with the
+ * error. */
 static bool add_recording(struct measuring *m, struct repeated *r, struct recording *recording,
                           int windows)
 {
@@ -126,7 +132,8 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
     return true;
 }
 
-/* Those named; without a name every one, or the current one where windows were asked for. */
+/* Sets index to the recordings that are named; without a name to all, or to the current one if
+ * windows were asked for. Returns their number. */
 static int chosen(const struct measuring *m, bool windows, int *index)
 {
     const struct session *session = m->session;
@@ -147,6 +154,7 @@ static int chosen(const struct measuring *m, bool windows, int *index)
     return count;
 }
 
+/* Reads the arguments and measures all values. Returns false with the error. */
 static bool collect(struct measuring *m, struct repeated *r)
 {
     const struct argument_value *windows = argument_value(m->args, "windows"),
@@ -176,6 +184,7 @@ static bool collect(struct measuring *m, struct repeated *r)
 
 /* ---- what is said ---- */
 
+/* Appends mean, weighted mean, Birge ratio and the value to quote. */
 static void put_scatter(const struct repeated *r, const struct repeat *repeat, struct buffer *text)
 {
     put_measured(text, "\nmean", repeat->mean, r->unit);
@@ -190,6 +199,7 @@ static void put_scatter(const struct repeated *r, const struct repeat *repeat, s
     buffer_format(text, "   95 %%: +- %s", SHOWN_QUANTITY(repeat->interval, r->unit, 2));
 }
 
+/* Warns if the scatter does not agree with the stated uncertainties. */
 static void put_verdict(const struct repeat *repeat, struct reply *reply)
 {
     if (repeat->chance < CHANCE_SURPRISING)
@@ -204,6 +214,7 @@ static void put_verdict(const struct repeat *repeat, struct reply *reply)
                       repeat->birge);
 }
 
+/* Adds the record of the repeated measurement. */
 static void reply_repeat(struct measuring *m, const struct repeated *r, const struct repeat *repeat)
 {
     measure_begin(m, m->quantity, repeat->quote, r->unit, NAN);

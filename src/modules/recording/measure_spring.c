@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m +
- * m_spring) is a straight line against m, where T0 is the period without damping. m_spring is about
- * a third of the spring's own mass (Rayleigh 1894).
- */
+/* One spring with several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4
+ * pi^2/k)(m + m_spring) is a straight line against m, where T0 is the period without damping.
+ * m_spring is about a third of the spring's own mass (Rayleigh 1894). */
 #include <hooke/command/handler.h>
 #include "modules/recording/measuring.h"
 
@@ -12,11 +10,13 @@
 
 #define FOUR_PI_SQUARED 39.47841760435743447534
 
+/* A recording of one mass on the spring. */
 struct hung {
     const struct recording *recording;
-    struct measured period, square, k; /* T; T0^2 [s^2]; with the mass alone [N/m] */
+    struct measured period, square, k; /* T; T0^2 [s^2]; k from this mass alone */
 };
 
+/* Fits a damped sine to the recording and fills *hung. Returns false with the error. */
 static bool fit_one(struct measuring *m, struct hung *hung)
 {
     const struct fit_model *damped = fit_model_by_name(TEXT("damped"));
@@ -39,6 +39,7 @@ static bool fit_one(struct measuring *m, struct hung *hung)
     return true;
 }
 
+/* Appends a line for each mass, with k compared with the first. */
 static void put_each(struct buffer *text, const struct hung *hung, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -56,6 +57,7 @@ static void put_each(struct buffer *text, const struct hung *hung, int count)
     }
 }
 
+/* Adds the record of the measurement. */
 static void reply_spring(struct measuring *m, const struct hung *hung, int count,
                          const struct line_fit *line, struct measured k, struct measured spring)
 {
@@ -76,7 +78,7 @@ static void reply_spring(struct measuring *m, const struct hung *hung, int count
     reply_end(m->reply);
 }
 
-/* intercept/slope, which are correlated. */
+/* Returns intercept/slope of a line, with regard to their correlation. */
 static struct measured ratio(const struct line_fit *line)
 {
     const double s = line->slope.value, value = line->intercept.value / s;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A measurement while it is made: what measure.c and the larger quantities share. */
+/* State of a measurement, and the functions that measure.c shares with the larger quantities. A
+ * measurement is kept with measure_keep(), its record begun with measure_begin(), its text sent
+ * with measure_say(). */
 #pragma once
 
 #include <hooke/plot.h>
@@ -7,45 +9,50 @@
 
 #include <hooke/command/handler.h>
 
+/* A measurement that is being made. */
 struct measuring {
     struct session *session;
     const struct arguments *args;
     struct reply *reply;
     struct subject subject;
-    const char *quantity; /* "period" */
-    double period;        /* [s] NAN until it was read */
+    const char *quantity; /* name of the quantity, such as "period" */
+    double period;        /* [s] period of the subject, NAN until it is read */
     struct error *error;
 };
 
-/* "name = 1.23 +- 0.01 s"; nothing where the value is not known. */
+/* Appends "name = 1.23 +- 0.01 s", or nothing if the value is NAN. */
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit);
-/* Opens a record of kind `measure`; the caller adds fields of its own and ends it. */
+/* Begins a record of kind `measure`; the caller adds its own fields and ends it. */
 void measure_begin(struct measuring *m, const char *quantity, struct measured value,
                    enum quantity unit, double periods);
 
-/* Adds to the list of measurements; measure_latest() is then its row. */
+/* Adds the value to the session's measurements. Returns false with the error if out of memory. */
 bool measure_keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
                   double periods);
+/* Returns the measurement that was added last. */
 struct measurement *measure_latest(const struct measuring *m);
-/* Gives the text out and frees it. Returns true. */
+/* Adds the text to the reply and frees it. Returns true. */
 bool measure_say(struct measuring *m, struct buffer *text);
 
-/* The amplitude at the times at=, or in the middles of windows=. */
+/* Measures the amplitude at the times at=, or in the middles of windows=. Returns false with the
+ * error. */
 bool measure_amplitude(struct measuring *m);
-/* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their
- * logarithms, and the time in which the first falls to 1/e. Nothing is said where they do not fall.
- */
+/* Reports gamma and the 1/e time from readings of the amplitude, as lab sheets ask for: from the
+ * line through their logarithms, and from the time in which the first one falls to 1/e. Appends
+ * nothing if the readings do not fall. */
 void measure_fall(struct measuring *m, const struct reading *reading, int count,
                   struct buffer *text);
-/* Measures the period in n windows, against the amplitude there. */
+/* Measures the period in that number of windows, against the amplitude there. Returns false with
+ * the error. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text);
-/* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k
- * and the first. */
+/* Fits T^2 against m over all recordings with a known mass: reports k and the spring's effective
+ * mass, and each k against the first. Returns false with the error. */
 bool measure_spring(struct measuring *m);
 
-/* A quantity of several recordings, or of windows of one: mean, scatter, what to quote. */
+/* Measures a quantity of several recordings, or in windows of one: reports mean, scatter and the
+ * value to quote. Returns false with the error. */
 bool measure_repeat(struct measuring *m);
 
-/* The lines of spectra in words and as records (plot.c); with names where there are several
- * curves. */
+/* Adds the lines of spectra to the reply, in words and as records, with labels if there are several
+ * curves (figure/spectrum.c). */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply);

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module recording: files of sensors are read, cleaned, measured, fitted and adopted. */
+/* The module recording: reads, cleans, measures and fits files of sensors, and adopts fits into the
+ * scene. Its functions for the core are in struct series_tools. */
 #include "modules/recording/fits.h"
 #include "modules/recording/known/known.h"
 #include "modules/recording/plots.h"
 
 #include <math.h>
 
+/* Returns the amplitude of a series at t [s], or NAN. */
 static double amplitude_at(const struct series *series, double t, struct arena *arena)
 {
     struct reading reading;
@@ -14,6 +16,8 @@ static double amplitude_at(const struct series *series, double t, struct arena *
                                                                           : NAN;
 }
 
+/* Sets *used to the length of the formula at the start of the text. Returns false with the error if
+ * there is none. */
 static bool formula_length(struct text text, struct arena *arena, size_t *used, struct error *error)
 {
     struct formula formula;

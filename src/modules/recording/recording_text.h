@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Recordings in replies. */
 #pragma once
 
 #include "modules/recording/table/load.h"
 #include <hooke/command.h>
 
-/* Describes a recording in the reply's format. */
+/* Adds the recording to the reply as a record. */
 void reply_recording(const struct recording *recording, struct reply *reply);
 
-/* Its description as lines, its warnings as warnings. */
+/* Adds the recording's description and its warnings to the reply. */
 void reply_description(const struct recording *recording, struct reply *reply);
 
-/* `list formats` and `list recordings`. Return true. */
+/* Handle `list recordings` and `list formats`. Both return true. */
 bool recording_list(struct session *session, struct arena *arena, struct reply *reply);
 bool recording_list_formats(struct session *session, struct arena *arena, struct reply *reply);

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Faults of a recording, found without a model for the whole of it. Only single samples that cannot
- * belong to the motion are masked; everything else is reported and left to the user. Flat tops are
- * kept, because the fit treats them as censored.
- */
+/* Faults of a recording, found without a model of the whole. Only single samples that cannot belong
+ * to the motion are masked; other faults are reported and left to the user. Flat tops are kept,
+ * because fits treat them as censored. */
 #include "modules/recording/clean/clean.h"
 
 #include <hooke/base/cancel.h>
@@ -12,16 +10,17 @@
 #include <math.h>
 #include <stdio.h>
 
-#define FAR_OFF 6.0               /* robust standard deviations */
-#define FAR_OFF_BESIDE 3.0        /* next to one that is far off, on the same side */
-#define FAR_OFF_MIN 0.01          /* [amplitudes] smaller deviations do no harm */
+#define FAR_OFF 6.0               /* robust standard deviations of a bad sample */
+#define FAR_OFF_BESIDE 3.0        /* the same next to a bad sample, on the same side */
+#define FAR_OFF_MIN 0.01          /* [amplitudes] smaller deviations are harmless */
 #define GAP_MEDIAN_STEPS 1.5      /* median steps, as the loader counts them */
-#define SHOULDER_MIN 3            /* samples in a row; fewer are spikes */
-#define STUCK_MIN 5               /* samples */
-#define STUCK_MOVES 8.0           /* noise or steps that the motion goes meanwhile */
-#define AMPLITUDE_SEEN_SCALES 6.0 /* typical scales: an amplitude that is no noise */
-#define LEVELS_FEW 100            /* levels in the swing below which it is coarse */
+#define SHOULDER_MIN 3            /* consecutive samples of a shoulder; fewer are spikes */
+#define STUCK_MIN 5               /* consecutive equal samples */
+#define STUCK_MOVES 8.0           /* noises or steps by which the motion goes on meanwhile */
+#define AMPLITUDE_SEEN_SCALES 6.0 /* typical scales from which on an amplitude is no noise */
+#define LEVELS_FEW 100            /* levels in the swing below which the steps are coarse */
 
+/* Records the size of a fault if it is the largest of its kind. */
 static void note_size(struct finding *finding, double size)
 {
     finding->size = fmax(isnan(finding->size) ? 0 : finding->size, size);
@@ -29,6 +28,7 @@ static void note_size(struct finding *finding, double size)
 
 /* ---- times ---- */
 
+/* Computes the median step and notes longer steps as gaps. */
 static void find_gaps(struct cleaning *c)
 {
     struct finding *gaps = &c->findings->finding[FINDING_GAPS];
@@ -42,6 +42,7 @@ static void find_gaps(struct cleaning *c)
         }
 }
 
+/* Notes missing values, and what the loader has dropped. */
 static void find_missing(struct cleaning *c)
 {
     struct finding *missing = &c->findings->finding[FINDING_MISSING];
@@ -59,8 +60,8 @@ static void find_missing(struct cleaning *c)
 
 /* ---- values ---- */
 
-/* The step of which nearly all differences are multiples, in the numbers as they stand in the file.
- */
+/* Finds the sensor's step, of which nearly all differences are multiples, in the numbers of the
+ * file. */
 static void find_steps(struct cleaning *c)
 {
     const struct column *column = &c->recording->column[c->recording->value];
@@ -95,10 +96,8 @@ static void find_steps(struct cleaning *c)
     }
 }
 
-/*
- * Equal values in a row while the motion goes on, or for half a period while elsewhere there is
- * noise; not at the ends, where it may rest. The first of them is as good as any.
- */
+/* Marks equal values in a row while the motion continues, or for half a period if there is noise
+ * elsewhere; not at the ends, where the body may rest. The first of them may be right. */
 static void find_stuck(struct cleaning *c)
 {
     const double min = STUCK_MOVES * fmax(c->typical, c->quantum);
@@ -122,7 +121,7 @@ static void find_stuck(struct cleaning *c)
 
 /* ---- the ends ---- */
 
-/* The k-th stretch from one end. */
+/* Returns the k-th stretch from one end. */
 static const struct local *from_end(const struct cleaning *c, bool end, size_t k)
 {
     return &c->local[end ? c->locals - 1 - k : k];
@@ -139,6 +138,7 @@ static double usual_fall(struct cleaning *c)
     return n > 0 ? fmin(values_quantile(c->per_local, n, 0.5), 1) : 1;
 }
 
+/* Returns the number of samples of a stretch that are far off its fit. */
 static size_t far_off(const struct cleaning *c, const struct local *local)
 {
     size_t count = 0;
@@ -148,14 +148,14 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
     return count;
 }
 
-/* Returns true for a stretch that has samples, but too few that may be fitted: no gap. */
+/* Returns true for a stretch that has samples (no gap), but too few good ones for a fit. */
 static bool lacks_good_samples(const struct cleaning *c, const struct local *local)
 {
     return !local->fitted && 2 * (double)(local->end - local->begin) * c->step > c->period;
 }
 
-/* Returns the smallest amplitude of a stretch over that of the larger ones before and after it:
- * what waxes and wanes, such as beats, is small at an end without a hand. */
+/* Returns the smallest ratio of a stretch's amplitude to larger ones before and after it. A motion
+ * that waxes and wanes, such as beats, may be small at an end without a hand. */
 static double deepest_wane(struct cleaning *c)
 {
     double peak = 0, next_max = 0, deepest = 1;
@@ -174,13 +174,10 @@ static double deepest_wane(struct cleaning *c)
     return deepest;
 }
 
-/*
- * Returns the number of stretches at one end that are no free oscillation: their amplitude is much
- * less than further inside (where it is at least as large as the decay allows), or no sine fits; if
- * the motion comes to rest, also those at rest. Stretches with too few samples for a fit count only
- * if a run of them that long is improbable further inside: a clipped signal may leave too few
- * samples anywhere.
- */
+/* Returns the number of stretches at one end that are not a free oscillation: their amplitude is
+ * much smaller than further inside (with regard to the decay), or no sine fits, or the motion is at
+ * rest there. Stretches with too few samples for a fit count only if such a long run of them would
+ * be improbable inside, as a clipped signal may leave too few anywhere. */
 static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
 {
     const double wane = deepest_wane(c);
@@ -218,6 +215,7 @@ static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fal
     return 3 * bad < 2 * c->locals ? bad : 0;
 }
 
+/* Sets the window and notes what lies outside. */
 static void find_ends(struct cleaning *c)
 {
     const double fall = usual_fall(c);
@@ -241,12 +239,9 @@ static void find_ends(struct cleaning *c)
 
 /* ---- bad echoes ---- */
 
-/*
- * Samples far off their local fit, with those beside them on the same side; inside the window. A
- * strong change is itself off the line that the amplitude is fitted with: by half the square of
- * what it changes by in a period, there or as a rule, relatively, and by twice as much at the ends,
- * where the fit is one-sided.
- */
+/* Marks samples far off their local fit, with those beside them on the same side. A strong decay is
+ * itself off the linear amplitude of the fit: by half the square of its change in a period, and by
+ * twice that at the ends, where the fit is one-sided. */
 static void mark_far_off(struct cleaning *c, unsigned char mark)
 {
     unsigned char *mask = c->findings->mask;
@@ -276,7 +271,8 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
     }
 }
 
-/* Ends the window before a hand or a release: SHOULDER_MIN samples or more that are far off. */
+/* Moves the window inward past a hand or a release: at least SHOULDER_MIN marked samples at its
+ * ends. */
 static void trim_ends(struct cleaning *c)
 {
     struct findings *f = c->findings;
@@ -301,7 +297,7 @@ static void trim_ends(struct cleaning *c)
     }
 }
 
-/* Counts what is masked, in the window; what is outside is not used anyway. */
+/* Counts and names the masked stretches inside the window; outside, marks are removed. */
 static void count_masked(struct cleaning *c)
 {
     struct findings *f = c->findings;
@@ -332,11 +328,12 @@ static void count_masked(struct cleaning *c)
 
 /* ---- sway ---- */
 
-#define SWAY_MIN 0.015 /* rms, relative */
+#define SWAY_MIN 0.015 /* relative rms of a sway that is noted */
+/* Stretches needed to see a sway. */
 #define SWAY_STRETCHES 6
-#define SWAY_TURNS 4 /* fewer may be a law of drag that no parabola follows */
+#define SWAY_TURNS 4 /* fewer sign changes may be a law of drag */
 
-/* Takes out of y what is along the basis vector. */
+/* Subtracts from y [n] its projection on the basis vector. */
 static void take_out(double *y, const double *basis, size_t n)
 {
     double projection = 0, square = 0;
@@ -348,7 +345,8 @@ static void take_out(double *y, const double *basis, size_t n)
         y[i] -= square > 0 ? projection / square * basis[i] : 0;
 }
 
-/* ln of the local amplitudes about a parabola in time, against what the noise makes of them. */
+/* Notes a sway: the scatter of ln(local amplitude) about a parabola in time, if it exceeds the
+ * noise. Returns false if out of memory. */
 static bool find_sway(struct cleaning *c)
 {
     struct findings *f = c->findings;
@@ -394,6 +392,7 @@ static bool find_sway(struct cleaning *c)
 
 /* ---- all of it ---- */
 
+/* Finds the faults that need a period. Returns false if out of memory or cancelled. */
 static bool inspect_motion(struct cleaning *c)
 {
     if (!clean_fit(c))
@@ -410,6 +409,7 @@ static bool inspect_motion(struct cleaning *c)
     return !cancelled(c->cancel) && find_sway(c);
 }
 
+/* Finds all faults of a recording. Returns false if out of memory or cancelled. */
 static bool inspect(struct recording *recording, double period, struct findings *f,
                     struct arena *scratch)
 {

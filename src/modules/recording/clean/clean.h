@@ -1,60 +1,61 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that the files of cleaning share. */
+/* Functions that the files of cleaning share: local fits (fit.c), flat tops (clipped.c), sentinels
+ * (sentinel.c). */
 #pragma once
 
 #include "modules/recording/table/load.h"
 
 struct cancel;
 
-/* Offset, line, cos, sin, and both with an amplitude that changes linearly. */
+/* Terms of a local fit: offset, line, cos, sin, and cos and sin with a linearly changing
+ * amplitude. */
 enum { LOCAL_TERMS = 6 };
 
-/* The motion about one moment, where an oscillation of known period goes on. */
+/* The motion in one period of an oscillation of known period, by a local fit. */
 struct local {
-    double t;                      /* [s] middle of what it judges: a period */
-    size_t begin, end;             /* rows it judges */
+    double t;                      /* [s] middle of the period that is judged */
+    size_t begin, end;             /* rows begin to end - 1, which are judged */
     double amplitude;              /* local amplitude at t */
     double scale;                  /* robust standard deviation of the residuals */
     bool fitted;                   /* false if there are too few good samples */
-    double parameter[LOCAL_TERMS]; /* parameters of the local fit about t, with times in periods */
+    double parameter[LOCAL_TERMS]; /* parameters of the fit, with times from t in periods */
 };
 
+/* State of the search for faults in a recording. */
 struct cleaning {
     struct recording *recording;
     struct findings *findings;
     struct arena *scratch;
+    /* Number of rows, their times [s] and values. */
     size_t n;
     const double *t, *y;
     double period;
     const struct cancel *cancel;
-    double step;             /* [s] median */
-    double quantum;          /* SI; values are multiples of it, or 0 if no step is seen */
-    double swing;            /* range of all but the extreme values */
-    double typical;          /* median of the local scales */
-    unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
+    double step;                   /* [s] median time step */
+    double quantum;                /* SI; values are multiples of it; 0 if no such step is seen */
+    double swing;                  /* range of all but the extreme values */
+    double typical;                /* median of the local scales */
+    unsigned char *excluded;       /* [n] rows left out of local fits: clipped, stuck, missing */
     unsigned char *fitted_without; /* [n] `excluded` of the latest fits; NULL before the first */
-    double *residual;              /* [n] y - local fit; 0 where there is none */
-    double *model;                 /* [n] local fit, NAN where there is none */
-    double *sorted;                /* [sorted_count] values that are present, ascending */
+    double *residual;              /* [n] y minus local fit; 0 without a fit */
+    double *model;                 /* [n] local fit; NAN without one */
+    double *sorted;                /* [sorted_count] existing values, ascending */
     size_t sorted_count;
-    double (*turn)[2]; /* [n] cosine and sine of the oscillation's phase, from the first fit on */
-    struct local *local;
-    double *per_local; /* [locals] work */
+    double (*turn)[2];   /* [n] cosine and sine of the phase, set by the first fit */
+    struct local *local; /* [locals] one for each whole period */
+    double *per_local;   /* [locals] work space */
     size_t locals;
 };
 
-/*
- * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods
- * about each whole period, robustly; fills local, residual, model and typical. Returns false if out
- * of memory or if cancelled.
- */
+/* Fits each whole period robustly with the local terms, over two periods around it; fills local,
+ * residual, model and typical. Returns false if out of memory or cancelled. */
 bool clean_fit(struct cleaning *cleaning);
 
-/* Takes values that a sensor sends when it sees nothing for missing, and warns. Returns false if
- * out of memory. */
+/* Removes values that a sensor sends when it sees nothing, and warns. Returns false if out of
+ * memory. */
 bool recording_leave_out_sentinels(struct recording *recording);
 
-/* Notes a stretch of samples that begins at t. */
+/* Counts a stretch of samples that begins at t [s] in a finding. */
 static inline void clean_note(struct finding *finding, double t, size_t samples)
 {
     if (finding->stretches < FINDING_STRETCHES)
@@ -63,6 +64,7 @@ static inline void clean_note(struct finding *finding, double t, size_t samples)
     finding->count += samples;
 }
 
-/* Flat tops on one side, three samples at least in each of at least three cycles, none of which
- * holds half of them (that were a rest): noted, and excluded from the local fits. */
+/* Finds flat tops on one side: at least three samples in each of at least three cycles, none of
+ * which has half of them (that would be a rest). They are noted, and excluded from the local
+ * fits. */
 void clean_clipped(struct cleaning *cleaning, bool upper);

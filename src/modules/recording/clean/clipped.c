@@ -1,24 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flat tops: a nearer object echoes first, or the range of the sensor ends. */
+/* Flat tops (clean_clipped()): a nearer object echoes first, or the range of the sensor ends. */
 #include "modules/recording/clean/clean.h"
 
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-#define CLIPPED_MIN 12 /* samples */
-/* times as many in a layer at the top of a sine as in the one below: 1/(sqrt(2) - 1) */
+/* Smallest number of samples in a flat top's layer. */
+#define CLIPPED_MIN 12
+/* Ratio of the samples in a layer at the top of a sine to those in the one below: 1/(sqrt(2) -
+ * 1). */
 #define SINE_MAX 2.5
 
+/* A range of values and the number of samples in it. */
 struct layer {
     double low, high;
     size_t count;
 };
 
-/*
- * Far more samples within a thin layer near an extreme than just below it, and
- * hardly any lie beyond. width 0: the same value again and again.
- */
+/* Finds the layer of that width with the most samples beyond the middle on one side. Returns true
+ * if it is a flat top: it has far more samples than the layer next to it, and hardly any lie
+ * beyond. Width 0 finds repeated equal values. */
 static bool densest_layer(const struct cleaning *c, bool upper, double width, struct layer *layer)
 {
     const double *sorted = c->sorted;
@@ -53,6 +55,7 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
     return layer->count > 4 * inside && !by_chance && 4 * outside < layer->count;
 }
 
+/* Returns true if sample i lies in the layer. */
 static bool in_layer(const struct cleaning *c, size_t i, const struct layer *layer)
 {
     return c->y[i] >= layer->low && c->y[i] <= layer->high;
@@ -91,7 +94,7 @@ void clean_clipped(struct cleaning *c, bool upper)
     clipped->size = sum / (double)tops.count;
     clipped->count += tops.count;
     clipped->stretches += tops.stretches;
-    /* noise carries some out */
+    /* Noise carries some samples out of the layer. */
     const double margin = fmax(0.5 * (layer.high - layer.low), fmin(4 * c->typical, thin));
     layer.low -= margin;
     layer.high += margin;

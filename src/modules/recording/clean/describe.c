@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kinds of findings with their remedies, and the sentence on masked samples. */
 #include <hooke/base/catalog.h>
 #include "modules/recording/clean/clean.h"
 

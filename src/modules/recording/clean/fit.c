@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two
- * periods, what is left is noise and bad echoes. Iteratively reweighted least squares: Huber, then
- * bisquare (Holland & Welsch 1977).
- */
+/* Local robust fits without a law for the whole (clean_fit()): sway, drift and drag are slow
+ * compared with two periods, so that noise and bad echoes remain. Iteratively reweighted least
+ * squares: Huber's weights, then bisquare (Holland & Welsch 1977). */
 #include "modules/recording/clean/clean.h"
 
 #include <hooke/base/cancel.h>
@@ -13,22 +11,24 @@
 #include <math.h>
 #include <string.h>
 
+/* Samples that a fit needs; last rounds with Huber's weights, and of all. */
 enum { TERMS = LOCAL_TERMS, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-/* [periods] stretch that has to hold samples: a fit across a gap tells nothing */
+/* [periods] Duration that must have samples; a fit across a gap is meaningless. */
 #define COVERED_PERIODS 1.25
-#define BEND_SHARE 0.002  /* bend of the amplitude within two periods, over the swing */
-#define SETTLED_SHARE 0.3 /* change, in standard errors, that ends the rounds */
+#define BEND_SHARE 0.002  /* bend of the amplitude within two periods, relative to the swing */
+#define SETTLED_SHARE 0.3 /* change, in standard errors, at which the rounds end */
 
-/* A fit starts from the one before if the scale about that is at most this many times its own. */
+/* A fit starts from the previous one if the scale about that is at most this many times its own. */
 static const double start_scale_max = 1.5;
 
+/* Four samples at once. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* All arrays have room for a multiple of 4 samples. */
+/* Samples of a local fit; all arrays have space for a multiple of 4. */
 struct clean_samples {
     size_t n;
-    double *column[TERMS + 1]; /* the terms of the model, then the values */
+    double *column[TERMS + 1]; /* terms of the model, then the values */
     double *weight, *residual, *size;
     const struct cancel *cancel;
 };
@@ -43,7 +43,7 @@ static four *fours(double *values, size_t offset)
     return (four *)(void *)(values + offset);
 }
 
-/* Weighted products of the terms with each other and with the values. */
+/* Computes the weighted products of the terms with each other (a) and with the values (b). */
 CLONES static void normal_equations(const struct clean_samples *s, double a[TERMS][TERMS],
                                     double b[TERMS])
 {
@@ -68,6 +68,7 @@ CLONES static void normal_equations(const struct clean_samples *s, double a[TERM
     }
 }
 
+/* Solves the weighted least squares. Returns false if the samples do not determine the terms. */
 static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
 {
     double a[TERMS][TERMS];
@@ -81,6 +82,7 @@ static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
     return true;
 }
 
+/* Returns the value of the fit for the terms of a row. */
 static double clean_fit_value(const double parameter[TERMS], const double term[TERMS])
 {
     double sum = 0;
@@ -89,8 +91,8 @@ static double clean_fit_value(const double parameter[TERMS], const double term[T
     return sum;
 }
 
-/* Returns the median of the magnitudes of the residuals. Selects it among those near the guess
- * where it is one of them: the scale changes little from fit to fit. */
+/* Returns the median magnitude of the residuals. It is searched near the guess first, because the
+ * scale changes little from fit to fit. */
 static double median_size(const struct clean_samples *s, double guess)
 {
     const double low = 0.8 * guess, high = 1.25 * guess;
@@ -109,7 +111,7 @@ static double median_size(const struct clean_samples *s, double guess)
     return values_quantile(s->size, s->n, 0.5);
 }
 
-/* Computes the residuals. Returns their robust scale, which is sought near the guess first. */
+/* Computes the residuals. Returns their robust scale; `guess` is a value near it. */
 CLONES static double residual_scale(const struct clean_samples *s, const double parameter[TERMS],
                                     double guess)
 {
@@ -123,6 +125,7 @@ CLONES static double residual_scale(const struct clean_samples *s, const double 
     return MAD_TO_SIGMA * median_size(s, guess / MAD_TO_SIGMA);
 }
 
+/* Returns the largest difference between two sets of parameters. */
 static double largest_change(const double a[TERMS], const double b[TERMS])
 {
     double change = 0;
@@ -131,7 +134,8 @@ static double largest_change(const double a[TERMS], const double b[TERMS])
     return change;
 }
 
-/* Returns the number of samples that have no weight. */
+/* Sets the weights of the samples. Returns the number of samples outside of the bisquare's
+ * range. */
 static size_t set_weights(const struct clean_samples *s, bool huber, double width)
 {
     const double bisquare = 1 / (BISQUARE_TUNING * BISQUARE_TUNING * width * width);
@@ -147,7 +151,8 @@ static size_t set_weights(const struct clean_samples *s, bool huber, double widt
     return outside;
 }
 
-/* Fits from the given weights on; from bisquare weights if first_round is above ROUNDS_HUBER. */
+/* Iterates weights and fits from the given weights on; these are bisquare weights if first_round is
+ * above ROUNDS_HUBER. `min` is the smallest scale. Returns false if not determined or cancelled. */
 static bool robust_fit(const struct clean_samples *s, int first_round, double min,
                        double parameter[TERMS], double *scale)
 {
@@ -170,11 +175,9 @@ static bool robust_fit(const struct clean_samples *s, int first_round, double mi
     return true;
 }
 
-/*
- * Continues the parameters of the fit before, if there is one and the samples are about as near to
- * them as those were, and fits from there on. Where some lie far off, Huber's weights come first:
- * these lead to the same minimum from everywhere. Returns false if not fitted.
- */
+/* Fits from the extrapolated parameters of the previous fit, if there is one and the samples are
+ * about as near to it. If some are far off, Huber's weights come first, which lead to the same
+ * minimum from everywhere. Returns false if not fitted. */
 static bool fit_onward(const struct clean_samples *s, const struct local *previous, double periods,
                        double min, struct local *local)
 {
@@ -199,7 +202,7 @@ static bool fit_onward(const struct clean_samples *s, const struct local *previo
     return robust_fit(s, first_round, min, parameter, &local->scale);
 }
 
-/* Fills the terms of a row from the cosine and sine at its time. */
+/* Fills the terms of a row, with times from `middle`. */
 static void terms_at(const struct cleaning *c, size_t row, double middle, double term[TERMS])
 {
     const double s = (c->t[row] - middle) / c->period, x = c->turn[row][0], y = c->turn[row][1];
@@ -207,8 +210,7 @@ static void terms_at(const struct cleaning *c, size_t row, double middle, double
     memcpy(term, all, sizeof all);
 }
 
-/* Fills c->turn, where steps are equal by turning the one before. Returns false if out of memory.
- */
+/* Fills c->turn; equal steps by rotation of the previous phase. Returns false if out of memory. */
 static bool fill_turns(struct cleaning *c)
 {
     enum { TURNED_MAX = 64 };
@@ -230,17 +232,21 @@ static bool fill_turns(struct cleaning *c)
     return c->turn != NULL;
 }
 
+/* Returns the first row at or after t. */
 static size_t row_at(const struct cleaning *c, double t)
 {
     return first_from(c->t, c->n, t);
 }
 
+/* Sets the residuals of the rows that a local fit judges. */
 static void put_residuals(struct cleaning *c, const struct local *local)
 {
     for (size_t i = local->begin; i < local->end; i++)
         c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
 }
 
+/* Fits one period by the samples of two periods around it. A fit with the same samples as before is
+ * kept. */
 static void fit_local(struct cleaning *c, struct local *local, const struct clean_samples *work)
 {
     const double first = c->t[0], last = c->t[c->n - 1];
@@ -270,7 +276,7 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     local->fitted =
         enough &&
         fit_onward(&s, previous, previous ? (local->t - previous->t) / c->period : 0, min, local);
-    /* So few samples are followed too closely. */
+    /* A fit follows few samples too closely, which makes the scale too small. */
     local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
     for (size_t i = local->begin; i < local->end; i++) {

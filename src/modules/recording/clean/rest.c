@@ -1,25 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds a rest before the end of a recording. */
+/* Finds a rest before the end of a recording (motion_quiet(), motion_rest()). */
 #include "modules/recording/clean/clean.h"
 
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-#define PERIODS_MIN 2.0 /* [periods] least duration of a rest, and of the motion before it */
-/* Largest scatter in a rest relative to that at the start. */
+/* [periods] Smallest duration of a rest, and of the motion before it. */
+#define PERIODS_MIN 2.0
+/* Largest scatter in a rest, relative to the scatter at the start. */
 #define REST_SCATTER_FRACTION 0.2
-/* Largest scatter of half a period relative to that at the end. */
+/* Largest scatter of half a period in a rest, relative to the scatter at the end. */
 #define HALF_PERIOD_SCATTER_RATIO_MAX 1.5
-/* Less than this part of what an exponential decay leaves remains in a rest. */
+/* The motion has stopped if less than this part of the amplitude of an exponential decay
+ * remains. */
 #define FADED_AMPLITUDE_FRACTION 0.4
-#define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of an amplitude */
-#define SAMPLES_MIN 8.0 /* least number of samples of a stretch whose amplitude is estimated */
+#define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of a certain amplitude */
+#define SAMPLES_MIN 8.0            /* samples of a stretch whose amplitude is estimated */
 
+/* Mean, standard deviation and number of values. */
 struct spread {
     double mean, deviation, count;
 };
 
+/* Computes the statistics of rows begin to end - 1 that count. */
 static struct spread spread_of(const struct motion_rows *x, size_t begin, size_t end)
 {
     struct spread s = {0};
@@ -33,8 +37,8 @@ static struct spread spread_of(const struct motion_rows *x, size_t begin, size_t
     return s;
 }
 
-/* Returns the amplitude of the sine of this period in rows from … to, beside their mean, or NAN if
- * they do not determine it. */
+/* Returns the amplitude of a sine of this period in rows begin to end - 1, or NAN if they do not
+ * determine it. Sets *count to the number of rows that count. */
 static double amplitude_of(const struct motion_rows *x, size_t begin, size_t end, double period,
                            double *count)
 {
@@ -61,12 +65,9 @@ static double amplitude_of(const struct motion_rows *x, size_t begin, size_t end
            det;
 }
 
-/*
- * Returns true if less remains than the decay before leaves: ln of the amplitudes of whole
- * stretches, from the largest on, is a line for a damped sine, however strong its decay; a straight
- * line through them, weighted with what the noise leaves certain, is what the rest must fall short
- * of.
- */
+/* Returns true if the amplitude in the rest is smaller than the decay before explains. The
+ * logarithms of the amplitudes of whole stretches, from the largest on, lie on a straight line for
+ * a damped sine; the line is weighted by their certainty and extrapolated to the rest. */
 static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
                   double noise)
 {
@@ -100,8 +101,8 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
                FADED_AMPLITUDE_FRACTION * left;
 }
 
-/* Returns a duration [s] of whole periods that has SAMPLES_MIN samples, and if there are few
- * samples per period also the pattern in which these meet the sine. */
+/* Returns a duration [s] of whole periods with at least SAMPLES_MIN samples; with few samples per
+ * period also long enough for their pattern against the sine to repeat. */
 static double stretch_of(const struct motion_rows *x, double period)
 {
     const double step = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Sensors that see nothing send one number instead: 0, -1, 400, 8190, 65535. Its fingerprint is a
- * value that is repeated exactly, far from all others, in places that have nothing to do with the
- * motion. Flat tops lie close to the values before and after them, a rest is one long run, and of a
- * sensor with coarse steps the next value is one step away.
- */
+/* Sensors that see nothing send one number instead: 0, -1, 400, 8190, 65535. Such a sentinel is
+ * repeated exactly, far from all other values, at times that are unrelated to the motion. Flat
+ * tops, in contrast, lie close to the values before and after them, a rest is one long run, and the
+ * next value of a sensor with coarse steps is one step away. */
 #include "modules/recording/clean/clean.h"
 #include "modules/recording/table/table.h"
 
@@ -14,57 +12,59 @@
 #include <math.h>
 
 enum {
-    ROWS_MIN = 50,     /* fewer tell too little */
+    ROWS_MIN = 50,     /* fewer rows are not judged */
     REPEATED_MIN = 3,  /* times that the value occurs */
     RUNS_MIN = 2,      /* runs of consecutive rows with the value */
-    DIFFERENT_MIN = 5, /* values that the others have: two levels are a signal of their own */
-    RUN_MEAN_MAX = 20, /* [rows] longer ones are a rest */
-    KINDS_MAX = 3      /* different ones of one sensor */
+    DIFFERENT_MIN = 5, /* different other values; two levels are a signal */
+    RUN_MEAN_MAX = 20, /* [rows] longer runs are a rest */
+    KINDS_MAX = 3      /* different sentinels of one sensor */
 };
 
 static const double share_max = 0.45;    /* largest share of the rows */
-static const double stray_share = 0.005; /* share of the other values that may lie anywhere */
-/* share of the other values, on either side, that may be another sentinel */
+static const double stray_share = 0.005; /* share of the other values that may be anywhere */
+/* Share of the other values, on either side, that may be another sentinel. */
 static const double outer_share = 0.15;
-/* Distance from the others relative to their range: where the motion may have led up to the value,
- * and where it cannot have. */
+/* Distance from the others, relative to their range: from the first on the motion may not have led
+ * up to the value, from the second on it certainly has not. */
 static const double distance_min = 0.25, distance_sure = 1.0;
-/* The same where all neighbours are farther from the value than the motion goes in a step. */
+/* The same if all neighbours are farther from the value than the motion goes in a step. */
 static const double distance_jump = 0.05;
-/* Quantile of the steps between others, and how much farther than that the motion does not go. */
+/* Quantile of the steps between others, and the factor that bounds a step of the motion. */
 static const double usual_step = 0.98, jump_factor = 1.3;
-/* Share of the runs with such neighbours: of a value outside of the others, of one among them, and
- * of one among them that is repeated far more often than any other. */
+/* Share of the runs with such neighbours: for a value outside of the others, for one among them,
+ * and for one among them that is far more frequent than any other. */
 static const double jumps_outside = 0.8, jumps_inside = 0.4, jumps_frequent = 0.2;
 static const double far_more_often = 10;
-/* share of the rows below which repeats of a value among the others do no harm */
+/* Share of the rows below which repeats of a value among the others are harmless. */
 static const double inside_share = 0.02;
-/* Share of the intervals between runs that are alike: the value is part of a periodic signal,
- * unless neighbours of this mean rank, in a motion whose steps are this part of its range, show
- * that it swings out of the range of the sensor. */
+/* Share of equal intervals between runs from which on the value is part of a periodic signal,
+ * unless neighbours of at least this mean rank, in a motion with steps of at least this part of its
+ * range, show that it leaves the range of the sensor. */
 static const double regular_share = 0.9, out_of_range_rank = 0.75, out_of_range_step = 0.3;
-/* Mean rank of the neighbours among the others, where 1 is nearest to the value. */
+/* Mean rank of the neighbours among the others; 1 is nearest to the value. */
 static const double neighbour_rank_max = 0.75;
-/* Correlation of neighbours from which on the others are a motion, not the noise of a signal that
- * the repeated value is a level of. */
+/* Correlation of neighbours from which on the others are a motion, and not noise of a signal with
+ * levels. */
 static const double motion_correlation = 0.25;
 
+/* State of the search: the values, and the candidate that is being judged. */
 struct sentinel_search {
-    const double *y; /* NAN where a value is missing */
-    double *present; /* [values] those that are present, ascending */
+    const double *y; /* [n] NAN for missing values */
+    double *present; /* [values] existing values, ascending */
     double *sorted;  /* [others] the same without the candidate */
-    double *scratch; /* [n] */
+    double *scratch; /* [n] work space */
     size_t n, values, others;
     double value; /* the candidate */
     const struct cancel *cancel;
 };
 
+/* Returns true if row i has a value other than the candidate. */
 static bool is_other(const struct sentinel_search *s, size_t i)
 {
     return !isnan(s->y[i]) && s->y[i] != s->value;
 }
 
-/* Sorts the values that are present. Returns false if cancelled. */
+/* Sorts the existing values. Returns false if cancelled. */
 static bool sort_present(struct sentinel_search *s)
 {
     s->values = 0;
@@ -74,8 +74,7 @@ static bool sort_present(struct sentinel_search *s)
     return sort_values(s->present, s->values, s->scratch, s->cancel);
 }
 
-/* Leaves the candidate out of the values that are present. Returns the number of different others.
- */
+/* Fills `sorted` with the values without the candidate. Returns the number of different ones. */
 static size_t leave_out_candidate(struct sentinel_search *s)
 {
     size_t different = 0;
@@ -88,7 +87,8 @@ static size_t leave_out_candidate(struct sentinel_search *s)
     return different;
 }
 
-/* Counts the candidate and its runs, missing values left out. */
+/* Returns true if the candidate occurs in several short runs and not too often; missing values are
+ * ignored. */
 static bool is_scattered(const struct sentinel_search *s)
 {
     size_t count = 0, runs = 0;
@@ -105,9 +105,8 @@ static bool is_scattered(const struct sentinel_search *s)
            (double)count <= share_max * (double)(count + s->others);
 }
 
-/* Returns true if most of the rows that are the candidate lie in runs that are too long for a
- * sensor that sees nothing now and then: as before a trigger, at a value that the motion meets
- * again. */
+/* Returns true if most rows with the candidate are in runs that are too long for a sensor that sees
+ * nothing now and then, as before a trigger. */
 static bool is_mostly_rest(const struct sentinel_search *s)
 {
     size_t count = 0, resting = 0;
@@ -121,7 +120,7 @@ static bool is_mostly_rest(const struct sentinel_search *s)
     return 2 * resting > count;
 }
 
-/* Returns the longest step that the others take from one row to the next, NAN of too few. */
+/* Returns a bound of the step of the others from row to row, or NAN if there are too few. */
 static double longest_step(const struct sentinel_search *s)
 {
     size_t steps = 0;
@@ -131,8 +130,9 @@ static double longest_step(const struct sentinel_search *s)
     return steps < ROWS_MIN ? NAN : jump_factor * values_quantile(s->scratch, steps, usual_step);
 }
 
-/* Returns the share of the runs of the candidate to which the motion would have to jump, and from
- * them. Where a signal is cut off, the values before and after approach the limit. */
+/* Returns the share of the candidate's runs that the motion could only reach and leave by a jump of
+ * more than `longest`. If a signal is cut off, in contrast, neighbouring values approach the
+ * limit. */
 static double jump_share(const struct sentinel_search *s, double longest)
 {
     double jumps = 0, runs = 0;
@@ -151,7 +151,8 @@ static double jump_share(const struct sentinel_search *s, double longest)
     return runs > 0 ? jumps / runs : 0;
 }
 
-/* Mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest to it. */
+/* Returns the mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest
+ * to it. is_upper tells that the candidate is above the others. */
 static double neighbour_rank(const struct sentinel_search *s, bool is_upper)
 {
     double sum = 0, count = 0;
@@ -168,8 +169,8 @@ static double neighbour_rank(const struct sentinel_search *s, bool is_upper)
     return is_upper ? mean : 1 - mean;
 }
 
-/* Returns true if the others are correlated with their neighbours, one or two rows away. Values
- * beyond the middle part are taken for its border, so that a second sentinel does not hide it. */
+/* Returns true if the others are correlated with their neighbours, one or two rows away. Extreme
+ * values are limited, so that a second sentinel does not hide it. */
 static bool others_move(const struct sentinel_search *s)
 {
     const size_t outer = (size_t)(outer_share * (double)s->others);
@@ -194,7 +195,7 @@ static bool others_move(const struct sentinel_search *s)
     return false;
 }
 
-/* Returns true if nearly all runs of the candidate begin at equal distances, give or take a row. */
+/* Returns true if nearly all runs of the candidate begin at equal distances, up to a row. */
 static bool is_regular(const struct sentinel_search *s)
 {
     size_t runs = 0, last = 0, alike = 0, previous = s->n;
@@ -214,7 +215,7 @@ static bool is_regular(const struct sentinel_search *s)
     return (double)alike >= regular_share * (double)(runs - 1);
 }
 
-/* Returns how often the most frequent of the others occurs. */
+/* Returns the number of occurrences of the most frequent of the others, and sets *value to it. */
 static size_t most_frequent(const struct sentinel_search *s, double *value)
 {
     size_t longest = 0;
@@ -230,7 +231,8 @@ static size_t most_frequent(const struct sentinel_search *s, double *value)
     return longest;
 }
 
-/* Judges a candidate among the others, or so close to them that noise may carry them there. */
+/* Judges a candidate among the others, or so close that noise may carry them there. jumps is its
+ * jump_share(). */
 static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
 {
     double next;
@@ -242,6 +244,7 @@ static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
            jumps > (frequent ? jumps_frequent : jumps_inside) && !is_regular(s);
 }
 
+/* Returns true if the candidate is a sentinel. */
 static bool is_sentinel(struct sentinel_search *s)
 {
     if (leave_out_candidate(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
@@ -263,8 +266,8 @@ static bool is_sentinel(struct sentinel_search *s)
            is_sentinel_inside(s, jumps);
 }
 
-/* Candidates are the extremes, and the most frequent value where a stray one lies beyond it.
- * Returns false if none is a sentinel; else its value is in *s. */
+/* Searches a sentinel among the extremes and the most frequent of the other values. Returns false
+ * if there is none; else it is the candidate in *s. */
 static bool find_sentinel(struct sentinel_search *s)
 {
     s->value = NAN;

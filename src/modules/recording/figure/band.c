@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The band of an adopted fit's uncertainty about the run of what was adopted. */
+/* The 95 % band around the run of an adopted fit, for figures, panes and plans. */
 #include <hooke/base/unit.h>
 #include "modules/recording/fits.h"
 #include "modules/recording/known/known.h"
@@ -9,15 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NORMAL_95 1.959963984540054 /* standard deviations on each side of 95 % */
+/* Standard deviations on each side of a 95 % interval. */
+#define NORMAL_95 1.959963984540054
+/* Points of a band at most. */
 #define TIMES_MAX 1000000
 
+/* Sets the error with the reason and a hint. Returns false. */
 static bool refuse(struct text where, struct error *error, const char *why)
 {
     error_at(error, where, "%s", why);
     return error_hint(error, "fit; adopt; run; plot position --band");
 }
 
+/* Sets the error for a parameter that differs between the run and the adopted fit. Returns
+ * false. */
 static bool refuse_value(const struct session *session, const struct run *run, int index,
                          struct text where, struct error *error)
 {
@@ -29,7 +34,8 @@ static bool refuse_value(const struct session *session, const struct run *run, i
     return error_hint(error, "adopt; run; plot position --band");
 }
 
-/* Returns true if it is one motion of one scene: a jump of the state is two rows at one time. */
+/* Returns true if the run is one motion of one scene. A jump of the state would show as two rows at
+ * one time. */
 static bool is_one_motion(const struct run *run)
 {
     const size_t rows = trace_count(run->trace);
@@ -83,8 +89,8 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 
 /* ---- in a figure ---- */
 
-/* Returns the variable of the state that a plot of so many coordinates draws first, or -1 if it
- * draws none. */
+/* Returns the state variable that the plot draws as its first coordinate, or -1 if it draws
+ * none. */
 static int first_variable(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -95,13 +101,13 @@ static int first_variable(const struct drawing *d)
     return d->model ? (int)(vertical_variable(d->model, request->kind) - d->model->variable) : 0;
 }
 
+/* Returns the label of the band of a coordinate; only the first has one. */
 static const char *label_of(int coordinate)
 {
     return coordinate == 0 ? "95 % of the fit" : NULL;
 }
 
-/* Returns an array for half the width at each point of curve i, still to be filled, or NULL with an
- * error. */
+/* Returns an array for half the band's width at each point of curve i, or NULL with the error. */
 static double *new_spread(struct drawing *d, int i, bool named)
 {
     struct curve *curve = &d->curve[i];
@@ -143,6 +149,7 @@ static const struct row band_rows[] = {
 };
 const struct catalog recording_band_catalog = CATALOG("kind of band", band_rows);
 
+/* Returns true if the user has switched on the band in panes. */
 static bool is_shown(const struct session *session)
 {
     return setting_of_module(&session->setup.settings, "band") > 0;
@@ -167,7 +174,9 @@ bool drawing_stored_band(struct drawing *d)
 
 /* ---- kept for the panes ---- */
 
-#define A_PERIOD 64 /* points of the kept band: straight lines between are off by 0.1 % of it */
+/* Points a period of the stored band: straight lines between them are off by 0.1 %. Smallest and
+ * largest number of points. */
+#define A_PERIOD 64
 #define KEPT_MIN 500
 #define KEPT_MAX 20000
 
@@ -181,7 +190,7 @@ double stored_band_at(const struct fit_band *band, int variable, double t)
     return half[i] + (index - (double)i) * (half[i + 1] - half[i]);
 }
 
-/* As many points as the motion needs. */
+/* Returns the number of points of the stored band. */
 static size_t band_points(const struct run *run, double span)
 {
     const double rhythm = run_rhythm(run);
@@ -189,6 +198,7 @@ static size_t band_points(const struct run *run, double span)
     return (size_t)fmin(fmax(n, KEPT_MIN), KEPT_MAX) + 1;
 }
 
+/* Computes the stored band of a run for all variables. Returns false if that fails. */
 static bool find_band(struct session *session, const struct run *run, struct fit_band *band,
                       struct arena *arena)
 {

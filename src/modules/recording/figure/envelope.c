@@ -5,12 +5,13 @@
 
 #include <math.h>
 
+/* Largest and smallest number of windows, and samples below which nothing is drawn. */
 #define ENVELOPE_MAX 120
 #define ENVELOPE_MIN 3
 #define ENVELOPE_SAMPLES 8
 
-/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves
- * one empty. */
+/* Windows have two periods, or more if there are many. If a gap leaves one empty, fewer and longer
+ * windows are tried. */
 bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve)
 {
     struct overview overview;

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period against the amplitude: of windows of runs and recordings as points, a pendulum's
- * closed form as a line. */
+/* The figure of the period against the amplitude: windows of runs and recordings as points, a
+ * pendulum's closed form as a line. */
 #include "modules/recording/known/known.h"
 #include <hooke/figure/layout.h>
 #include "modules/recording/plots.h"
 
 #include <math.h>
 
+/* Number of windows; periods of a window; smallest number of samples; points of the line. */
 enum { WINDOWS_MAX = 24, WINDOWS_MIN = 3, PERIODS = 8, SAMPLES_MIN = 16, THEORY_POINTS = 100 };
 
-/* As many windows as have some periods each, fewer where one of them cannot be read. */
+/* Reads windows of some periods each into a curve of points; fewer windows if one cannot be read.
+ * Returns false with the error. */
 static bool read_windows(struct drawing *d, const struct series *series, struct curve *curve)
 {
     struct period_reading reading[WINDOWS_MAX];
@@ -40,6 +42,8 @@ static bool read_windows(struct drawing *d, const struct series *series, struct 
     return true;
 }
 
+/* Adds the points of a series to the figure; label NULL means out of memory. Returns false with the
+ * error. */
 static bool add_series(struct drawing *d, struct series series, const char *label)
 {
     const double *window = d->request->window;
@@ -58,7 +62,7 @@ static bool add_series(struct drawing *d, struct series series, const char *labe
     return true;
 }
 
-/* The closed form of the scene that the first run is of, as far as the amplitudes go. */
+/* Adds the closed form of the scene, if it has one, over the range of the amplitudes. */
 static bool add_theory(struct drawing *d, const struct scene *scene)
 {
     double min = HUGE_VAL, max = 0;

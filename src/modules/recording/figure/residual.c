@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plots of the residuals of a recording: its values less the fit or the run. */
+/* Plots of the residuals of a recording: its values minus the fit or the run. */
 #include "modules/recording/fits.h"
 #include <hooke/base/cancel.h>
 #include "modules/recording/known/known.h"
@@ -26,7 +26,7 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
     if (!left)
         return error_memory(d->error);
-    /* change of the zero since the fit */
+    /* The zero of the recording may have changed since the fit. */
     const double shift = recording->zero - fits_of(d->session)->fit_zero;
     struct data_distance data = {.gain = 1};
     if (fitted)

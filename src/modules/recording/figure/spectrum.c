@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spectra in figures: how far the axis goes, and the names of their lines. */
+/* Spectra in figures: the length of the axis, and the list of lines. */
 #include "modules/recording/known/known.h"
 #include <hooke/base/cancel.h>
 #include "modules/recording/measuring.h"
@@ -9,9 +9,11 @@
 
 /* The axis ends at this multiple of the main line; little is visible beyond it. */
 #define SPECTRUM_AXIS_TIMES 10
+/* Samples of a run's spectrum, and samples a period, as the axis extends to ten times the line. */
 #define SPECTRUM_SAMPLES 4096
-#define SAMPLES_A_PERIOD 24 /* the axis goes to ten times the line */
+#define SAMPLES_A_PERIOD 24
 
+/* Fills the curve with the amplitude spectrum of a series. Returns false with the error. */
 static bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
                           struct error *error)
 {
@@ -20,8 +22,8 @@ static bool data_spectrum(const struct series *series, struct arena *arena, stru
     return true;
 }
 
-/* Samples the position evenly between two times, no finer than a spectrum of a few harmonics needs:
- * the newest part where that is not all of it. */
+/* Samples the position evenly between two times, no finer than a spectrum of some harmonics needs;
+ * a long run is represented by its newest part. Returns false with the error. */
 static bool run_even_series(const struct run *run, double t_begin, double t_end, double period,
                             struct arena *arena, struct series *series, struct error *error)
 {
@@ -70,7 +72,7 @@ struct axis spectrum_axis(const struct drawing *d)
 {
     const struct curve *first = &d->curve[0];
     const double nyquist = first->n > 0 ? first->x[first->n - 1] : 0;
-    /* While a run goes on its law says it best: the axis stands still. */
+    /* If a run is followed, the axis comes from its known period, so that it does not move. */
     const bool law = d->request->follow && isfinite(d->period);
     const double line = law ? 1 / d->period : d->line.frequency.value;
     return (struct axis){.label = "f",
@@ -87,7 +89,8 @@ void spectrum_note(const struct drawing *d, struct buffer *text)
     buffer_format(text, "line at %s", SHOWN_MEASURED(d->line.frequency, QUANTITY_FREQUENCY, 5));
 }
 
-/* The lines of spectra in words and as records; with names where there are several curves. */
+/* Adds the lines of spectra to the reply, in words and as records; with labels if there are several
+ * curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply)
 {
     for (int i = 0; i < peaks->count; i++) {

@@ -31,8 +31,8 @@ struct fit_curve {
 
 /* Options of curve_fit(); all zero is a plain least-squares fit without bounds. */
 struct curve_options {
-    const double *low,
-        *high; /* [parameters] bounds or NULL; -INFINITY and INFINITY leave a side open */
+    /* [parameters] bounds or NULL; -INFINITY and INFINITY leave a side open. */
+    const double *low, *high;
     /* [parameters] true for those in which the curve is linear, all together, so that their start
      * does not matter; NULL if unknown */
     const bool *linear;

@@ -102,8 +102,8 @@ struct descent {
     double rss;                 /* sum of squares at x */
     bool converged;
     int iterations; /* number of steps, added to what it was */
-    struct triangle
-        triangle; /* triangle of the latest evaluation, which may be one step before x */
+    /* Triangle of the latest evaluation, which may be one step before x. */
+    struct triangle triangle;
 };
 
 /* Descends from x to the nearest minimum by Levenberg-Marquardt steps. Returns false if the model

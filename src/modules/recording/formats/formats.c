@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The formats. Each is a file of its own, NAME.def, that ends in its row; it is included twice,
- * first for its functions and then, with FORMAT_ROW defined, for its row, so that all rows are one
- * array. "lists/formats.def" is the list of these files that scripts/modules writes.
- */
+/* The catalog of formats. Each format is a file, NAME.def, that ends in its row. It is included
+ * twice, first for its functions and then, with FORMAT_ROW defined, for its row, so that all rows
+ * are one array. "lists/formats.def" is the list of these files, which scripts/modules writes. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>

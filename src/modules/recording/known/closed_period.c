@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The period of a run from returns of its state. One return proves a period of equations that do
- * not depend on time, where a detector in a single series needs several waves, and regular ones.
- */
+/* The period of a run from returns of its state. For equations that do not depend on time, a single
+ * return proves a period; a detector in a single series needs several waves, and regular ones. */
 #include "modules/recording/known/known.h"
 #include <hooke/base/cancel.h>
 
 #include <math.h>
 #include <string.h>
 
+/* Starting rows that are tried; smallest number of returns; Newton steps to the nearest point;
+ * substeps of an integration; largest fraction of a period that is tested. */
 enum { BASES = 16, BASES_MIN = 3, NEWTON_STEPS = 4, SUBSTEPS = 8, PARTS_MAX = 7 };
-/* Waves that are more than this are no harmonics of a few. */
+/* A period with more waves than this is not a harmonic of a longer one. */
 enum { HARMONICS_MAX = 64 };
 
-/* Distance, in half ranges of the variables, below which two states are the same. */
+/* Distance, in half ranges of the variables, up to which two states are the same. */
 static const double same_state_max = 1e-3;
-/* Relative to the period: what periods from different states may differ by. */
+/* Relative difference that periods from different starting states may have. */
 static const double same_period_max = 1e-3;
 
+/* The part of a run that is searched for returns. */
 struct closed_run {
     const struct trace *trace;
     const struct cancel *cancel;
@@ -26,7 +27,7 @@ struct closed_run {
     double size[LIMIT_VARIABLES]; /* half ranges of the variables in it */
 };
 
-/* Moves y by the classical Runge-Kutta method. */
+/* Moves y from t by `span` [s], by the classical Runge-Kutta method. */
 static void follow_closed_motion(const struct system *system, double t, double span, double *y)
 {
     static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
@@ -45,6 +46,7 @@ static void follow_closed_motion(const struct system *system, double t, double s
     }
 }
 
+/* Returns the distance of two states, with each variable in units of its half range. */
 static double distance(const struct closed_run *c, const double *a, const double *b)
 {
     double sum = 0;
@@ -53,8 +55,8 @@ static double distance(const struct closed_run *c, const double *a, const double
     return sqrt(sum);
 }
 
-/* Returns the time [s] from the state of row `base` until the run is next in that state, NAN if it
- * is not; *error: what the state that it comes back to is off along the way. */
+/* Returns the time [s] from the state of row `base` until the run is in that state again, or NAN if
+ * it never is. Sets *error to the time by which the returning state is off along the motion. */
 static double time_of_return(const struct closed_run *c, size_t base, double *error)
 {
     const struct system *system = c->system;
@@ -92,8 +94,8 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
     return NAN;
 }
 
-/* Returns true if the first variable comes back after `span` [s] from states all over the window:
- * the others may take longer. */
+/* Returns true if the first variable comes back after `span` [s] from states all over the window,
+ * even if the others take longer. */
 static bool first_repeats(const struct closed_run *c, double span)
 {
     const double direction =
@@ -114,8 +116,8 @@ static bool first_repeats(const struct closed_run *c, double span)
     return repeats;
 }
 
-/* Reads one period from the returns to states all over the window. False if they are too few, or do
- * not agree. */
+/* Reads one period from the returns to states all over the window. Returns false if they are too
+ * few or do not agree. */
 static bool closed_period(const struct closed_run *c, struct period *period)
 {
     const double t_begin = trace_time(c->trace, c->begin), t_end = trace_time(c->trace, c->end - 1);
@@ -126,7 +128,7 @@ static bool closed_period(const struct closed_run *c, struct period *period)
         const size_t base = c->begin + b * (c->end - c->begin) / BASES;
         double error = 0;
         const double span = time_of_return(c, base, &error);
-        if (isnan(span)) { /* there may be no time left for it */
+        if (isnan(span)) { /* there may not be enough time left */
             same = found > 0 && fabs(t_end - trace_time(c->trace, base)) < 1.1 * T;
             continue;
         }
@@ -153,6 +155,7 @@ static bool closed_period(const struct closed_run *c, struct period *period)
     return true;
 }
 
+/* Returns true if the relative uncertainty of a period is tiny. */
 static bool is_exact(const struct period *period)
 {
     static const double uncertainty_max = 1e-4; /* relative */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Velocity and energy of a recording of positions (data_motion()). */
 #include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 #include "modules/recording/fits.h"
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* No line is drawn across a gap of more steps between two velocities of the sensor. */
+/* Gap between two velocities of the sensor, in steps, across which no straight line is drawn. */
 #define VELOCITY_GAP_STEPS 1.5
 
 bool recording_is_fitted(const struct session *session, const struct recording *recording)
@@ -30,8 +31,9 @@ double motion_frequency(const struct session *session, const struct recording *r
 
 /* ---- velocities ---- */
 
-/* Those of the sensor, between its samples by straight lines. MotionSensor.vi writes backward
- * differences, which belong to half a step earlier. */
+/* Takes the velocities of the sensor from the recording that was joined, interpolated between its
+ * samples by straight lines. MotionSensor.vi writes backward differences, which belong to half a
+ * step earlier. Returns false with the error. */
 static bool joined_velocity(const struct session *session, const struct recording *recording,
                             struct arena *arena, struct data_motion *motion, struct error *error)
 {
@@ -71,6 +73,7 @@ static bool joined_velocity(const struct session *session, const struct recordin
     return true;
 }
 
+/* Computes the velocities from the positions. Returns false with the error. */
 static bool own_velocity(const struct series *series, struct arena *arena,
                          struct data_motion *motion, struct error *error)
 {
@@ -88,6 +91,8 @@ static bool own_velocity(const struct series *series, struct arena *arena,
 
 /* ---- energy ---- */
 
+/* Sets mass and spring constant: the recording's or the scene's mass, the fit's or the scene's
+ * constant. Returns false with the error if the scene has no spring. */
 static bool find_spring(const struct session *session, const struct recording *recording,
                         struct data_motion *motion, struct error *error)
 {
@@ -109,7 +114,7 @@ static bool find_spring(const struct session *session, const struct recording *r
     return true;
 }
 
-/* Marks the rows that the fit of a damped sine leaves out as bad samples: use [n] is 0 for these.
+/* Sets *use [n] to 0 for rows that the fit of a damped sine leaves out as bad samples, else to 1.
  * Returns false if out of memory. */
 static bool find_good_rows(const struct session *session, const struct recording *recording,
                            const struct series *s, struct arena *arena, unsigned char **use)
@@ -120,7 +125,7 @@ static bool find_good_rows(const struct session *session, const struct recording
     return *use;
 }
 
-/* Takes the velocities from the rows in use; those of the others are NAN. */
+/* Computes the velocities from the rows in use; those of the others are NAN. */
 static bool good_velocity(const struct series *all, const unsigned char *use, struct arena *arena,
                           struct data_motion *motion, struct error *error)
 {
@@ -183,7 +188,7 @@ bool data_motion(const struct session *session, const struct recording *recordin
                                  : good_velocity(s, use, arena, motion, error)))
         return false;
     for (size_t i = 0; i < s->n; i++)
-        motion->v[i] = use[i] ? motion->v[i] : NAN; /* the energy follows */
+        motion->v[i] = use[i] ? motion->v[i] : NAN; /* makes the energy NAN, too */
     if (energy && !find_spring(session, recording, motion, error))
         return false;
     for (size_t i = 0; i < s->n && energy; i++) {

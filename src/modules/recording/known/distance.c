@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording beside a run: which observable of the run it holds, in which scale, and how far they
- * are apart. */
+/* A recording compared with a run: which observable of the run it shows, on which scale, and the
+ * rms difference. */
 #include "modules/recording/known/known.h"
 
 #include <hooke/base/cancel.h>
@@ -8,10 +8,10 @@
 
 #include <math.h>
 
-/* share of the variance that a scaled recording shares with the run, at least */
+/* Smallest share of its variance that a scaled recording must have in common with the run. */
 #define FOLLOWED_VARIANCE_MIN 0.01
 
-/* The span of a run, its earlier end first. */
+/* Sets span to the earlier and the later end [s] of a run. */
 static void run_span(const struct run *run, double span[2])
 {
     const double first = trace_time(run->trace, 0),
@@ -20,7 +20,7 @@ static void run_span(const struct run *run, double span[2])
     span[1] = fmax(first, last);
 }
 
-/* Samples of a series, which has no gaps, that a run spans. */
+/* Returns the number of samples of a series, which has no gaps, within the span of a run. */
 static size_t spanned(const struct run *run, const struct series *data)
 {
     double span[2];
@@ -31,14 +31,14 @@ static size_t spanned(const struct run *run, const struct series *data)
     return count;
 }
 
-/* Sums over the samples that a run spans: of x, what the run does there, and of y, what was
- * recorded. */
+/* Sums over the samples within the span of a run: x is the value of the run there, y the recorded
+ * one. */
 struct overlap_sums {
-    double n, x, y, xx, xy, yy; /* the last three about the means */
+    double n, x, y, xx, xy, yy; /* number, means, squares and product about the means */
     double apart;               /* sum of (x - y)^2 */
 };
 
-/* Means and squares in one pass (Welford 1962). */
+/* Computes the sums in one pass (Welford 1962); n is 0 if cancelled. */
 static void sum_up(const struct run *run, const struct series *data, int derivative,
                    struct overlap_sums *s)
 {
@@ -66,6 +66,8 @@ static void sum_up(const struct run *run, const struct series *data, int derivat
     }
 }
 
+/* Returns true if the run is one oscillator that moves forward in time and shows the recorded
+ * quantity. */
 static bool can_compare(const struct run *run, const struct recording *recording)
 {
     const size_t rows = trace_count(run->trace);
@@ -74,8 +76,8 @@ static bool can_compare(const struct run *run, const struct recording *recording
            trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
 }
 
-/* y = a + b x by least squares, the noise being in what was recorded; turned round, as the run is
- * what is drawn. */
+/* Fits y = a + b x by least squares, with the noise in the recorded values y, and stores the
+ * inverse, which converts the recording to the run's scale. */
 static void fit_scale(const struct overlap_sums *s, struct data_distance *d)
 {
     const double slope = s->xy / s->xx, left = s->yy - slope * s->xy;
@@ -86,7 +88,8 @@ static void fit_scale(const struct overlap_sums *s, struct data_distance *d)
     d->rms = sqrt(fmax(s->xx > 0 ? left : s->yy, 0) / s->n);
 }
 
-/* Leaves the samples out that the recording itself shows to be bad. */
+/* Sets *good to the samples without those that the recording itself shows to be bad. Returns false
+ * if out of memory. */
 static bool find_good(struct recording *recording, const struct series *all, struct arena *arena,
                       struct series *good)
 {
@@ -113,7 +116,7 @@ static bool find_good(struct recording *recording, const struct series *all, str
     return true;
 }
 
-/* Returns the mean difference if it is most of the rms and of a visible size, else NAN. */
+/* Returns the mean difference if it dominates the rms and is visible, else NAN. */
 static double main_offset(const struct overlap_sums *s)
 {
     static const double share_of_square = 0.5, visible = 0.1 /* standard deviations */;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A look at the ends of a series whose period is known, which costs some thousand rows however many
- * there are. */
+/* Judges the ends of a series whose period is known (series_ends_as_inside()), at the cost of some
+ * thousand rows for any length. */
 #include <hooke/base/numeric.h>
 #include "modules/recording/known/known.h"
 
@@ -11,6 +11,7 @@ enum {
     TERMS = 3,         /* offset, cosine, sine */
     WIDTH = TERMS + 1, /* width of a row of the normal equations, whose last column is the value */
     STRETCH_ROWS = 32, /* rows used of a stretch */
+    /* Smallest number of rows of a stretch. */
     ROWS_MIN = 8,
     END_STRETCHES = 3, /* stretches compared with their neighbours */
     SIDE = 16,         /* stretches at each end */
@@ -18,14 +19,15 @@ enum {
     ALL = 2 * SIDE + MIDDLE,
 };
 
-/* The fit of a sine of the known period to one stretch. */
+/* Fit of a sine of the known period to one stretch. */
 struct stretch {
     double amplitude;
     double scale;   /* standard deviation of its residuals */
-    double largest; /* residual */
+    double largest; /* largest residual */
     bool is_fitted;
 };
 
+/* Fits offset, cosine and sine to the rows from time `begin` on for `width` [s]. */
 static struct stretch fit_stretch(const struct series *s, double begin, double width, double omega)
 {
     const size_t first = first_from(s->t, s->n, begin), end = first_from(s->t, s->n, begin + width),
@@ -58,7 +60,7 @@ static struct stretch fit_stretch(const struct series *s, double begin, double w
     return result;
 }
 
-/* Returns the median of the ratios of amplitudes from one stretch to the next, at most 1. */
+/* Returns the median ratio of amplitudes from one stretch to the next, at most 1. */
 static double usual_fall(const struct stretch *stretch, size_t n)
 {
     double ratio[ALL];
@@ -67,11 +69,10 @@ static double usual_fall(const struct stretch *stretch, size_t n)
     return fmin(values_quantile(ratio, n - 1, 0.5), 1);
 }
 
-/*
- * Returns true if the first of the stretches, counted from an end of the series, have the
- * amplitudes and the residuals that those next to them let expect. `fall` is the factor of the
- * amplitude towards that end per stretch, `scale` the typical residual of a stretch.
- */
+/* Returns true if the first stretches, counted from an end of the series, have the amplitudes and
+ * residuals that their neighbours let expect. `fall` is the factor of the amplitude per stretch
+ * towards that end, `loss` the relative change of the amplitude in a stretch, `scale` the typical
+ * residual. */
 static bool begins_as_it_continues(const struct stretch *stretch[SIDE], size_t n, double fall,
                                    double loss, double scale)
 {

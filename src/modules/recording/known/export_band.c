@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The band of an adopted fit as columns beside those of its run. */
+/* The band of an adopted fit as two columns (low, high) beside each variable of its run in an
+ * exported table. */
 #include "modules/recording/known/known.h"
 #include "modules/recording/plots.h"
 
@@ -15,6 +16,7 @@ static const struct run *only_run(const struct session *session, const struct ar
     return session->runs.count == 1 ? session->runs.slot[0]->run : NULL;
 }
 
+/* Returns a column with one edge of the band; its name or value is NULL if out of memory. */
 static struct table_column side_of(const struct table_column *column, const char *side,
                                    const double *half, double sign, size_t rows,
                                    struct arena *arena)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of a recording. */
+/* A recording as an exported table with t, y, v and energy. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
@@ -7,9 +7,11 @@
 
 #include <math.h>
 
+/* Columns that a recording can be exported with. */
 enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
 
-/* t first, then what was asked for, or y, each once. */
+/* Marks the columns to write: t, and those asked for or else y. Returns false with the error for an
+ * unknown name. */
 static bool list_recorded(const struct argument_value *column, bool wanted[RECORDED_COUNT],
                           struct error *error)
 {
@@ -30,6 +32,7 @@ static bool list_recorded(const struct argument_value *column, bool wanted[RECOR
     return true;
 }
 
+/* Adds keys that tell how velocity and energy were computed. */
 static void add_motion_keys(struct keys *keys, const struct data_motion *motion, bool energy)
 {
     keys_add_text(keys, "v", motion->how_v);
@@ -37,7 +40,7 @@ static void add_motion_keys(struct keys *keys, const struct data_motion *motion,
         keys_add_text(keys, "energy", motion->how_k);
 }
 
-/* Adds the key "scale" to a voltage or a force beside a run: where its numbers lie on the run. */
+/* Adds the key "scale" for a voltage or a force: how its numbers convert to the current run. */
 static void add_scale_key(struct keys *keys, const struct session *session,
                           struct recording *recording)
 {
@@ -53,8 +56,8 @@ static void add_scale_key(struct keys *keys, const struct session *session,
     keys_add(keys, "scale", &text);
 }
 
-/* Sets the rows that are written, and how many; *row becomes NULL if all are. Returns false if out
- * of memory. */
+/* Chooses the rows to write: *row becomes their indices, or NULL for all, and *rows their number.
+ * Returns false if out of memory. */
 static bool choose_rows(const struct series *series, const struct thinning *thinning,
                         struct arena *arena, size_t **row, size_t *rows)
 {
@@ -112,6 +115,8 @@ bool export_recorded(const struct session *session, const struct argument_value 
     keys_add_text(&keys, "recording", recording->name);
     keys_add_text(&keys, "file", recording->path);
     keys_add_text(&keys, "column", value->name);
+    /* The keys let a reader of the table undo the conversion to SI and the subtraction of the
+     * zero. */
     struct buffer zero = {0}, factor = {0}, cleaned = {0};
     buffer_exact(&zero, (struct measured){recording->zero, 0}, value->quantity);
     keys_add(&keys, "zero", &zero);
@@ -146,8 +151,8 @@ bool export_recorded(const struct session *session, const struct argument_value 
     return keys_finish(&keys, export, error);
 }
 
-/* Those outside the window and those that were masked, too, where there are some: `used` is 0
- * there. A session looks at several windows one after the other. */
+/* Adds samples outside of the window and masked ones, if there are any, with a column `used` that
+ * is 0 for them: a session may have looked at several windows. Returns false with the error. */
 static bool add_unused(const struct recording *recording, struct export *export,
                        struct error *error)
 {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Faults of a recording: finds them (find_faults()), advises a window, and reports them. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
@@ -10,19 +11,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/*
- * Judging the window costs 2 us a sample, thirty times as much as measuring a period. Each k-th
- * sample of a long recording is judged, if that leaves SAMPLES_PER_SWING a period; where that is
- * too many, only 'data clean' judges.
- */
+/* The judgement of a window costs 2 us a sample, thirty times as much as measuring a period. Of a
+ * recording with more than ALL_JUDGED samples only every k-th one is judged, such that
+ * SAMPLES_PER_SWING remain; if these are more than JUDGED_MAX, only 'data clean' judges. */
 #define ALL_JUDGED 16384
 #define JUDGED_MAX 32768
-/* Samples a swing; a period has at least one swing, usually two. */
+/* A swing is a motion to one side; a period has at least one, usually two. */
 #define SAMPLES_PER_SWING 8
+/* Samples a swing that are enough for measuring a period, and blocks whose scatter is compared. */
 #define ENOUGH_FOR_PERIOD 4
 #define SCATTER_BLOCKS 64
 
-/* The median over blocks of the standard deviation within. */
+/* Returns the median over blocks of the standard deviation within a block. */
 static double local_scatter(const struct series *series)
 {
     double scatter[SCATTER_BLOCKS];
@@ -39,8 +39,8 @@ static double local_scatter(const struct series *series)
     return values_quantile(scatter, SCATTER_BLOCKS, 0.5);
 }
 
-/* Swings to and fro of more than the local scatter: at least half of all half periods, for half of
- * the blocks have it. */
+/* Counts swings to and fro that exceed the local scatter. At least half of all half periods do,
+ * because half of the blocks have that scatter. */
 static size_t count_swings(const struct series *series)
 {
     const double min = local_scatter(series);
@@ -59,7 +59,7 @@ static size_t count_swings(const struct series *series)
     return swings;
 }
 
-/* Thins a long series, to at least for_swing samples per swing. Returns false if out of memory. */
+/* Thins a long series to at least `for_swing` samples per swing. Returns false if out of memory. */
 static bool findings_series_thin(struct series *series, size_t for_swing, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)
@@ -82,8 +82,8 @@ static bool findings_series_thin(struct series *series, size_t for_swing, struct
     return true;
 }
 
-/* Returns the period of a series, of each k-th sample where these show it, or NAN with the reason.
- */
+/* Returns the period [s] of a series, from thinned samples if these show it, or NAN with the reason
+ * in *overview. */
 static double find_period(const struct series *series, struct arena *arena,
                           struct overview *overview)
 {
@@ -123,7 +123,7 @@ bool find_faults(struct recording *recording, double period, struct arena *arena
     return true;
 }
 
-/* The same of a run, whose samples are as those of a recording. */
+/* Judges a series by treating it as a recording (*as, *column). Returns NULL if out of memory. */
 static const struct findings *run_findings(const struct series *series, double period,
                                            struct recording *as, struct column *column,
                                            struct arena *arena)
@@ -141,7 +141,8 @@ static const struct findings *run_findings(const struct series *series, double p
     return find_faults(as, period, arena, &ignored) ? as->findings : NULL;
 }
 
-/* Judges a recording that 'data clean' has not judged. */
+/* Judges a recording, or a run, that 'data clean' has not judged, from thinned samples. Returns
+ * NULL if these are too many or if out of memory. */
 static const struct findings *thinned_findings(const struct subject *subject, double period,
                                                struct recording *as, struct column *column,
                                                struct arena *arena)
@@ -161,6 +162,7 @@ static const struct findings *thinned_findings(const struct subject *subject, do
                : NULL;
 }
 
+/* Writes which end of the window is not part of the free oscillation, and a better window. */
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
@@ -188,7 +190,7 @@ void advise_window(const struct subject *subject, enum window_law law, double pe
         return;
     const bool whole = subject->recording &&
                        (subject->recording->findings || subject->recording->rows <= ALL_JUDGED);
-    /* That of a part is not always that of the whole, which 'data clean' would find. */
+    /* The period of a part may differ from that of the whole, which 'data clean' would find. */
     const bool is_all = !subject->recording ||
                         (s->t[0] == subject->recording->t[0] && s->n == subject->recording->rows);
     const double all = is_all ? period : NAN;
@@ -217,12 +219,13 @@ void reply_advice(const struct subject *subject, double period, struct arena *ar
         reply_warning(reply, "%s", advice.text);
 }
 
+/* Returns the row of a kind of finding. */
 static const struct finding_row *row_of(size_t kind)
 {
     return (const struct finding_row *)(const void *)catalog_row(&finding_catalog, kind);
 }
 
-/* "4.38, 11.2, 30.04 … s" */
+/* Adds a cell with the times of the first stretches: "4.38, 11.2, 30.04 … s". */
 static void cell_positions(struct text_table *table, const struct finding *finding)
 {
     struct buffer text = {0};
@@ -235,6 +238,7 @@ static void cell_positions(struct text_table *table, const struct finding *findi
     cell_take(table, &text);
 }
 
+/* Appends the size of a finding in its own quantity; nothing if it has no size. */
 static void put_size(struct buffer *text, const struct recording *recording, size_t kind)
 {
     const struct finding *finding = &recording->findings->finding[kind];
@@ -252,6 +256,7 @@ static void put_size(struct buffer *text, const struct recording *recording, siz
     buffer_quantity(text, finding->size, kind == FINDING_GAPS ? QUANTITY_TIME : quantity, 3);
 }
 
+/* Appends the table of findings. Returns the number of kinds that were found. */
 static size_t put_table(const struct recording *recording, struct arena *arena, struct buffer *text)
 {
     static const char *const heads[] = {"found", "samples", "places", "size", "first at", "action"};
@@ -281,6 +286,7 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
     return kinds;
 }
 
+/* Adds the findings to the reply as a record. */
 static void reply_record(const struct recording *recording, struct reply *reply)
 {
     static const char *const remedies[] = {[REMEDY_MASK] = "mask",

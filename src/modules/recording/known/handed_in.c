@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Recordings that are read from a hand-in folder, from copies of their files or from their
+ * exports. */
 #include "modules/recording/known/handed_in.h"
 
 #include <hooke/base/number.h>
@@ -9,8 +11,10 @@
 #include <stdio.h>
 #include <string.h>
 
+/* [byte] Largest export that is read. */
 #define MOST_BYTES (1u << 28)
 
+/* Returns the value of a key of the table, or an empty text. */
 static struct text key_of(const struct table *table, const char *key)
 {
     for (int i = 0; i < table->keys; i++)
@@ -19,9 +23,10 @@ static struct text key_of(const struct table *table, const char *key)
     return TEXT("");
 }
 
-/* Returns the shortest decimal number that has the value `si` to rounding: the number that stood in
- * the file, whose SI value may be off by the subtraction of the zero. `scale` is the larger of the
- * two that were subtracted; `digits` is where the search starts, and is set to where it ended. */
+/* Returns the SI value of the shortest decimal number that equals `si` to rounding: the number that
+ * was in the original file. Its SI value may be off by the subtraction of the zero. `scale` is the
+ * larger of the two numbers that were subtracted. *digits is where the search starts, and is set to
+ * where it ended. */
 static double number_in_file(double si, double scale, const struct unit *unit, int *digits)
 {
     const double rounding = 2 * DBL_EPSILON * scale;
@@ -38,8 +43,8 @@ static double number_in_file(double si, double scale, const struct unit *unit, i
     return si;
 }
 
-/* Adds the zero that was subtracted, and goes by the file's own decimals in its own unit, so that
- * the same doubles come of them where they have a few digits less than doubles. */
+/* Adds the zero that was subtracted, and searches the original file's decimals in its own unit, so
+ * that the same doubles result. */
 static void undo_export(struct recording *recording, struct text zero, struct text factor)
 {
     size_t used = 0;
@@ -59,7 +64,7 @@ static void undo_export(struct recording *recording, struct text zero, struct te
     }
 }
 
-/* Loads the recording from what its export holds of it. */
+/* Loads a recording from its export. Returns NULL if it cannot be read. */
 static struct recording *load_export(const char *file, const struct table *table, struct text name,
                                      const struct load_options *options)
 {
@@ -76,8 +81,8 @@ static struct recording *load_export(const char *file, const struct table *table
     return recording;
 }
 
-/* Loads recording `index` of the folder from the copy of its own file, or from its export. Returns
- * NULL if it is not there, or of another recording. */
+/* Loads recording `index` of the folder from the copy of its file, or from its export. Returns NULL
+ * if it does not exist or is another recording. */
 static struct recording *handed_in_load(const char *folder, int index, const char *path,
                                         const struct load_options *options, struct arena *arena)
 {
@@ -111,6 +116,7 @@ static struct recording *handed_in_load(const char *folder, int index, const cha
     return recording;
 }
 
+/* Finds the recording of the folder that was loaded from `path`, or NULL. */
 static struct recording *find_handed(const char *folder, const char *path,
                                      const struct load_options *options)
 {

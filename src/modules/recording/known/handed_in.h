@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recordings of a hand-in whose own files are not here. */
+/* Recordings of a hand-in whose original files are not on this machine. */
 #pragma once
 
 #include "modules/recording/table/load.h"
 
-#define HANDED_IN "hand-in" /* format of a recording that was taken from an export */
+/* Format name of a recording that was read from an export. */
+#define HANDED_IN "hand-in"
 
-/* Returns the recording that a hand-in loads from path. `here` is the recording that path holds on
- * this machine, or NULL; it is released if the hand-in has a copy of another file
- * (recording-N-NAME), which is taken instead. Without either, the values in recording-N.csv are
- * taken, as far as the window of the hand-in reached. Returns NULL if the folder has neither. */
+/* Returns the recording that a hand-in loads from `path`. `here` is the recording that this path
+ * has on this machine, or NULL; it is destroyed if the hand-in contains a copy of another file
+ * (recording-N-NAME), which is used instead. Without either, the values in recording-N.csv are
+ * used, which cover the windows of the hand-in. Returns NULL if the folder has neither. */
 struct recording *recording_checked(const char *folder, const char *path,
                                     const struct load_options *options, struct recording *here);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The values with which a derived number was computed (struct inputs in known.h). */
 #include "modules/recording/known/known.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* relative change of a parameter that shows whether the motion depends on it */
+/* Relative change of a parameter that shows whether the motion depends on it. */
 #define PARAM_NUDGE_RELATIVE 1e-3
 
 void inputs_use(struct inputs *inputs, const char *name, struct measured value)
@@ -23,6 +24,7 @@ void inputs_use(struct inputs *inputs, const char *name, struct measured value)
         inputs->exact[inputs->exacts++] = name;
 }
 
+/* Adds a parameter of the scene to the inputs. */
 static void use_param(struct inputs *inputs, const struct scene *scene, int index)
 {
     inputs_use(inputs, param_at(scene, index)->row.name,
@@ -39,7 +41,8 @@ void inputs_use_params(struct inputs *inputs, const struct scene *scene, const c
     }
 }
 
-/* Derivatives of all variables at two states, and the start. */
+/* Sets motion to the start and to the derivatives of all variables at two states, and *n to the
+ * number of variables. Returns false if the scene has no motion. */
 static bool sample_motion(const struct scene *scene, double motion[3 * LIMIT_VARIABLES], int *n)
 {
     struct system system;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Knowledge of the module about runs and recordings of a session. */
+/* The module's knowledge about runs and recordings of a session: periods, velocities and energies,
+ * comparisons, exports, inputs of derived numbers, faults. */
 #pragma once
 
 #include "modules/recording/series/analysis.h"
@@ -8,101 +9,110 @@
 #include <hooke/report.h>
 #include <hooke/session/series_tools.h>
 
-/* As series_period(), of the first variable of a run over some of its rows; where that finds no
- * period, an uncertain one or few waves, from returns of the whole state (closed_period.c). The run
- * is NULL where the series is of something else. */
+/* Does the same as series_period() for the first variable of a run over some of its rows. If that
+ * finds no period, an uncertain one, or few waves, the period comes from returns of the whole state
+ * (closed_period.c). run is NULL if the series shows something else. */
 bool run_series_period(const struct run *run, const struct series *series, struct arena *arena,
                        struct period *period, struct error *error);
-/* series_tools.run_period */
+/* Measures the period of a run; it is the member run_period of series_tools. Returns false if there
+ * is none. */
 bool find_run_period(const struct run *run, struct arena *arena, struct measured *period);
 
 /* ---- velocity and energy of a recording of positions (data_motion.c) ---- */
 
-/* series_tools.motion, frequency and is_fitted */
-/* `series` is that of the recording, or NULL for its window. */
+/* Computes velocities and, if `energy`, energies of a recording of positions, with memory of the
+ * arena; series is its series, or NULL for its window. This function, motion_frequency() and
+ * recording_is_fitted() are members of series_tools. Returns false with the error. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error);
-/* Returns the angular frequency of the oscillation [rad/s]: that of the fit, else of the period
- * read while the recording grows, else of the largest peak of the spectrum, or NAN if it has none.
- */
+/* Returns the angular frequency [rad/s] of the oscillation: that of the fit, else of the period
+ * measured while the recording grows, else of the highest peak of the spectrum, or NAN if it has
+ * none. */
 double motion_frequency(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena);
+/* Returns true if the latest fit of the session is one of this recording. */
 bool recording_is_fitted(const struct session *session, const struct recording *recording);
 
 /* ---- a recording beside a run (distance.c), as tables (export_recording.c) ---- */
 
+/* Compares a recording with a run: sets scale, offset and rms in *distance, which stays unchanged
+ * if they cannot be compared. */
 void find_distance(const struct run *run, struct recording *recording,
                    struct data_distance *distance);
+/* Writes a recording as a table with these columns and rows. Returns false with the error. */
 bool export_recorded(const struct session *session, const struct argument_value *column,
                      const struct argument_value *every, struct export *export,
                      struct error *error);
-/* Writes, for a hand-in, t and y of every sample, and used (0, 1) if some are outside the window or
- * masked. */
+/* Writes t and y of every sample for a hand-in, and a column used (0, 1) if some are outside of the
+ * window or masked. */
 bool export_recording(const struct session *session, struct export *export, struct error *error);
+/* Adds the band of the adopted fit to the table of its run. Returns false with the error. */
 bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error);
 
 /* ---- what a derived number was computed with (inputs.c) ----
  *
- * What a derived number was computed with: which of these values were stated without an
- * uncertainty and count as exact, and how uncertain the others make it. */
+A derived number depends on given values. Those without a stated uncertainty count as exact and
+ * are listed; the others widen its uncertainty. To use them, begin with a zeroed struct inputs,
+call the
+ * inputs_use functions, then inputs_widen() and inputs_put(). */
 
+/* Largest number of listed names. */
 #define INPUTS_MAX 16
 
+/* Values that entered a derived number. */
 struct inputs {
-    const char *exact[INPUTS_MAX]; /* names, each once */
+    const char *exact[INPUTS_MAX]; /* names of exact values, each once */
     int exacts;
-    double relative; /* uncertainty of a product or quotient of all of them (GUM 5.1.6) */
+    double relative; /* relative uncertainty of the product or quotient of all others (GUM 5.1.6) */
 };
 
-/* The name has to last as long as the inputs. Zero enters nothing. */
+/* Adds a value. The name must live as long as the inputs. A value of 0 is ignored. */
 void inputs_use(struct inputs *inputs, const char *name, struct measured value);
-/* Uses those of the named parameters ("m rho area") that the scene has. */
+/* Adds the named parameters ("m rho area") that the scene has. */
 void inputs_use_params(struct inputs *inputs, const struct scene *scene, const char *names);
-/* Every parameter but those that are free that the motion depends on. */
+/* Adds every parameter on which the motion depends, except those that are free. */
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free);
-/* The value, more uncertain by all of the inputs. */
+/* Returns the value with the inputs' relative uncertainty added to its own. */
 struct measured inputs_widen(const struct inputs *inputs, struct measured value);
 
-/* A line that begins with a newline and says which are exact; nothing where none is. */
+/* Appends a line that lists the exact values, beginning with a newline; nothing if there are
+ * none. */
 void inputs_put(const struct inputs *inputs, struct buffer *text);
 /* Adds the array `exact` to the open record. */
 void inputs_reply(const struct inputs *inputs, struct reply *reply);
-/* Copies the names for the report, and reads them back; the names must outlive `inputs`. */
+/* Copies the names for a later report. */
 void inputs_keep(const struct inputs *inputs, struct exact_names *names);
+/* Adds names that inputs_keep() copied; they must outlive `inputs`. */
 void inputs_recall(struct inputs *inputs, const struct exact_names *names);
 
 /* ---- what is wrong with a recording (findings.c) ---- */
 
-/* Examines the recording unless that was done. `period` is that of all of it [s], or NAN to find
- * it. */
+/* Examines the recording, unless that was done. period [s] is that of the whole recording, or NAN
+ * if it is to be measured. Returns false with the error if cancelled or out of memory. */
 bool find_faults(struct recording *recording, double period, struct arena *arena,
                  struct error *error);
-/*
- * Advice on which part of a subject is the free oscillation, as 'data clean' judges it, in words
- * for every command that works on a window. The text is empty where the whole of it is.
- */
-enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* the law describes the rest, too */ };
+/* Law for which advice is given; with WINDOW_LAW_STICKS it also describes the rest at the end. */
+enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS };
 
+/* Advice which part of a subject is the free oscillation, as 'data clean' judges it. */
 struct window_advice {
     char text[200]; /* "" if there is none */
 };
 
-/* period [s]: where it is known (not NAN) and the ends of the subject are as what lies next to
- * them, nothing is judged. */
+/* Sets *advice for a subject. If period [s] is known (not NAN) and the ends of the subject fit to
+ * what lies next to them, nothing is judged and the text is empty. */
 void advise_window(const struct subject *subject, enum window_law law, double period,
                    struct arena *arena, struct window_advice *advice);
-/* as a warning */
+/* Adds the advice to the reply as a warning. */
 void reply_advice(const struct subject *subject, double period, struct arena *arena,
                   struct reply *reply);
 
-/*
- * Returns true if a sine of the period [s], fitted to stretches at the ends of a series, has the
- * amplitude there that it has next to them, and leaves as much as anywhere: no hand, release or
- * rest is in it. False says nothing. (ends.c)
- */
+/* Returns true if a sine of the period [s], fitted to stretches at the ends of a series, has the
+ * amplitude there that it has next to them, and normal residuals: no hand, release or rest is
+ * included. If it returns false, nothing is known (ends.c). */
 bool series_ends_as_inside(const struct series *series, double period);
 
-/* The table, then what was done or would be done. */
+/* Adds the table of findings to the reply, and what was done or would be done. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);

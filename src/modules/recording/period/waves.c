@@ -190,10 +190,13 @@ bool waves_period(const struct series *series, struct arena *arena, struct perio
 
 void period_check_waves(const struct series *series, struct arena *arena, struct period *period)
 {
-    static const double repeats =
-        0.08;                       /* waves in turn are alike within this share of the spread */
-    static const double chance = 4; /* standard deviations */
+    /* The pattern of waves repeats if they come within this share of the spread, */
+    static const double repeats = 0.08;
+    static const double chance = 4; /* or within this number of standard deviations of the noise. */
+    /* Relative distance of T from a whole number of waves. */
     static const double whole_number = 0.05;
+    /* Correlation of the times between waves that are off their places independently, and the
+     * chance deviation from it in units of 1/sqrt(n). */
     static const double alone = -0.5, alone_chance = 0.9;
     enum { SEVERAL = 4 };
     struct waves w;

@@ -7,11 +7,12 @@
 
 #include <string.h>
 
-/* Parameters of oscillators and pendulums that a recording determines. The others of the same model
- * only shift between these (m, g, area …). */
+/* Parameters of oscillators and pendulums that a recording determines. The others of these models
+ * (m, g, area …) have the same effects as these. */
 static const struct {
-    const char *name, *required,
-        *excluded; /* free only if the parameter `required` is not 0 and `excluded` is */
+    /* The parameter is free only if `required` is not 0 and `excluded` is 0; NULL means any value.
+     */
+    const char *name, *required, *excluded;
 } usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL},
              {"C", "C", NULL},      {"k3", "k3", NULL},    {"mu", "mu", NULL},
              {"width", "mu", NULL}, {"F0", "F0", NULL},    {"phase", "F0", NULL}};
