@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Comparisons of two expressions. */
+/* Conditions: comparisons of two expressions, as in `run until y < 0`. */
 #include "scene/formula/expr.h"
 
+/* Moves *position behind blanks. */
 static void skip_blanks(struct text text, size_t *position)
 {
     while (*position < text.len && (text.data[*position] == ' ' || text.data[*position] == '\t'))
         ++*position;
 }
 
-/* One side, from text[*position]. */
+/* Compiles the expression at text[*position] and moves *position behind it. Returns NULL, with an
+ * error, if there is none. */
 static const struct expr *condition_side_compile(struct text text, size_t *position,
                                                  const struct expr_scope *scope,
                                                  struct arena *arena, struct error *error)
@@ -19,6 +21,8 @@ static const struct expr *condition_side_compile(struct text text, size_t *posit
     return expr;
 }
 
+/* Sets the error that a condition has no comparison at `sign`; if that is "=", the hint is to write
+ * >=. Returns false. */
 static bool no_comparison(struct text text, struct text sign, struct error *error)
 {
     error_at(error, sign, "a condition needs <, <=, > or >=");

@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Dimensions of expressions with units: powers of base units, of radians and cycles, and of pi,
+ * which may convert one into the other. They decide which values can be added, and convert between
+ * Hz and rad/s. */
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/scene/dimension.h>
@@ -31,7 +34,8 @@ static const signed char quantity_power[QUANTITY_COUNT][DIMENSION_BASES] = {
     [QUANTITY_VOLTAGE] = {0, 0, 0, 1},
 };
 
-/* Powers are sums of fractions such as 1/2 and 1/3 in single precision. */
+/* Returns true if a power is 0 but for rounding: powers are sums of fractions such as 1/2 and 1/3
+ * in single precision. */
 static bool is_zero(double power)
 {
     return fabs(power) < 1e-4;
@@ -108,11 +112,13 @@ bool dimension_is_pure(const struct dimension *a)
     return pure;
 }
 
+/* Powers of both units of angles. */
 struct angles {
     double radians, cycles;
 };
 
-/* The powers of angles, where pi has made cycles radians (2 pi f, 2 pi/omega) or radians cycles. */
+/* Returns the powers of angles, after factors of pi have made radians of cycles (2 pi f) or cycles
+ * of radians (omega/(2 pi)). */
 static struct angles angles_of(const struct dimension *a)
 {
     const double pi = a->power[BASE_PI], sign = pi < 0 ? -1 : 1;
@@ -125,6 +131,7 @@ static struct angles angles_of(const struct dimension *a)
     return is;
 }
 
+/* Returns true if the dimension contains an angle. */
 static bool has_angle(const struct dimension *a)
 {
     const struct angles is = angles_of(a);
@@ -136,7 +143,7 @@ bool dimension_counts_cycles(const struct dimension *a)
     return a->unit && a->kind == DIMENSION_KNOWN && angles_of(a).cycles > 1e-4;
 }
 
-/* Compares all but angles. */
+/* Returns true if the dimensions agree in all but angles. */
 static bool is_alike(const struct dimension *a, const struct dimension *b)
 {
     bool alike = true;
@@ -145,7 +152,8 @@ static bool is_alike(const struct dimension *a, const struct dimension *b)
     return alike;
 }
 
-/* The power of 2 pi that makes cycles radians: b is to count angles as a does. */
+/* Returns the power of 2 pi with which b counts angles in the unit of a; 0 if it does so already or
+ * if the dimensions do not match. */
 static double turns_between(const struct dimension *a, const struct dimension *b)
 {
     const struct angles is = angles_of(a), other = angles_of(b);
@@ -153,16 +161,15 @@ static double turns_between(const struct dimension *a, const struct dimension *b
     return alike && !is_zero(other.cycles - is.cycles) ? other.cycles - is.cycles : 0;
 }
 
-/*
- * Returns true if such a value is known to count what its unit says: 6.28*2 Hz could be in either,
- * 2*pi rad/s could not.
- */
+/* Returns true if the value is known to be in the unit that its dimension names: a product with a
+ * number could have converted it (6.28*2 Hz could be in rad/s), but 2*pi rad/s could not. */
 static bool is_sure(const struct dimension *a)
 {
     return !a->is_product || (a->power[BASE_PI] > 0 && a->power[BASE_RADIAN] > 0);
 }
 
-/* Finds the power of 2 pi between two, which has to be sure. */
+/* Sets *turns to the power of 2 pi between two values. Returns false if their units of angles are
+ * not sure enough to convert. */
 static bool find_turns(const struct dimension *a, const struct dimension *b, int *turns)
 {
     const double power = turns_between(a, b);
@@ -170,10 +177,8 @@ static bool find_turns(const struct dimension *a, const struct dimension *b, int
     return power == 0 || (fabs(power) < 1.5 && is_sure(a) && is_sure(b));
 }
 
-/*
- * A rate without an angle beside Hz or rad/s. Only a rate over pi is known to count cycles, any
- * other may be in radians.
- */
+/* Returns true if `rate`, in 1/s without an angle, cannot be added to b, in Hz or rad/s. Only a
+ * rate over pi is known to count cycles; any other may be in radians. */
 static bool is_other_rate(const struct dimension *rate, const struct dimension *b)
 {
     const struct angles other = angles_of(b);
@@ -183,7 +188,8 @@ static bool is_other_rate(const struct dimension *rate, const struct dimension *
            (over_pi ? other.radians > 1e-4 : other.cycles > 1e-4);
 }
 
-/* Numbers without a unit count in SI beside names and pure numbers. */
+/* Returns true if a number without a unit can be added: to names, for which it is in SI, and to
+ * pure numbers. */
 static bool takes_bare(const struct dimension *a)
 {
     return a->has_name || !a->unit || (dimension_is_pure(a) && !has_angle(a));
@@ -248,8 +254,8 @@ double dimension_turned(double x, int turns)
     return turns > 0 ? x * (2 * PI) : x / (2 * PI);
 }
 
-/* Returns the power as texts show it, without an angle that pi has changed: pi Hz is neither Hz nor
- * rad/s. */
+/* Returns the power of a base as texts show it: 0 for angles that a factor of pi has changed,
+ * because pi Hz is neither Hz nor rad/s. */
 static double shown_power(const struct dimension *a, int base)
 {
     const bool changed = !is_zero(angles_of(a).cycles - a->power[BASE_CYCLE]);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order
- * with constants folded. Nothing recurses; the stacks of the parser and of the evaluator are
- * bounded by LIMIT_EXPR_DEPTH.
- */
+/* expr_compile(): operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix
+ * order, with constants folded. Operands are read and operators in turn; operators wait in
+ * compiler.pending until one that binds less follows. Nothing recurses; the stacks are bounded by
+ * LIMIT_EXPR_DEPTH. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/statement.h>
 #include <hooke/base/number.h>
@@ -15,12 +14,12 @@
 
 enum { COMPARISON, SUM, PRODUCT, SIGN, POWER }; /* precedences: -2^2 is -4, 2^-2 is a quarter */
 
-/* Longer signs first. */
+/* The operators; longer signs first. */
 static const struct sign {
     const char *sign;
     enum op_kind op;
     int precedence;
-    bool to_right;
+    bool to_right; /* it groups from the right: 2^3^2 is 2^(3^2) */
 } operators[] = {
     {"<=", OP_LESS_EQUAL, COMPARISON, false},
     {">=", OP_GREATER_EQUAL, COMPARISON, false},
@@ -33,17 +32,21 @@ static const struct sign {
     {"^", OP_POW, POWER, true},
 };
 
+/* Returns the byte `ahead` of the position; 0 behind the end. */
 static char compiler_peek(const struct compiler *c, size_t ahead)
 {
     return ahead < c->text.len - c->position ? c->text.data[c->position + ahead] : '\0';
 }
 
+/* Sets the error that the expression is nested too deep. Returns false. */
 static bool too_deep(struct compiler *c)
 {
     return error_at(c->error, compiler_slice(c, c->position, c->position < c->text.len),
                     "the expression is nested deeper than %d levels", LIMIT_EXPR_DEPTH);
 }
 
+/* Returns a new operation at the end of the expression, which the caller fills; NULL, with an
+ * error, if it is too large or out of memory. */
 static struct op *new_op(struct compiler *c)
 {
     struct expr *expr = c->expr;
@@ -67,7 +70,6 @@ static struct op *new_op(struct compiler *c)
     return &expr->op[expr->count++];
 }
 
-/* A value: it goes onto the stack. */
 bool compiler_emit_value(struct compiler *c, struct op value)
 {
     if (c->values == LIMIT_EXPR_DEPTH)
@@ -80,7 +82,6 @@ bool compiler_emit_value(struct compiler *c, struct op value)
     return true;
 }
 
-/* An operation on the last `arity` values: done at once where all of them are numbers. */
 bool compiler_emit(struct compiler *c, struct op operation, size_t arity)
 {
     if (c->operand && !units_of_operation(c, &operation, arity))
@@ -105,8 +106,8 @@ bool compiler_emit(struct compiler *c, struct op operation, size_t arity)
     return true;
 }
 
-/* Emits the waiting operators that bind at least as tightly as `precedence`, down to the innermost
- * parenthesis. */
+/* Emits the pending operators that bind at least as tightly as `precedence`, down to the innermost
+ * parenthesis. Returns false, with an error, if one cannot be emitted. */
 static bool reduce(struct compiler *c, int precedence)
 {
     while (c->depth > 0) {
@@ -120,7 +121,8 @@ static bool reduce(struct compiler *c, int precedence)
     return true;
 }
 
-/* Reads `length` bytes as an operator, a parenthesis or a call that waits. */
+/* Reads `length` bytes as an operator, parenthesis or call, which becomes pending. Returns false if
+ * nested too deep. */
 static bool pending_push(struct compiler *c, struct pending pending, size_t length)
 {
     if (c->depth == LIMIT_EXPR_DEPTH)
@@ -137,7 +139,7 @@ static void skip_blanks(struct compiler *c)
         c->position++;
 }
 
-/* A number or a name. */
+/* Emits a number or a name that was typed as `typed`, with its dimension. */
 static bool emit_typed(struct compiler *c, struct op value, struct text typed)
 {
     const struct expr_scope *scope = c->scope;
@@ -153,6 +155,7 @@ static bool emit_typed(struct compiler *c, struct op value, struct text typed)
     return units_of_value(c, typed, dimension);
 }
 
+/* Reads a number and emits it. Returns false, with an error, if it is malformed or too large. */
 static bool number_operand_read(struct compiler *c)
 {
     double value;
@@ -170,6 +173,7 @@ static bool number_operand_read(struct compiler *c)
     return emit_typed(c, (struct op){.kind = OP_NUMBER, .number = value}, word);
 }
 
+/* Sets the error that a name is unknown, with similar names as a hint. Returns false. */
 static bool unknown_name(struct compiler *c, struct text name)
 {
     int shown = name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME;
@@ -185,7 +189,8 @@ static bool unknown_name(struct compiler *c, struct text name)
     return false;
 }
 
-/* Length of the word of letters, digits and underscores, `position` bytes ahead. */
+/* Returns the end of the word of letters, digits and underscores that begins `position` bytes
+ * ahead, counted from the same place. */
 static size_t word_end(const struct compiler *c, size_t position)
 {
     while (is_name_start(compiler_peek(c, position)) || is_digit_char(compiler_peek(c, position)))
@@ -193,11 +198,9 @@ static size_t word_end(const struct compiler *c, size_t position)
     return position;
 }
 
-/*
- * A name, the longest that the scope knows: some names have a hyphen inside (phase-error), so that
- * a-b is the name a-b where there is one, else a minus b. A ' behind a name belongs to it: y' is
- * the velocity of y.
- */
+/* Reads a name and emits it: the longest one that the scope knows. Some names contain a hyphen
+ * (phase-error), so a-b is that name if the scope knows it, else a minus b. A ' behind a name
+ * belongs to it: y' is the velocity of y. */
 static bool read_name(struct compiler *c)
 {
     size_t length[LIMIT_NAME], count = 0;
@@ -229,6 +232,8 @@ static bool read_name(struct compiler *c)
     return emit_typed(c, op, word);
 }
 
+/* Reads a call's name with its parenthesis, which becomes pending, or a name. Returns false, with
+ * an error, if neither is known. */
 static bool read_word(struct compiler *c)
 {
     struct text word = compiler_slice(c, c->position, word_end(c, 0));
@@ -252,7 +257,7 @@ static bool read_word(struct compiler *c)
     return read_name(c);
 }
 
-/* The innermost call has, up to here, too many or too few arguments. */
+/* Sets the error that the innermost call has too many or too few arguments. Returns false. */
 static bool wrong_count(struct compiler *c, const struct pending *call)
 {
     int arity = function_arity(call->function);
@@ -262,6 +267,8 @@ static bool wrong_count(struct compiler *c, const struct pending *call)
         "%s takes %d argument%s", call->function->row.name, arity, arity == 1 ? "" : "s");
 }
 
+/* Sets the error that an operand is missing, with a hint for ** and for signs that are not ASCII.
+ * Returns false. */
 static bool missing_operand(struct compiler *c)
 {
     struct text where = compiler_slice(c, c->position, c->position < c->text.len);
@@ -308,7 +315,7 @@ static bool read_operand(struct compiler *c, bool *complete)
     return missing_operand(c);
 }
 
-/* The innermost open parenthesis or call; NULL if there is none. */
+/* Returns the innermost open parenthesis or call; NULL if there is none. */
 static struct pending *innermost(struct compiler *c)
 {
     for (size_t i = c->depth; i > 0; i--)
@@ -317,7 +324,7 @@ static struct pending *innermost(struct compiler *c)
     return NULL;
 }
 
-/* Returns the operator, or NULL if there is none, as at "+-" of an uncertainty. */
+/* Returns the operator at the position, or NULL if there is none; "+-" begins an uncertainty. */
 static const struct sign *next_operator(const struct compiler *c)
 {
     struct text rest = compiler_slice(c, c->position, c->text.len - c->position);
@@ -386,7 +393,8 @@ static bool is_unit_wanted(const struct compiler *c)
            strchr(")+-*/^,<>", compiler_peek(c, next));
 }
 
-/* Emits what waits where the text of the expression ends. */
+/* Emits what is pending at the end of the expression. Returns false, with an error, if a
+ * parenthesis is open or if a word that looks like a unit follows. */
 static bool close_expression(struct compiler *c)
 {
     const struct pending *open = innermost(c),

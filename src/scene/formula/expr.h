@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declarations shared by the compiler and the evaluators of expressions. */
+/* Compiled expressions: a list of operations in postfix order for a stack of values. Shared by the
+ * compiler (expr.c, units.c) and by everything that evaluates them: values, bounds, programs. */
 #pragma once
 
 #include <hooke/base/elementary.h>
 #include <hooke/scene.h>
 #include <hooke/scene/dimension.h>
 
-/* Rules for the dimension of a function, given those of its arguments. */
+/* Rules for the dimensions of a function's arguments and value. */
 enum function_dimension {
-    FUNCTION_PURE,  /* a number of numbers or angles */
-    FUNCTION_ANGLE, /* the same of radians */
-    FUNCTION_SAME,  /* the dimension of its argument, or of several that are alike */
-    FUNCTION_SIGN,  /* a number of anything alike */
-    FUNCTION_SQUARE_ROOT,
-    FUNCTION_CUBE_ROOT,
-    FUNCTION_POWER,
-    /* the dimension of the second and the third argument, which are alike */
-    FUNCTION_CHOICE
+    FUNCTION_PURE,        /* arguments are numbers or angles, the value is a number */
+    FUNCTION_ANGLE,       /* the same, but no argument may be in cycles */
+    FUNCTION_SAME,        /* arguments have one dimension, which is that of the value */
+    FUNCTION_SIGN,        /* arguments have one dimension, the value is a number */
+    FUNCTION_SQUARE_ROOT, /* the value has the argument's dimension to the power 1/2 */
+    FUNCTION_CUBE_ROOT,   /* the same for 1/3 */
+    FUNCTION_POWER,       /* the value has that of the first to the power of the second */
+    FUNCTION_CHOICE       /* the second and third argument have that of the value */
 };
 
-/* One of the three is set: it says how many arguments there are. */
+/* A function of expressions. One of the pointers is set: that of its number of arguments. */
 struct function {
     struct row row;
     enum function_dimension dimension;
@@ -35,8 +35,8 @@ static inline int function_arity(const struct function *function)
     return function->two ? 2 : 3;
 }
 
-/* Functions that have to return NaN for a NaN argument, and that programs know without a call. */
-/* Those that have a slope, of libm or our own. */
+/* Functions with derivatives in slopes.def, of libm or defined here; and those that are constant
+ * between jumps. All return NaN for a NaN argument. */
 #define ONE(function, ...) double function(double x);
 #define TWO(function, ...) double function(double x, double y);
 #include "scene/formula/slopes.def"
@@ -45,7 +45,7 @@ static inline int function_arity(const struct function *function)
 double function_sign(double x);
 double function_step(double x);
 
-/* 1 or 0; NaN where an argument is. */
+/* Return the truth of a < b and of a <= b as 1 or 0; NaN if an argument is NaN. */
 static inline double less_than(double a, double b)
 {
     double holds = a < b;
@@ -58,13 +58,12 @@ static inline double less_equal(double a, double b)
     return a != a || b != b ? NAN : holds;
 }
 
-/*
- * x^n is multiplications where n is an integer or half of one, at most POWER_MAX in size: the bits
- * of |n| from the highest down, r r for each and r x for a 1, then sqrt(x) for the half; 1/that for
- * n < 0. Everywhere the same, so that it does not matter when n becomes known.
- */
+/* Largest |n| for which x^n is made of multiplications, if n is an integer or half of one:
+ * <hooke/scene/formula.h> tells in which order. All evaluators use the same, so that the bits of a
+ * result do not depend on when n becomes known. */
 #define POWER_MAX 16
 
+/* Returns true if x^n is made of multiplications. */
 static inline bool power_is_short(double n)
 {
     return fabs(n) <= POWER_MAX && 2 * n == floor(2 * n);
@@ -109,10 +108,10 @@ struct typed_operand {
 struct expr {
     struct op *op;
     size_t count, capacity;
-    struct typed_operand typed; /* all of it: while the text that it was compiled from exists */
+    struct typed_operand typed; /* dimension and text of all; valid as long as that text exists */
 };
 
-/* Operands of an operation that is not a value. */
+/* Returns the number of operands of an operation that is not OP_NUMBER or OP_NAME. */
 static inline int op_arity(const struct op *op)
 {
     if (op->kind == OP_NEG)
@@ -120,5 +119,6 @@ static inline int op_arity(const struct op *op)
     return op->kind == OP_CALL ? function_arity(op->function) : 2;
 }
 
-/* Applies an operator or a function; top points behind the last value. Returns the new top. */
+/* Applies an operator or a function to the last values of a stack, whose end is `top`. Returns the
+ * new end. */
 double *op_apply(const struct op *op, double *top);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stack machine: values of expressions that are evaluated once (what is evaluated often becomes
- * a program), and which names an expression is linear in. */
+/* The stack machine: values of expressions that are evaluated once (those that are evaluated often
+ * become a program), and expr_linear(). */
 #include <math.h>
 
 #include "scene/formula/expr.h"
 
-/* Zeros below a stack: the most values that one operation takes, so that none reads before it. */
+/* Zeros below the stack, as many as one operation takes at most: an operation on too few values
+ * reads them instead of memory before the array. */
 #define STACK_BOTTOM 3
 
+/* Applies an operation to the last values of the stack; `top` is its end. Returns the new end. */
 static inline double *operation_value(const struct op *op, double *top)
 {
     switch (op->kind) {
@@ -81,6 +83,7 @@ double expr_value(const struct expr *expr, const struct expr_scope *scope)
 
 /* ---- linearity ---- */
 
+/* Returns true if the slot is one of `slot` [count]. */
 static bool is_slot_listed(int wanted, const int *slot, int count)
 {
     for (int i = 0; i < count; i++)
@@ -89,7 +92,7 @@ static bool is_slot_listed(int wanted, const int *slot, int count)
     return false;
 }
 
-/* Degree of each value on the stack in the chosen names: 0, 1, or 2 for anything that is not
+/* The stack holds the degree of each value in the chosen names: 0, 1, or 2 for anything that is not
  * linear. */
 bool expr_linear(const struct expr *expr, const int *slot, int count)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would
- * drop it. */
+/* The functions of expressions, and their catalog. A NaN argument gives NaN, also where libm's fmin
+ * and fmax would ignore it. */
 #include <hooke/base/catalog.h>
 #include <math.h>
 
@@ -26,6 +26,7 @@ double function_step(double x)
     return less_equal(0, x);
 }
 
+/* Returns `yes` for a condition above 0, else `no`. */
 static double function_choose(double condition, double yes, double no)
 {
     if (isnan(condition))

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Interval arithmetic: bounds of sums, products, quotients and powers that contain the exact
+ * result, rounded outwards. */
 #include <hooke/scene/interval.h>
 
 #include <float.h>
 
-/* More than what the smallest results are rounded by. */
+/* A number above the rounding error of the smallest results. */
 static const double tiny = 0x1p-1070;
 /* Rounding to nearest, in units of the last place. */
 static const double rounding = 0.5;
@@ -11,8 +13,8 @@ static const double rounding = 0.5;
 /* A little more than the distance of two numbers at 1: its half leads to the next. */
 static const double last_place = DBL_EPSILON * (1 + DBL_EPSILON);
 
-/* Returns a bound below x. With units = 0.5 these functions give the next numbers below and above x
- * (Rump, Zimmermann, Boldo, Melquiond 2009). */
+/* Returns a bound below x, `units` units in the last place away. With units = 0.5, lower() and
+ * upper() give the next numbers below and above x (Rump, Zimmermann, Boldo, Melquiond 2009). */
 static double lower(double x, double units)
 {
     return x - (fabs(x) * (units * last_place) + tiny);
@@ -44,8 +46,8 @@ struct interval interval_neg(struct interval a)
     return (struct interval){-a.hi, -a.lo};
 }
 
-/* Returns the bound; where it is no number, the largest if the result is infinite, and none if that
- * is no number either, as the difference of infinite bounds. */
+/* Returns the bound, unless it is NaN: then `largest` if the result itself is infinite, or an
+ * infinite bound on that side if the result is NaN, too, as a difference of infinities. */
 static double known(double bound, double result, double largest)
 {
     if (bound == bound)
@@ -53,7 +55,7 @@ static double known(double bound, double result, double largest)
     return result == result ? largest : -copysign(HUGE_VAL, largest);
 }
 
-/* The bounds of results that were rounded to nearest, of which 0 is exact. */
+/* Returns the bounds of results that were rounded to nearest; 0 is exact. */
 static struct interval rounded(double lo, double hi)
 {
     const double lo_rounded = lo == 0 ? 0 : lower(lo, rounding),
@@ -61,6 +63,7 @@ static struct interval rounded(double lo, double hi)
     return (struct interval){known(lo_rounded, lo, DBL_MAX), known(hi_rounded, hi, -DBL_MAX)};
 }
 
+/* Returns true if the interval is exactly 0. */
 static bool exact(struct interval a)
 {
     return a.lo == 0 && a.hi == 0;
@@ -78,14 +81,15 @@ struct interval interval_sub(struct interval a, struct interval b)
     return interval_add(a, interval_neg(b));
 }
 
-/* A product or quotient of numbers that are not 0, as a number that is not 0 and errs by less than
- * `tiny`. */
+/* Returns a product or quotient of nonzero numbers, replaced by `tiny` with its sign if it
+ * underflowed to 0. */
 static double nonzero(double value)
 {
     return value == 0 ? copysign(tiny, value) : value;
 }
 
-/* 0 times infinity is 0: an infinite bound stands for numbers without end. */
+/* Returns the product of two bounds. 0 times infinity is 0, because an infinite bound stands for
+ * numbers that are finite. */
 static double bound_product(double a, double b)
 {
     return a == 0 || b == 0 ? 0 : nonzero(a * b);
@@ -104,6 +108,7 @@ struct interval interval_mul(struct interval a, struct interval b)
     return rounded(pq < rs ? pq : rs, max_pq < max_rs ? max_rs : max_pq);
 }
 
+/* Returns the quotient of two bounds, b not 0. */
 static double quotient(double a, double b)
 {
     return a == 0 ? 0 : nonzero(a / b);
@@ -125,6 +130,7 @@ struct interval interval_square(struct interval a)
     return interval_power(a, 2);
 }
 
+/* Returns x^n for n >= 0 by repeated squaring. */
 static double power(double x, int n)
 {
     double product = 1;

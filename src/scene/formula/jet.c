@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Arithmetic of bounds, and expressions of it; functions of one argument are in jet_functions.c. */
+/* Bounds of operations and of functions of two arguments, and evaluation of expressions with them.
+ * jet_functions.c has the functions of one argument. */
 #include "scene/formula/jet.h"
 
 struct jet jet_number(double number)
@@ -29,18 +30,20 @@ static struct jet jet_sub(struct jet a, struct jet b)
     return jet_add(a, jet_neg(b));
 }
 
+/* Returns true if the bounded function is constant. */
 static bool jet_is_number(const struct jet *a)
 {
     return a->slope.lo == 0 && a->slope.hi == 0 && a->bend.lo == 0 && a->bend.hi == 0;
 }
 
+/* Returns the bounds of factor times a. */
 static struct jet scaled(struct interval factor, const struct jet *a)
 {
     return (struct jet){interval_mul(factor, a->value), interval_mul(factor, a->slope),
                         interval_mul(factor, a->bend)};
 }
 
-/* (a b)'' = a'' b + 2 a' b' + a b'' */
+/* Returns a b; (a b)'' = a'' b + 2 a' b' + a b''. */
 static struct jet jet_mul(struct jet a, struct jet b)
 {
     if (jet_is_number(&a) || jet_is_number(&b))
@@ -53,7 +56,7 @@ static struct jet jet_mul(struct jet a, struct jet b)
                      interval_add(both, both))};
 }
 
-/* q = a/b: q' = (a' - q b')/b, q'' = (a'' - 2 q' b' - q b'')/b */
+/* Returns q = a/b; q' = (a' - q b')/b, q'' = (a'' - 2 q' b' - q b'')/b. */
 static struct jet jet_div(struct jet a, struct jet b)
 {
     struct jet q = {.value = interval_div(a.value, b.value)};
@@ -66,7 +69,7 @@ static struct jet jet_div(struct jet a, struct jet b)
     return q;
 }
 
-/* 1 where a < b (a <= b), else 0. */
+/* Returns the truth of a < b, or a <= b if `equal`, as bounds of 1 or 0. */
 static struct jet jet_less(struct jet a, struct jet b, bool equal)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
@@ -78,6 +81,8 @@ static struct jet jet_less(struct jet a, struct jet b, bool equal)
     return jet_jump(0, 1);
 }
 
+/* Returns one of two branches, or bounds of both, with any slope, if the condition is not
+ * decided. */
 static struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
 {
     if (interval_empty(condition.value))
@@ -92,13 +97,14 @@ static struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
 
 /* ---- functions of two arguments ---- */
 
-/* Returns bounds of a choice between two functions that are continuous. The slope is one of
- * theirs. */
+/* Returns bounds of a choice between two functions that is continuous, with values from lo to hi;
+ * its slope is one of theirs. */
 static struct jet either(const struct jet *a, const struct jet *b, double lo, double hi)
 {
     return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
 }
 
+/* Returns the smaller one of a and b. */
 static struct jet jet_min(struct jet a, struct jet b)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
@@ -108,6 +114,7 @@ static struct jet jet_min(struct jet a, struct jet b)
     return either(&a, &b, fmin(a.value.lo, b.value.lo), fmin(a.value.hi, b.value.hi));
 }
 
+/* Returns a^2, with tighter bounds than a a. */
 static struct jet square(struct jet a)
 {
     struct jet result = jet_mul(a, a);
@@ -118,6 +125,7 @@ static struct jet square(struct jet a)
     return result;
 }
 
+/* Returns sqrt(a^2 + b^2); from 0 on without an upper bound if the squares overflow. */
 static struct jet length(struct jet a, struct jet b)
 {
     struct jet result = jet_one(sqrt, jet_add(square(a), square(b)));
@@ -126,8 +134,8 @@ static struct jet length(struct jet a, struct jet b)
     return result;
 }
 
-/* The angle of (x, y): its slope is (x y' - y x')/(x^2 + y^2) wherever it does not jump, at y = 0
- * with x < 0. */
+/* Returns the angle of the point (x, y). Its slope is (x y' - y x')/(x^2 + y^2) except where it
+ * jumps, at y = 0 with x < 0. */
 static struct jet angle(struct jet y, struct jet x)
 {
     if (interval_empty(y.value) || interval_empty(x.value))
@@ -146,6 +154,8 @@ static struct jet angle(struct jet y, struct jet x)
     return result;
 }
 
+/* Returns the remainder of a divided by b, which jumps unless the quotient's whole part is the same
+ * everywhere. */
 static struct jet modulo(struct jet a, struct jet b)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
@@ -157,7 +167,7 @@ static struct jet modulo(struct jet a, struct jet b)
     return jet_jump(fmin(b.value.lo, 0), fmax(b.value.hi, 0));
 }
 
-/* x^n for an integer n, or half of one: (x^n)' = n x^(n-1) x'. */
+/* Returns x^n for an integer n, or half of one: (x^n)' = n x^(n-1) x'. */
 static struct jet to_number(struct jet x, double n)
 {
     if (n == 0)
@@ -188,12 +198,13 @@ static struct jet to_power(struct jet x, struct jet n)
         return jet_jump(NAN, NAN);
     if (x.value.lo > 0)
         return jet_one(fixed_exp, jet_mul(n, jet_one(fixed_log, x)));
-    /* a power that varies may be a whole number somewhere */
+    /* An exponent that varies may be a whole number somewhere, for which negative x have a power.
+     */
     if (!fixed || n.value.lo == floor(n.value.lo))
         return jet_jump(-HUGE_VAL, HUGE_VAL);
     if (x.value.hi < 0)
         return jet_jump(NAN, NAN);
-    /* it grows with x from 0 at 0 */
+    /* The power grows with x, from 0 at 0, if n > 0. */
     const bool grows = n.value.lo > 0;
     const double max = !grows            ? HUGE_VAL
                        : x.value.hi == 0 ? 0
@@ -201,6 +212,7 @@ static struct jet to_power(struct jet x, struct jet n)
     return jet_jump(0, max);
 }
 
+/* Returns the bounds of a function of two arguments; no bounds if it is not known here. */
 static struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
 {
     if (function == function_power)
@@ -268,7 +280,7 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet)
     return stack[0];
 }
 
-/* value and centre + slope [-half, half] are both true, so that what they share is. */
+/* Narrows the bounds of a value to those of the mean value form, centre + slope [-half, half]. */
 static void narrow(struct jet *a, struct interval centre, double half)
 {
     const struct interval change = interval_mul(a->slope, (struct interval){-half, half});

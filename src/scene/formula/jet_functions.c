@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bounds of the functions of one argument, of their first and of their second derivatives. */
+/* Bounds of the functions of one argument, of their first and of their second derivatives:
+ * jet_one(). Each series_NAME() returns those of the function NAME over an interval of its
+ * argument. */
 #include "scene/formula/jet.h"
 
 /* Bound of errors of elementary functions, in units of the last place: 0.9 of the value at an end
  * of the interval and 0.9 of a value inside. */
 static const double function_units = 2;
 
-/* f, f', f'' over an interval. */
+/* Bounds of a function f and of f', f'' over an interval. */
 struct interval_jet {
     struct interval f, first, second;
 };
@@ -21,12 +23,13 @@ static struct interval interval_scaled(double factor, struct interval a)
     return interval_mul(interval_point(factor), a);
 }
 
+/* Returns the bounds of a function that grows with x. */
 static struct interval rising(double (*function)(double), struct interval x)
 {
     return interval_wide(function(x.lo), function(x.hi), function_units);
 }
 
-/* Square roots are rounded once. */
+/* Returns the square root, which is rounded once. */
 static struct interval interval_sqrt(struct interval x)
 {
     const struct interval wide = interval_wide(sqrt(x.lo), sqrt(x.hi), 0.5);
@@ -35,7 +38,8 @@ static struct interval interval_sqrt(struct interval x)
 
 static const struct interval_jet unknown = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
 
-/* The part of x from lo to hi, where there is a value; beyond, nothing is known of slopes. */
+/* Cuts x to the domain of a function, from lo to hi; empty if it is outside. Returns true if x was
+ * inside, so that slopes are known. */
 static bool clipped(struct interval *x, double lo, double hi)
 {
     const bool whole = x->lo >= lo && x->hi <= hi;
@@ -46,6 +50,7 @@ static bool clipped(struct interval *x, double lo, double hi)
     return whole;
 }
 
+/* Returns bounds f with any slope. */
 static struct interval_jet somewhere(struct interval f)
 {
     return (struct interval_jet){f, interval_all, interval_all};
@@ -63,7 +68,7 @@ static bool meets(struct interval x, double shift, int part)
     return floor((x.hi + tolerance - first) / period) >= ceil((x.lo - tolerance - first) / period);
 }
 
-/* The function has its maxima at (2 k + shift) pi. */
+/* Returns the bounds of a sine or cosine, whose maxima are at (2 k + shift) pi. */
 static struct interval interval_wave(double (*function)(double), struct interval x, double shift)
 {
     if (!(x.hi - x.lo < 2 * M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40)
@@ -97,7 +102,7 @@ static struct interval_jet series_tan(struct interval x)
     return (struct interval_jet){f, first, interval_scaled(2, interval_mul(f, first))};
 }
 
-/* 1/sqrt(1 - x^2), x/(1 - x^2)^(3/2) */
+/* f' = 1/sqrt(1 - x^2), f'' = x/(1 - x^2)^(3/2) */
 static struct interval_jet series_asin(struct interval x)
 {
     const bool whole = clipped(&x, -1, 1);
@@ -132,6 +137,7 @@ static struct interval_jet series_atan(struct interval x)
 
 /* ---- exponential ---- */
 
+/* Returns the bounds of cosh(x), which is 1 at 0 and grows to both sides. */
 static struct interval cosh_of(struct interval x)
 {
     const double p = fixed_cosh(x.lo), q = fixed_cosh(x.hi);
@@ -164,7 +170,7 @@ static struct interval_jet series_exp(struct interval x)
     return (struct interval_jet){f, f, f};
 }
 
-/* 1/x times the factor, which is 1/ln of the base */
+/* Returns the bounds of a logarithm, f' = factor/x, where the factor is 1/ln of the base. */
 static struct interval_jet logarithm(double (*function)(double), struct interval x, double factor)
 {
     const bool whole = clipped(&x, 0, HUGE_VAL);
@@ -212,6 +218,7 @@ static struct interval_jet series_cbrt(struct interval x)
 
 /* ---- corners and jumps ---- */
 
+/* Returns bounds f of a function with a constant slope. */
 static struct interval_jet straight(struct interval f, double slope)
 {
     return (struct interval_jet){f, interval_point(slope), interval_point(0)};
@@ -224,7 +231,7 @@ static struct interval_jet series_abs(struct interval x)
     return (struct interval_jet){{0, fmax(-x.lo, x.hi)}, {-1, 1}, interval_all};
 }
 
-/* A function that is constant between its jumps. */
+/* Returns the bounds of a function that grows and is constant between its jumps. */
 static struct interval_jet stairs(double (*function)(double), struct interval x)
 {
     const struct interval f = {function(x.lo), function(x.hi)};

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bounds with a gap: how each operation changes the set of possible values (struct outer). */
 #include "scene/formula/outer.h"
 
 struct outer outer_interval(struct interval interval)
@@ -11,7 +12,8 @@ static struct outer anything(void)
     return outer_interval(interval_all);
 }
 
-/* All up to lo and from hi on, rounded outwards; without a gap, everything. */
+/* Returns all numbers up to lo and from hi on, rounded outwards; everything if that leaves no
+ * gap. */
 static struct outer with_gap(double lo, double hi)
 {
     const struct interval gap_begin = interval_wide(lo, lo, 2), gap_end = interval_wide(hi, hi, 2);
@@ -37,18 +39,20 @@ struct outer outer_add(struct outer a, struct outer b)
     return with_gap(gap.interval.lo + plain.interval.hi, gap.interval.hi + plain.interval.lo);
 }
 
-/* Multiplies numbers with a gap by those of an interval above 0. */
+/* Returns numbers with a gap, multiplied by those of an interval above 0. */
 static struct outer stretched(struct interval gap, struct interval factor)
 {
     const double lo_factor = gap.lo <= 0 ? factor.lo : factor.hi;
     return with_gap(gap.lo * lo_factor, gap.hi * (gap.hi >= 0 ? factor.lo : factor.hi));
 }
 
+/* Returns true if 0 is inside of the gap. */
 static bool has_zero_in_gap(struct outer a)
 {
     return a.has_gap && a.interval.lo < 0 && a.interval.hi > 0;
 }
 
+/* Returns bounds of all products of a number in a and one in b. */
 static struct outer multiplied(struct outer a, struct outer b)
 {
     if (!a.has_gap && !b.has_gap)
@@ -69,7 +73,7 @@ static struct outer multiplied(struct outer a, struct outer b)
     return anything();
 }
 
-/* 1/0 is at an end of what 1/a comes near, so that infinity is one, too. */
+/* Returns bounds of 1/a. If a contains 0, these are all numbers except a gap around 0. */
 static struct outer inverse(struct outer a)
 {
     if (!a.has_gap && !interval_has(a.interval, 0))
@@ -84,6 +88,7 @@ static struct outer inverse(struct outer a)
     return outer_interval(interval_wide(1 / a.interval.lo, 1 / a.interval.hi, 2));
 }
 
+/* Returns bounds of a^n. */
 static struct outer powered(struct outer a, int n)
 {
     if (n < 0)
@@ -96,7 +101,8 @@ static struct outer powered(struct outer a, int n)
     return product;
 }
 
-/* Only its value counts, but what a function does may depend on whether an argument is a number. */
+/* Returns a jet whose value contains a: a constant if that is one number, because functions treat a
+ * constant argument differently; else with unknown slopes. */
 static struct jet outer_hull(struct outer a)
 {
     if (!a.has_gap && a.interval.lo == a.interval.hi)
@@ -104,6 +110,8 @@ static struct jet outer_hull(struct outer a)
     return (struct jet){a.has_gap ? interval_all : a.interval, interval_all, interval_all};
 }
 
+/* Returns the bounds of an operation on x; operations other than + - * / and whole powers use
+ * intervals. */
 static struct outer outer_of_operation(const struct op *op, const struct outer *x)
 {
     switch (op->kind) {

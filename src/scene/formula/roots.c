@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Finds the zeros of a function. A stretch is halved until its bounds exclude 0, or a bound of the
- * slope leaves one sign change at most, or one of the second derivative at most two (Moore 1966,
- * Interval Analysis; Hansen, Walster 2004, Global Optimization Using Interval Analysis, chapter 9).
- */
+/* roots_find(): all zeros of a function on an interval. An interval is halved until bounds exclude
+ * 0 from it, or bounds of the slope leave one sign change at most, or bounds of the second
+ * derivative at most two (Moore 1966, Interval Analysis; Hansen, Walster 2004, Global Optimization
+ * Using Interval Analysis, chapter 9). root_between() finds a zero between two signs. */
 #include <hooke/scene/interval.h>
 
 #include <float.h>
 
-/* Rounding of a bound, relative to the terms that it is made of. */
+/* Rounding error of a bound, relative to the terms that it is made of. */
 #define BOUND_ROUNDING (64 * DBL_EPSILON)
 #define INTERVALS_PER_ROOT 64 /* Intervals that each root adds to the budget of the search. */
 #define TOUCH_SEPARATION 1e-7 /* Touches that are nearer to each other count as one. */
 #define BISECTION_DEPTH_MAX 64
 #define ROOTS_MAX 100000 /* Number of roots at which one search ends. */
 
+/* An interval from a to b, with the function's values at its ends. */
 struct root_interval {
     double a, b, fa, fb;
 };
@@ -29,6 +29,7 @@ static double root_value(const struct root_search *roots, double x)
     return roots->value(roots->context, x);
 }
 
+/* Passes a zero, with the sign behind it, to the caller's found(), which may stop the search. */
 static void found(struct root_search *roots, double x, int sign)
 {
     roots->count++;
@@ -65,7 +66,7 @@ double root_between(double (*value)(void *context, double x), void *context, dou
     return f == 0 || (f < 0) == (fb < 0) ? x : other;
 }
 
-/* The point beyond the sign change of s. */
+/* Returns the point behind the sign change in s. */
 static double locate(const struct root_search *roots, const struct root_interval *s)
 {
     return s->fa == 0
@@ -73,7 +74,8 @@ static double locate(const struct root_search *roots, const struct root_interval
                : root_between(roots->value, roots->context, s->a, s->fa, s->b, s->fb, roots->min);
 }
 
-/* Its sign changes once at most. */
+/* Handles an interval in which the sign changes once at most: finds that, and sets the sign at its
+ * end. */
 static void root_interval_pass(struct root_search *roots, const struct root_interval *s)
 {
     const int end_sign = sign_of(s->fb);
@@ -84,6 +86,7 @@ static void root_interval_pass(struct root_search *roots, const struct root_inte
     roots->sign = end_sign;
 }
 
+/* Passes x as a touch of 0 to the caller, if it counts as one and is not the same as the last. */
 static void touch(struct root_search *roots, double x)
 {
     if (!roots->touches || (roots->touched && x - roots->last_touch <= TOUCH_SEPARATION))
@@ -95,6 +98,7 @@ static void touch(struct root_search *roots, double x)
     }
 }
 
+/* Returns the middle of the bounds of the slope at x. */
 static double slope_at(const struct root_search *roots, double x)
 {
     const struct interval slope = roots->bounds(roots->context, x, x).slope;
@@ -103,11 +107,10 @@ static double slope_at(const struct root_search *roots, double x)
 
 #define GOLDEN_SECTION 0.3819660112501051
 
-/*
- * Slopes are known within their bounds only (of a step without a polynomial of its own): the
- * extreme value, about *x, may be farther, with a second derivative of at least `bend`. By values
- * alone then (golden section; Kiefer 1953).
- */
+/* Returns true, with *x, if the function passes 0 near *x, which is about its extreme value. Bounds
+ * of slopes may be too wide to tell where that is; with a second derivative of at least `bend` it
+ * is within a distance that follows, which is searched by values alone (golden section; Kiefer
+ * 1953). */
 static bool reaches_near(const struct root_search *roots, const struct root_interval *s,
                          double bend, double *x)
 {
@@ -139,10 +142,8 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
     return false;
 }
 
-/*
- * Returns true if a curve whose ends are on one side of 0 has its extreme value on the other. Sets
- * *x to where that was found, or to where the value is nearest to 0.
- */
+/* Returns true if a curve whose ends are on one side of 0 has its extreme value on the other. Sets
+ * *x to a point there, or to the one where the value is nearest to 0 if it returns false. */
 static bool reaches(const struct root_search *roots, const struct root_interval *s, double *x)
 {
     double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a),
@@ -179,10 +180,9 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
     return false;
 }
 
-/*
- * Handles a stretch that begins at a zero, where the value bends towards `bend` and first goes the
- * other way: its crossing back is inside, not at the beginning. Returns false if there is none.
- */
+/* Handles an interval that begins at a zero, where the second derivative has the sign `bend` and
+ * the slope the other one: the function returns to 0 inside of the interval. Returns false if it
+ * does not. */
 static bool leaves_zero(struct root_search *roots, const struct root_interval *s, int bend)
 {
     const int previous_sign = roots->sign;
@@ -200,7 +200,8 @@ static bool leaves_zero(struct root_search *roots, const struct root_interval *s
     return true;
 }
 
-/* Searches a stretch on which the second derivative has one sign. */
+/* Searches an interval on which the second derivative has one sign, so that there are two zeros at
+ * most. */
 static void bent_interval_search(struct root_search *roots, const struct root_interval *s,
                                  const struct interval *second)
 {
@@ -228,7 +229,8 @@ static void bent_interval_search(struct root_search *roots, const struct root_in
     root_interval_pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
 }
 
-/* The bounds of the value that follow from its ends and its slope, too. */
+/* Returns bounds of the value, narrowed by what follows from the values at both ends and the bounds
+ * of the slope. */
 static struct interval value_bounds(const struct jet *jet, const struct root_interval *s)
 {
     struct interval value = jet->value;
@@ -246,7 +248,7 @@ static struct interval value_bounds(const struct jet *jet, const struct root_int
     return value;
 }
 
-/* Takes the sign with which the stretch begins. */
+/* Handles a sign change between the last interval and the beginning of s, as at a jump. */
 static void enter(struct root_search *roots, const struct root_interval *s)
 {
     const int begin_sign = sign_of(s->fa);
@@ -255,8 +257,8 @@ static void enter(struct root_search *roots, const struct root_interval *s)
     roots->sign = begin_sign != 0 ? begin_sign : roots->sign;
 }
 
-/* Handles adjacent stretches that no bound decides as one: their values differ by errors only, so
- * that the sign changes once if it is another one beyond. */
+/* Handles adjacent intervals that no bound decides as one, and empties it: their values differ by
+ * errors only, so the sign changes once if it is another one behind them, else they may touch 0. */
 static void pass_undecided(struct root_search *roots, struct root_interval *all)
 {
     if (!(all->b > all->a))
@@ -269,6 +271,7 @@ static void pass_undecided(struct root_search *roots, struct root_interval *all)
     all->b = all->a;
 }
 
+/* Appends an interval to those that no bound decides. */
 static void add_undecided(struct root_interval *all, const struct root_interval *s)
 {
     if (!(all->b > all->a)) {
@@ -279,13 +282,14 @@ static void add_undecided(struct root_interval *all, const struct root_interval 
     all->fb = s->fb;
 }
 
+/* Returns true if 0 is outside of the bounds. */
 static bool excludes_zero(const struct interval *bound)
 {
     return bound->lo > 0 || bound->hi < 0;
 }
 
-/* Returns true if the bounds of the single point x leave open whether the value changes its sign
- * there: x is as near to a jump as the errors of what it jumps in. */
+/* Returns true if the bounds at the single point x do not exclude a sign change: x is as near to a
+ * jump as the errors of the value in which the function jumps. */
 static bool is_undecided(struct root_search *roots, double x)
 {
     const struct jet jet = roots->bounds(roots->context, x, x);
@@ -294,8 +298,8 @@ static bool is_undecided(struct root_search *roots, double x)
            !excludes_zero(&jet.bend);
 }
 
-/* Returns true if cutting the stretch decides nothing: it is too short, or all of it is within the
- * errors of one jump. */
+/* Returns true if halving the interval at `middle` would decide nothing: it is too short, or all of
+ * it is within the errors of one jump. */
 static bool is_uncuttable(struct root_search *roots, const struct root_interval *s, double middle)
 {
     static const double longest = 1e-3; /* longer ones may end near two jumps */
@@ -304,7 +308,9 @@ static bool is_uncuttable(struct root_search *roots, const struct root_interval 
             is_undecided(roots, s->b));
 }
 
-/* Returns true if nothing is left to be found in the stretch. `undecided` is the part before it. */
+/* Evaluates bounds of the interval, and handles it completely if they decide how many zeros it
+ * has at most. Then it also handles the undecided part before it. Returns false if they do not
+ * decide. */
 static bool decided(struct root_search *roots, const struct root_interval *s,
                     struct root_interval *undecided)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Words that follow a number, where a unit would be, and are none. */
+/* Words that follow a number in the place of a unit but are not units: which word that is, and the
+ * error with advice. */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/scene/formula.h>
@@ -21,7 +22,8 @@ struct text unit_word(struct text text)
     return word;
 }
 
-/* The unit that is spelled out, or shortened in another way: grams, sec. */
+/* Returns the unit that the word spells out or shortens in another way, as grams and sec do; NULL
+ * if there is none. */
 static const struct unit *spelled_unit(struct text word)
 {
     const size_t len = word.len - (word.len > 3 && word.data[word.len - 1] == 's');
@@ -34,7 +36,7 @@ static const struct unit *spelled_unit(struct text word)
     return NULL;
 }
 
-/* A name or a number, as of 2pi. */
+/* Returns true if the word begins with a name, function or pi that could be a factor, as in 2pi. */
 static bool is_factor(const struct expr_scope *scope, struct text word)
 {
     const struct text name = peek_name(word);

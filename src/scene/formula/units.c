@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Units in expressions: each binds to the number or the parenthesis before it. */
+/* Units in expressions. Each value on the compiler's stack has a dimension; a unit belongs to the
+ * number or the parenthesis before it. Functions that return a bool return false with an error. */
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
@@ -13,11 +14,13 @@ static int shown_length(struct text text)
     return (int)(text.len < 60 ? text.len : 60);
 }
 
+/* Returns the text from begin to end without blanks at its ends. */
 static struct text text_between(const char *begin, const char *end)
 {
     return text_trim((struct text){begin, (size_t)(end - begin)});
 }
 
+/* Returns the end of a text. */
 static const char *text_end(struct text text)
 {
     return text.data + text.len;
@@ -48,9 +51,10 @@ void units_of_parenthesis(struct compiler *c, const char *open)
     operand->number = operand->unit = (struct text){NULL, 0};
 }
 
-/* ---- what does not go together ---- */
+/* ---- operands whose dimensions do not match ---- */
 
-/* `1/30 s` is read as 1/(30 s). */
+/* Adds the hint how an operand whose unit belongs to its last number only was read: 1/30 s is
+ * 1/(30 s). Always returns false. */
 static bool hint_readings(const struct typed_operand *operand, struct error *error)
 {
     if (operand->unit.len == 0 || operand->number.data == operand->text.data)
@@ -65,7 +69,8 @@ static bool hint_readings(const struct typed_operand *operand, struct error *err
                       shown_length(whole), whole.data, (int)operand->unit.len, operand->unit.data);
 }
 
-/* Refuses a pair of operands; verb is "add" or "compare". */
+/* Sets the error that two operands have different dimensions, with a hint. `verb` is "add" or "go
+ * together", or "compare". Returns false. */
 static bool refuse_pair(struct error *error, const char *verb, const struct typed_operand *a,
                         const struct typed_operand *b)
 {
@@ -100,7 +105,8 @@ static bool refuse_pair(struct error *error, const char *verb, const struct type
     return adds && hint_readings(&pair, error);
 }
 
-/* Emits a conversion of the last value between cycles and radians. */
+/* Emits a conversion of the last value between cycles and radians: times 2 pi for turns > 0, over 2
+ * pi for turns < 0. */
 static bool turns_emit(struct compiler *c, int turns)
 {
     const struct typed_operand typed = c->operand[c->values - 1];
@@ -115,7 +121,8 @@ static bool turns_emit(struct compiler *c, int turns)
     return true;
 }
 
-/* Two operands, of which b was emitted last, are added, compared or chosen from. */
+/* Sets *sum to the dimension of two operands that are added, compared or chosen from; b was emitted
+ * last if is_last, and can be converted between cycles and radians then. */
 static bool units_of_sum(struct compiler *c, const char *verb, const struct typed_operand *a,
                          const struct typed_operand *b, bool is_last, struct dimension *sum)
 {
@@ -125,7 +132,8 @@ static bool units_of_sum(struct compiler *c, const char *verb, const struct type
     return turns_emit(c, turns);
 }
 
-/* A pure number or an angle is wanted; where no unit was typed anything may be. */
+/* Returns true if the operand is a pure number or an angle; always, if no unit was typed in it.
+ * `what` names the function or "an exponent" in the error. */
 static bool is_pure(struct compiler *c, const char *what, const struct typed_operand *a)
 {
     const struct dimension *dimension = &a->dimension;
@@ -139,6 +147,7 @@ static bool is_pure(struct compiler *c, const char *what, const struct typed_ope
     return false;
 }
 
+/* Sets *made to the dimension of a to the power of the operand after it. */
 static bool raise(struct compiler *c, const struct typed_operand *a, struct dimension *made)
 {
     const struct typed_operand *exponent = a + 1;
@@ -164,7 +173,8 @@ static bool raise(struct compiler *c, const struct typed_operand *a, struct dime
     return true;
 }
 
-/* A number, of arguments that were typed. */
+/* Returns the dimension of a number that is computed from `arity` operands, with what users typed
+ * in these. */
 static struct dimension number_of(const struct typed_operand *a, size_t arity)
 {
     struct dimension made = {.kind = DIMENSION_BARE};
@@ -176,6 +186,7 @@ static struct dimension number_of(const struct typed_operand *a, size_t arity)
     return made;
 }
 
+/* Sets *made to the dimension of a function's value, by the rule of the function. */
 static bool call_dimension(struct compiler *c, const struct function *function,
                            const struct typed_operand *a, size_t arity, struct dimension *made)
 {
@@ -240,7 +251,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
             return false;
         break;
     case OP_CALL:
-        /* the call was just closed: its name waited where the stack of those ended */
+        /* The call was just closed: its name is still behind the pending ones. */
         made.text = text_between(c->pending[c->depth].where.data, c->text.data + c->position);
         made.number = made.unit = (struct text){NULL, 0};
         if (!call_dimension(c, operation->function, a, arity, dimension))
@@ -257,7 +268,8 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
 
 /* ---- reading ---- */
 
-/* m/s^2 of m/s2; NULL if there is no such unit. */
+/* Returns the unit whose name is this one with ^ before digits, m/s^2 for m/s2; NULL if there is
+ * none. */
 static const struct unit *powered_unit(const char *name)
 {
     char whole[LIMIT_NAME + 1];
@@ -270,8 +282,8 @@ static const struct unit *powered_unit(const char *name)
     return unit_find((struct text){whole, length});
 }
 
-/* m/s^3, kg/m, cm^3: what goes on without a blank as a unit that is none, and N / m, which is one
- * but for its blanks. */
+/* Refuses what follows a unit and makes no unit with it, written without a blank (m/s^3, kg/m,
+ * cm^3), and units written with blanks inside (N / m). Returns true if the unit is fine. */
 static bool refuse_glued(struct compiler *c, const struct unit *unit)
 {
     const struct text rest = compiler_slice(c, c->position, c->text.len - c->position);
@@ -319,6 +331,7 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
                               unit_match(other)->row.name);
 }
 
+/* Sets the error that a unit cannot follow a name or another unit. Returns false. */
 static bool refuse_unit(struct compiler *c, const struct unit *unit)
 {
     const struct typed_operand *operand = &c->operand[c->values - 1];
@@ -375,7 +388,7 @@ bool units_read(struct compiler *c)
     return true;
 }
 
-/* ---- of what was compiled ---- */
+/* ---- dimensions of compiled expressions ---- */
 
 const struct dimension *expr_dimension(const struct expr *expr)
 {

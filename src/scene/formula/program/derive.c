@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Partial derivatives as symbols: nodes that are added to the graph. Forward mode, so that the
- * branch that an if() does not take stays out of its derivative. The rules of the functions are
- * slopes.def.
- */
+/* Partial derivatives as symbols: nodes that are added to the graph, by graph_derive(). Forward
+ * mode, so that the branch that an if() does not take stays out of its derivative. The derivatives
+ * of functions are in slopes.def. */
 #include "scene/formula/program/program.h"
 
 #define NUMBER(x) graph_number(g, x)
@@ -20,6 +18,8 @@
 #define CALL(function, a) graph_one(g, function, a)
 #define CALL2(function, a, b) graph_two(g, function, a, b)
 
+/* Returns the derivative of a function at node X, where its value is node U; 0 if it is constant
+ * between jumps. */
 static int slope_one(struct graph *g, double (*function)(double), int X, int U)
 {
 #define ONE(name, by_x)                                                                            \
@@ -32,6 +32,7 @@ static int slope_one(struct graph *g, double (*function)(double), int X, int U)
     return 0;
 }
 
+/* Returns the derivative of a function of X and Y by the first argument, or by the second. */
 static int slope_two(struct graph *g, double (*function)(double, double), int X, int Y, int U,
                      bool second)
 {
@@ -45,7 +46,8 @@ static int slope_two(struct graph *g, double (*function)(double, double), int X,
     return 0;
 }
 
-/* Sums and products of derivatives: node 0, the number 0, is what is not there. */
+/* Returns the sum of two derivatives. Node 0, the number 0, stands for one that is 0 everywhere; it
+ * is left out, also in the next two. */
 static int sum_node(struct graph *g, int a, int b)
 {
     if (a && b)
@@ -60,6 +62,8 @@ static int difference(struct graph *g, int a, int b)
     return b ? NEG(b) : a;
 }
 
+/* Returns a factor times a derivative. With graph->limits, a factor or derivative of 0 gives 0 even
+ * if the other is infinite. */
 static int product(struct graph *g, int factor, int slope)
 {
     if (!slope || !g->limits)
@@ -67,7 +71,8 @@ static int product(struct graph *g, int factor, int slope)
     return IF(ABS(factor), IF(ABS(slope), MUL(factor, slope), 0), 0);
 }
 
-/* The derivative of node i, where those of its operands are known. */
+/* Returns the derivative of node i, given those of its operands in `slope`; 0 for numbers and
+ * comparisons. graph_derive() handles names. */
 static int derivative(struct graph *g, const struct node *node, int i, const int *slope)
 {
     const int a = node->operand[0], b = node->operand[1], c = node->operand[2];

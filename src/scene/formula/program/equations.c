@@ -35,6 +35,7 @@ void equations_destroy(struct equations *e)
 
 /* ---- from postfix order ---- */
 
+/* Returns the node of a function of the nodes x. */
 static int add_call(struct graph *g, const struct function *f, const int *x)
 {
     if (f->one)
@@ -42,6 +43,7 @@ static int add_call(struct graph *g, const struct function *f, const int *x)
     return f->two ? graph_two(g, f->two, x[0], x[1]) : graph_apply(g, NODE_IF, x[0], x[1], x[2]);
 }
 
+/* Returns the node of an operation of an expression on the nodes x. */
 static int add_operation(struct graph *g, const struct op *op, const int *x)
 {
     switch (op->kind) {
@@ -74,6 +76,8 @@ static int add_operation(struct graph *g, const struct op *op, const int *x)
     return 0;
 }
 
+/* Adds an expression to the graph, with names replaced by their definitions, and returns its
+ * node. */
 static int add_expr(struct equations *e, const struct expr *expr)
 {
     enum { BOTTOM = 3 }; /* zeros below the stack, as many as a function takes */

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler
- * when it is made. Nothing is done that could change a bit of the result, but for one rule, that of
- * the scene: a term whose coefficient is 0 is absent. Where x depends on an input, 0 x is absent,
- * and so is a/x where a is a known name that is 0; sums leave out what is absent, not numbers that
- * are 0. What depends on an input is known only when names are bound, so it is done then. Without
- * terms (graph->has_terms) the rule does not hold.
- */
+/* Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is simplified
+ * when it is made. No simplification changes a bit of the result, except for one rule of scenes: a
+ * term whose coefficient is 0 is absent. If x depends on an input, 0 x is absent, and so is a/x if
+ * a is a known name that is 0; sums leave out absent terms, but not numbers that are 0. Names are
+ * known only when they are bound, so the rule is applied then. It does not hold without
+ * graph->has_terms. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,6 +23,7 @@ int node_arity(enum node_kind kind)
     return kind < NODE_KINDS ? arity[kind] : 0;
 }
 
+/* Returns the bits of the number or of the function's address, which share their memory. */
 static uint64_t payload(const struct node *node)
 {
     uint64_t bits;
@@ -32,8 +31,8 @@ static uint64_t payload(const struct node *node)
     return bits;
 }
 
-/* Returns a hash. Any spread will do; the multiplier is that of splitmix64 (Steele, Lea, Flood
- * 2014). */
+/* Returns a hash of a node. Any spread will do; the multiplier is that of splitmix64 (Steele, Lea,
+ * Flood 2014). */
 static unsigned node_hash(const struct node *node)
 {
     uint64_t hash = (uint64_t)node->kind;
@@ -43,6 +42,7 @@ static unsigned node_hash(const struct node *node)
     return (unsigned)(hash >> 32) ^ (unsigned)(hash >> 58);
 }
 
+/* Returns true if two nodes are the same operation. */
 static bool node_equal(const struct node *a, const struct node *b)
 {
     return a->kind == b->kind && a->operand[0] == b->operand[0] && a->operand[1] == b->operand[1] &&
@@ -51,6 +51,7 @@ static bool node_equal(const struct node *a, const struct node *b)
 
 /* ---- the table ---- */
 
+/* Puts node i into the hash table, which has a free slot. */
 static void table_put(int *table, unsigned slots, const struct node *node, int i)
 {
     unsigned slot = node_hash(&node[i]) & (slots - 1);
@@ -59,6 +60,7 @@ static void table_put(int *table, unsigned slots, const struct node *node, int i
     table[slot] = i;
 }
 
+/* Doubles the memory of nodes and of their hash table. Returns false if out of memory. */
 static bool graph_grow(struct graph *g)
 {
     int capacity = g->capacity ? 2 * g->capacity : 64;
@@ -78,6 +80,8 @@ static bool graph_grow(struct graph *g)
     return true;
 }
 
+/* Returns the index of a node, which is added if the graph has none that is equal. Returns 0, and
+ * sets g->failed, if out of memory or if there are too many. */
 static int intern(struct graph *g, struct node node)
 {
     if (g->failed)
@@ -143,7 +147,7 @@ int graph_name(struct graph *g, int name)
     return intern(g, (struct node){.kind = NODE_NAME, .operand = {name}});
 }
 
-/* A number that is 0, of either sign, and where it comes from. */
+/* Returns the node of a number that is 0, of either sign, with its source. */
 static int zero_node(struct graph *g, enum zero_mark mark, double number)
 {
     return mark == ZERO_NUMBER ? graph_number(g, number)
@@ -156,33 +160,37 @@ int graph_known(struct graph *g, double value)
     return value == 0 && g->has_terms ? zero_node(g, ZERO_NAME, value) : graph_number(g, value);
 }
 
+/* Returns true if node i is a number. */
 static bool node_is_number(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NUMBER;
 }
 
+/* Returns true if node i is this number. */
 static bool is_node_value(const struct graph *g, int i, double number)
 {
     return node_is_number(g, i) && g->node[i].number == number;
 }
 
+/* Returns the source of a node that is the number 0. */
 static enum zero_mark mark_of(const struct graph *g, int i)
 {
     return node_is_number(g, i) ? (enum zero_mark)g->node[i].operand[0] : ZERO_NUMBER;
 }
 
+/* Returns true if node i is a term whose coefficient is 0. */
 static bool is_absent(const struct graph *g, int i)
 {
     return mark_of(g, i) == ZERO_TERM;
 }
 
-/* A product with it is absent. */
+/* Returns true if node i is a coefficient 0, so that a product with it is absent. */
 static bool is_coefficient_zero(const struct graph *g, int i)
 {
     return g->has_terms && is_node_value(g, i, 0);
 }
 
-/* Returns the mark of a result that is the number 0, as its operands give it. */
+/* Returns the source of a result that is the number 0, by those of its operands. */
 static enum zero_mark mark_of_result(const struct graph *g, const struct node *node)
 {
     const enum zero_mark a = mark_of(g, node->operand[0]);
@@ -194,20 +202,20 @@ static enum zero_mark mark_of_result(const struct graph *g, const struct node *n
     return node->kind == NODE_ADD || node->kind == NODE_SUB ? (a < b ? a : b) : ZERO_NUMBER;
 }
 
-/* The operand of a negation; -1 if it is none. */
+/* Returns the operand of node i if that is a negation, else -1. */
 static int negated(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NEG ? g->node[i].operand[0] : -1;
 }
 
-/* 1/x is exact: a power of two, neither it nor its inverse denormal. */
+/* Returns true if 1/x is exact: x is a power of two, and neither it nor its inverse is denormal. */
 static bool inverts(double x)
 {
     int exponent;
     return isfinite(x) && fabs(frexp(x, &exponent)) == 0.5 && abs(exponent) < 1000;
 }
 
-/* function_power() as operations. */
+/* Returns the node of x^n by the operations of function_power(). */
 static int power(struct graph *g, int x, double n)
 {
     int whole = (int)fabs(n), bit = POWER_MAX;
@@ -295,6 +303,8 @@ static int simpler(struct graph *g, struct node node)
     }
 }
 
+/* Returns the node of an operation: its value if all operands are numbers, a simpler one, or
+ * itself. */
 static int graph_node_make(struct graph *g, struct node node)
 {
     if (g->failed)

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Antiderivatives as symbols: nodes that are added to the graph. A sum is integrated summand by
- * summand. A summand is a product of powers and calls; one of them, f(u), is integrated by its
- * argument where the others are a constant multiple of du/dx, else a factor that is a sum is
- * multiplied out. What this does not find is left to quadrature.
- */
+/* Antiderivatives as symbols: nodes that are added to the graph, by equations_integrate(). A sum is
+ * integrated summand by summand. A summand is a product of powers and calls; one of them, f(u), is
+ * integrated by its argument if the others are a constant multiple of du/dx, else a factor that is
+ * a sum is multiplied out. Integrals that this does not find are left to quadrature. */
 #include <string.h>
 
 #include "scene/formula/program/program.h"
@@ -30,35 +28,39 @@ enum {
 struct integration {
     struct graph *g;
     int name; /* name of the variable x */
-    /* [GRAPH_MAX] Tells of each of the first `known` nodes if it depends on x. */
+    /* [GRAPH_MAX] 1 if the node depends on x; valid for the first `known` nodes */
     unsigned char *has;
     int known;
-    bool *mark;    /* [GRAPH_MAX] for walks over the graph */
-    int *map;      /* [GRAPH_MAX] */
-    double *value; /* [GRAPH_MAX] */
-    int *summand;  /* [SUMMANDS_MAX] antiderivatives */
-    int summands, earlier, expansions;
-    bool distinct; /* those that are among the `earlier` ones are left out */
+    bool *mark;     /* [GRAPH_MAX] work memory of mark_reach() */
+    int *map;       /* [GRAPH_MAX] work memory of substitute() and derivative() */
+    double *value;  /* [GRAPH_MAX] work memory of quotient() */
+    int *summand;   /* [SUMMANDS_MAX] nodes of antiderivatives of all rows so far */
+    int summands;   /* number of them */
+    int earlier;    /* number of those of earlier rows */
+    int expansions; /* sums that were multiplied out */
+    bool distinct;  /* a summand that an earlier row has is left out */
 };
 
-/* A factor number * constant * the product of base^power. The power is a number, or the node
- * `exponent` if that is > 0. */
+/* A factor of a product: base^power, or base^exponent if the node `exponent` is > 0. */
 struct factor {
     int base, exponent;
     double power;
 };
 
+/* The product of a number, a node without x, and factors that depend on x. */
 struct product {
     double number;
     int constant, count;
     struct factor factor[FACTORS_MAX];
 };
 
+/* Returns true if the graph has failed or is so large that nothing more is integrated. */
 static bool is_full(const struct integration *integration)
 {
     return integration->g->failed || integration->g->count > GRAPH_MAX - 256;
 }
 
+/* Returns true if node i depends on x. */
 static bool depends(struct integration *integration, int i)
 {
     for (; integration->known <= i; integration->known++) {
@@ -71,6 +73,7 @@ static bool depends(struct integration *integration, int i)
     return integration->has[i];
 }
 
+/* Marks node i and everything that it needs. */
 static void mark_reach(struct integration *integration, int i)
 {
     memset(integration->mark, 0, (size_t)i + 1);
@@ -78,7 +81,7 @@ static void mark_reach(struct integration *integration, int i)
     graph_reach(integration->g->node, i + 1, integration->mark);
 }
 
-/* Returns the node with numbers in the place of `count` names. */
+/* Returns node i with numbers in the place of `count` names. */
 static int substitute(struct integration *integration, int i, const int *name, const double *number,
                       int count)
 {
@@ -101,6 +104,7 @@ static int substitute(struct integration *integration, int i, const int *name, c
     return integration->map[i];
 }
 
+/* Returns the derivative of node i by x. */
 static int derivative(struct integration *integration, int i)
 {
     mark_reach(integration, i);
@@ -108,7 +112,7 @@ static int derivative(struct integration *integration, int i)
     return integration->map[i];
 }
 
-/* ---- ratios that do not depend on x ---- */
+/* ---- quotients that do not depend on x ---- */
 
 /* Returns true if all operations of the node on x are analytic, so that a value that is constant at
  * some x is constant everywhere. */
@@ -132,8 +136,8 @@ static bool is_analytic(struct integration *integration, int i)
     return true;
 }
 
-/* The quotient of two nodes where names have values that the trial chooses: 1 in trial 0, else
- * spread; names other than x change with each third trial. */
+/* Returns the value of node a over node b for certain values of all names: 1 in trial 0, else
+ * spread values of x; other names change with every third trial. */
 static double quotient(struct integration *integration, int a, int b, int trial)
 {
     static const double spread[] = {-1.37, 0.83, 2.19, -0.41, 1.7, 0.29, -2.6, 0.57, 1.13};
@@ -155,12 +159,14 @@ static double quotient(struct integration *integration, int a, int b, int trial)
     return integration->value[a] / integration->value[b];
 }
 
+/* Returns true if two values are equal but for rounding. */
 static bool is_near(double a, double b)
 {
     return fabs(a - b) <= 1e-12 * fabs(b);
 }
 
-/* Returns a/b as a node without x; -1 if it depends on x, or is not known to be constant. */
+/* Returns a/b as a node without x; -1 if it depends on x, or is not known to be constant. That is
+ * found by evaluating it at several values of x. */
 static int constant_quotient(struct integration *integration, int a, int b)
 {
     struct graph *g = integration->g;
@@ -189,6 +195,8 @@ static int constant_quotient(struct integration *integration, int a, int b)
 
 /* ---- products ---- */
 
+/* Multiplies the product by base^power, or base^exponent. Returns false if it has too many
+ * factors. */
 static bool add_factor(struct product *p, int base, double power, int exponent)
 {
     for (int k = 0; k < p->count; k++) {
@@ -243,6 +251,7 @@ static bool product_multiply(struct integration *integration, int i, double powe
     return add_factor(p, i, power, 0);
 }
 
+/* Returns the node of a factor. */
 static int factor_node(struct graph *g, const struct factor *f)
 {
     if (f->exponent)
@@ -252,7 +261,7 @@ static int factor_node(struct graph *g, const struct factor *f)
     return f->power == -1 ? DIV(NUMBER(1), f->base) : POWER(f->base, NUMBER(f->power));
 }
 
-/* All factors but one, without the constant. */
+/* Returns the node of all factors but number `but`, without the number and the constant. */
 static int other_factors(struct graph *g, const struct product *p, int but)
 {
     int made = NUMBER(1);
@@ -262,8 +271,8 @@ static int other_factors(struct graph *g, const struct product *p, int but)
     return made;
 }
 
-/* The antiderivative of a call by its argument v; -1 if unknown. Those that are even begin with the
- * square of v, free of cancellation. */
+/* Returns the antiderivative of a call by its argument v; -1 if unknown. Those that are even begin
+ * with the square of v, free of cancellation. */
 static int call_integral(struct graph *g, const struct node *call)
 {
     const int v = call->operand[0], half = MUL(NUMBER(0.5), v);
@@ -293,6 +302,7 @@ static int call_integral(struct graph *g, const struct node *call)
     return call->one == function_sign ? ABS(v) : -1;
 }
 
+/* Returns the antiderivative of base^power by the base, of which a factor goes into *number. */
 static int power_integral(struct graph *g, const struct factor *f, double *number)
 {
     if (f->exponent) {
@@ -305,6 +315,8 @@ static int power_integral(struct graph *g, const struct factor *f, double *numbe
     return POWER(f->base, NUMBER(f->power + 1));
 }
 
+/* Adds number constant node to the summands, unless an earlier row has it. Returns false if there
+ * are too many. */
 static bool put_summand(struct integration *integration, double number, int constant, int node)
 {
     struct graph *g = integration->g;
@@ -326,8 +338,8 @@ static bool put_summand(struct integration *integration, double number, int cons
 
 static bool integrate(struct integration *integration, int i, double sign);
 
-/* Substitutes one of the factors, if the others are a multiple of the derivative of its
- * argument. */
+/* Integrates a product by substitution of one of its factors, if the others are a multiple of the
+ * derivative of its argument. Returns false if no factor is one. */
 static bool substitute_factor(struct integration *integration, const struct product *p)
 {
     struct graph *g = integration->g;
@@ -356,7 +368,8 @@ static bool substitute_factor(struct integration *integration, const struct prod
     return false;
 }
 
-/* Multiplies out a factor that is a sum. */
+/* Integrates a product by multiplying out a factor that is a sum. Returns false if there is none,
+ * or the parts cannot be integrated. */
 static bool expand(struct integration *integration, struct product *p, double sign)
 {
     struct graph *g = integration->g;
@@ -377,6 +390,8 @@ static bool expand(struct integration *integration, struct product *p, double si
     return false;
 }
 
+/* Adds the antiderivative of sign times node i to the summands. Returns false if it is not
+ * found. */
 static bool integrate(struct integration *integration, int i, double sign)
 {
     struct graph *g = integration->g;
@@ -401,7 +416,7 @@ static bool integrate(struct integration *integration, int i, double sign)
     return substitute_factor(integration, &signed_product) || expand(integration, &p, sign);
 }
 
-/* Minus the sum of the summands from `first` on. */
+/* Returns minus the sum of the summands from `first` on. */
 static int minus_sum(const struct integration *integration, int first)
 {
     struct graph *g = integration->g;
@@ -411,10 +426,11 @@ static int minus_sum(const struct integration *integration, int first)
     return sum ? graph_apply(g, NODE_NEG, sum, 0, 0) : 0;
 }
 
-static const double zeros[LIMIT_VARIABLES];
+static const double zeros[LIMIT_VARIABLES]; /* the origin */
 
-/* Integrates the outputs at `integrand` to the potential's parts [3][count], or to [count] along
- * the axes. */
+/* Integrates the forces `integrand` [count] along the coordinates `name`, into made: the parts of
+ * the potential [3][count], or [count] along the axes, as equations_integrate() says. Returns false
+ * if one is not found. */
 static bool integrate_rows(struct integration *integration, const int *integrand, const int *name,
                            int count, bool along_axes, int *made)
 {

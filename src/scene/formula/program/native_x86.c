@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Machine code for programs, where this is an x86-64 with the System V calling convention: the
- * operations in their order with the instructions that a compiler would choose (SSE2, one double),
- * intermediate values in registers, the least recently used one into its place in the frame when
- * there are no more. So the bits are those of the other forms. A page is written first and made
- * executable afterwards, never both at once; where that is not allowed there is none.
- */
+/* Machine code for programs, on an x86-64 with the System V calling convention: native_create().
+ * The operations are translated in their order, into the instructions that a compiler would choose
+ * (SSE2, one double), so the bits are those of the interpreter. Values are kept in registers; if
+ * none is free, the least recently used one is written to its place in the frame. The page is
+ * written first and made executable afterwards, never both at once; where the system does not allow
+ * that, there is no machine code. */
 #include "scene/formula/program/x86.h"
 
 #if defined(__x86_64__) && defined(__LP64__) && defined(__unix__)
@@ -14,6 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
+/* A page with machine code. */
 struct native {
     void *page;
     size_t size;
@@ -21,11 +21,14 @@ struct native {
 
 /* ---- values ---- */
 
+/* Returns the offset in the page of the number in a place. */
 static size_t pool_offset(const struct emitter *e, int slot)
 {
     return POOL_NUMBERS + 8 * (size_t)(slot - e->program->names);
 }
 
+/* Writes an instruction on a register and the value of a place in memory: a steady name, a part of
+ * the state, or the frame. */
 static void with_memory(struct emitter *e, int code, int reg, int slot)
 {
     const struct program *p = e->program;
@@ -37,7 +40,8 @@ static void with_memory(struct emitter *e, int code, int reg, int slot)
         with_address(e, DOUBLE, code, reg, e->frame, slot);
 }
 
-/* An operation on a register and the value of a place, wherever it is. immediate < 0: none. */
+/* Writes an instruction on a register and the value of a place, wherever it is. An immediate byte
+ * follows it, unless that is negative. */
 static void with_slot(struct emitter *e, int code, int reg, int slot, int immediate)
 {
     const int trailing_bytes = immediate >= 0;
@@ -53,6 +57,7 @@ static void with_slot(struct emitter *e, int code, int reg, int slot, int immedi
         emitter_byte(e, immediate);
 }
 
+/* Writes a register to its place in the frame, if it is not there yet. */
 static void register_save(struct emitter *e, int reg)
 {
     if (e->dirty[reg])
@@ -60,6 +65,7 @@ static void register_save(struct emitter *e, int reg)
     e->dirty[reg] = false;
 }
 
+/* Marks a register as free. */
 static void forget(struct emitter *e, int reg)
 {
     if (e->holds[reg] >= 0)
@@ -68,7 +74,8 @@ static void forget(struct emitter *e, int reg)
     e->dirty[reg] = false;
 }
 
-/* A register for the operation at hand. */
+/* Returns a free register for the result of the operation being written; if none is free, the least
+ * recently used one, whose value is saved. */
 static int register_take(struct emitter *e)
 {
     int best = NOTHING;
@@ -86,8 +93,8 @@ static int register_take(struct emitter *e)
     return best;
 }
 
-/* A register with the value of a place, to be changed: its own where that is needed no more (last).
- */
+/* Returns a register with the value of a place, which may be overwritten: the one that has it if
+ * the value is not used any more (`last`), else a copy. */
 static int take_value(struct emitter *e, int slot, bool last)
 {
     const int own = e->where[slot];
@@ -106,6 +113,8 @@ static int take_value(struct emitter *e, int slot, bool last)
 
 /* ---- operations: each returns the register of the result ---- */
 
+/* Writes an operation on two operands. Those of + and * may change places, so that the result
+ * overwrites the one that is not used any more. */
 static int binary(struct emitter *e, const struct instruction *i, int code)
 {
     const int *slot = i->node.operand;
@@ -117,7 +126,8 @@ static int binary(struct emitter *e, const struct instruction *i, int code)
     return reg;
 }
 
-/* 1 or 0; all bits set, which is a NaN, where an operand is one. */
+/* Writes a comparison, which gives 1 or 0, or all bits set, which is a NaN, if an operand is
+ * NaN. */
 static int comparison(struct emitter *e, const struct instruction *i, int how)
 {
     const int *slot = i->node.operand;
@@ -130,6 +140,8 @@ static int comparison(struct emitter *e, const struct instruction *i, int how)
     return reg;
 }
 
+/* Writes the choice of the second operand if the first is above 0, else of the third, by masks; NaN
+ * if the first is NaN. */
 static int choice(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand;
@@ -148,8 +160,8 @@ static int choice(struct emitter *e, const struct instruction *i)
 
 enum { REMEMBERED_MAX = 8 };
 
-/* An instruction with the place of the argument (0) or the value (1) of the present call that
- * remembers; the frame is in r15. */
+/* Writes an instruction on the place of the argument (value = 0) or of the result (value = 1) of
+ * the present remembered call; the frame's address is in r15. */
 static void with_remembered(struct emitter *e, uint32_t code, int bytes, int value)
 {
     const int slot = e->program->slots + 2 * e->remembered + value;
@@ -158,9 +170,10 @@ static void with_remembered(struct emitter *e, uint32_t code, int bytes, int val
     emitter_word(e, 8 * (uint64_t)slot, 4);
 }
 
-/* Writes the look-up before a call that depends on t only. Stages at the same time, and steps that
- * begin where the last one ended, take the value that was computed before. The call follows this
- * code and is 21 bytes long, with the move of its value into its slot. */
+/* Writes the look-up before a call that depends on t only: if the argument is the remembered one,
+ * its result is loaded and the call is skipped. Stages at the same time, and steps that begin where
+ * the last one ended, skip it. The call that follows, with the move of its result, is 21 bytes
+ * long, which the jumps rely on. */
 static void write_remembered(struct emitter *e)
 {
     emitter_word(e, 0xC07E0F4866, 5);      /* movq rax, xmm0 */
@@ -171,7 +184,8 @@ static void write_remembered(struct emitter *e)
     with_remembered(e, 0x8949, 2, 0);      /* mov [argument], rax */
 }
 
-/* A call keeps no register: what is still needed goes into the frame. */
+/* Writes a call of a function. Functions preserve no vector register, so values that are used
+ * afterwards are saved in the frame first. */
 static int call_emit(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand, arity = node_arity(i->node.kind);
@@ -203,6 +217,7 @@ static int call_emit(struct emitter *e, const struct instruction *i)
     return 0;
 }
 
+/* Writes the instructions of an operation. Returns the register of the result. */
 static int operation(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand;
@@ -253,6 +268,7 @@ static int operation(struct emitter *e, const struct instruction *i)
     }
 }
 
+/* Writes an operation and updates which values are in registers and depend on the state. */
 static void instruction(struct emitter *e, const struct instruction *i)
 {
     const int result = operation(e, i);
@@ -274,6 +290,7 @@ static void instruction(struct emitter *e, const struct instruction *i)
 
 /* ---- the whole ---- */
 
+/* Writes the constants and the program's numbers before the code. */
 static void write_pool(struct emitter *e)
 {
     const uint64_t constants[] = {1ull << 63, 0, ~0ull >> 1, 0, 0x3FFull << 52, 0};
@@ -286,7 +303,8 @@ static void write_pool(struct emitter *e)
     }
 }
 
-/* Outputs 0 and 1 into registers 0 and 1, where they may be the other way round. */
+/* Writes the moves of outputs 0 and 1 into registers 0 and 1, in which they are returned; they may
+ * be in these the other way round. */
 static void write_leading(struct emitter *e)
 {
     const struct program *p = e->program;
@@ -312,8 +330,9 @@ static void write_leading(struct emitter *e)
         with_register(e, PACKED, MOVE, 1, e->where[second]);
 }
 
-/* Writes the code. If it makes calls, the addresses are in registers that survive them, and five
- * pushes align the stack. */
+/* Writes the function: its beginning, all operations, the stores of outputs, and the return. If it
+ * makes calls, the addresses of its arguments are moved to registers that calls preserve; the five
+ * pushes also align the stack. */
 static void write_code(struct emitter *e, bool calls)
 {
     const struct program *p = e->program;

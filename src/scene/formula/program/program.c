@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs: equations with some names known, as operations on places of a frame. The scalar form.
- */
+/* Programs: equations in which some names have known values, as a list of operations on places of a
+ * frame; the interpreter of that list; and retained values. program_create_keeping() binds the
+ * names, schedules the operations and lets native_create() translate them. */
 #include "scene/formula/program/program.h"
 
 #include <stdlib.h>
@@ -8,8 +9,8 @@
 
 /* ---- binding: the graph once more, with numbers for names ---- */
 
-/* All that the outputs need, of known names their value. result [outputs]: where the outputs are.
- */
+/* Copies all that the outputs from `first` on need into the graph g, with the values of bound names
+ * in their place. Sets result [outputs] to their nodes there. Returns false if out of memory. */
 static bool outputs_bind(const struct equations *e, int first, const bool *bound,
                          const double *value, struct graph *g, int *result, int outputs)
 {
@@ -43,21 +44,22 @@ static bool outputs_bind(const struct equations *e, int first, const bool *bound
 
 /* Facts about each node of the bound graph. */
 struct usage {
-    int uses;   /* number of uses by operations and outputs */
-    int slot;   /* slot in the frame */
-    int output; /* that it is, the last one of them; -1 if there is none */
-    bool fused;
+    int uses;   /* number of uses by operations and outputs that follow */
+    int slot;   /* its place in the frame */
+    int output; /* index of the last output that it is; -1 if it is none */
+    bool fused; /* it is a product that has become part of the operation that uses it */
 };
 
+/* State while the operations of a program are put in order and get their places. */
 struct schedule {
     struct program *program;
-    struct usage *usage;
-    struct node *node; /* nodes; retained values become names, then products are fused */
-    int *free_slot;    /* a stack */
+    struct usage *usage; /* [nodes] */
+    struct node *node;   /* [nodes] copies; retained values become names, then products are fused */
+    int *free_slot;      /* [free_slots] places that can be used again, as a stack */
     int free_slots;
 };
 
-/* A product that is used once, by a sum, a difference or a minus sign, becomes part of it. */
+/* Makes a product that is used once, by this sum, difference or minus sign, a part of it. */
 static void product_fuse(struct node *node, const struct node *all, struct usage *usage)
 {
     if (node->kind != NODE_ADD && node->kind != NODE_SUB && node->kind != NODE_NEG)
@@ -78,8 +80,8 @@ static void product_fuse(struct node *node, const struct node *all, struct usage
     }
 }
 
-/* Takes the uses by this node off its operands. An operand that has no other use left is the last,
- * and its slot becomes free, unless it holds a name or a number. */
+/* Counts the uses of this node's operands down. An operand that has no other use left is the last,
+ * and its place becomes free, unless it holds a name or a number. */
 static void release(struct schedule *s, const struct node *node, struct instruction *instruction)
 {
     const int constant = s->program->names + s->program->numbers;
@@ -91,6 +93,7 @@ static void release(struct schedule *s, const struct node *node, struct instruct
     }
 }
 
+/* Appends the operation of node i to the program, with a place for its result. */
 static void instruction_emit(struct schedule *s, const struct node *node, int i)
 {
     struct program *p = s->program;
@@ -99,7 +102,7 @@ static void instruction_emit(struct schedule *s, const struct node *node, int i)
                                         .output = s->usage[i].uses == 1 ? s->usage[i].output : -1};
     if (instruction->output >= 0)
         p->written[instruction->output] = true;
-    for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
+    for (int k = 0; k < 3; k++) /* operands that it does not have are the first one again */
         instruction->node.operand[k] =
             s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].slot;
     instruction->target_slot = s->free_slots > 0 ? s->free_slot[--s->free_slots] : p->slots++;
@@ -107,7 +110,7 @@ static void instruction_emit(struct schedule *s, const struct node *node, int i)
     release(s, node, instruction);
 }
 
-/* Counts uses, finds what is fused, gives places to names and numbers. Returns false if out of
+/* Counts uses, fuses products, and gives places to names and numbers. Returns false if out of
  * memory. */
 static bool prepare(struct schedule *s)
 {
@@ -150,7 +153,8 @@ static bool prepare(struct schedule *s)
     return true;
 }
 
-/* Schedules the nodes of the graph, with the nodes `retained` [p->keeps] as the last names. */
+/* Makes the operations of the program from its graph. The nodes `retained` [p->keeps], unless NULL,
+ * become the last names. Returns false if out of memory. */
 static bool schedule(struct program *p, const int *retained)
 {
     const size_t nodes = (size_t)p->nodes;
@@ -179,6 +183,8 @@ static bool schedule(struct program *p, const int *retained)
 
 /* ---- the scalar form ---- */
 
+/* Runs the program: loads names into the frame, applies the operations, and returns the first two
+ * outputs; others are written to output. */
 static struct leading interpret(const struct program *p, double x0, double x1, double x2,
                                 const double *state, const double *steady, double *output,
                                 double *frame)
@@ -209,10 +215,10 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
     return (struct leading){frame[p->output[0]], frame[p->output[p->outputs > 1]]};
 }
 
-/* ---- what is kept ---- */
+/* ---- retained values ---- */
 
-/* Nodes that depend on given names only and are used by others or are outputs. Returns -1 if out of
- * memory. */
+/* Finds the nodes that depend on steady names only and are used by other nodes or are outputs. Sets
+ * `retained` to them and returns their number, or -1 if out of memory. */
 static int find_retained(const struct program *p, int *retained)
 {
     bool *steady = calloc((size_t)p->nodes, sizeof *steady),
@@ -237,7 +243,8 @@ static int find_retained(const struct program *p, int *retained)
     return count;
 }
 
-/* The program of what is kept, unless that is too large. Returns false if out of memory. */
+/* Makes p->keep, the program that computes the nodes `retained` [count], unless it would be too
+ * large. Returns false if out of memory. */
 static bool make_retained(struct program *p, const struct steady_names *steady, const int *retained,
                           int count)
 {
@@ -266,6 +273,8 @@ static bool make_retained(struct program *p, const struct steady_names *steady, 
     return true;
 }
 
+/* Schedules the program, with its retained values in a program of their own if there are any and
+ * not too many. Returns false if out of memory. */
 static bool schedule_in_parts(struct program *p, const struct steady_names *steady)
 {
     if (!steady || steady->max <= 0)
@@ -408,7 +417,7 @@ size_t program_frame(const struct program *p)
 
 void program_prepare(const struct program *p, double *frame)
 {
-    if (!p->native) /* machine code has them beside it */
+    if (!p->native) /* machine code has the numbers in its page */
         memcpy(frame + p->names, p->number, (size_t)p->numbers * sizeof *frame);
     const uint64_t none = PROGRAM_NO_ARGUMENT;
     for (int i = 0; i < 2 * p->remembered; i++)

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Expressions as a graph without repetitions, and the program that it becomes. */
+/* Equations as a graph of operations without repetitions, and the programs that graphs become.
+ * equations_create(), equations_add() for each expression, equations_derive(), equations_freeze()
+ * or equations_integrate() for further outputs, then program_create_keeping(). The public part is
+ * in <hooke/scene/formula.h>. */
 #pragma once
 
 #include "scene/formula/expr.h"
@@ -8,8 +11,8 @@
 
 /* ---- the graph ----
  *
- * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler
- * as it grows.
+ * A node is a number, a name, or an operation on earlier nodes; equal nodes are one, and each is
+ * simplified when it is made.
  */
 
 enum node_kind {
@@ -36,12 +39,14 @@ enum node_kind {
 };
 
 /* Source of a number that is 0: it was typed or computed, is the value of a known name, or is a
- * term whose coefficient is 0. */
+ * term whose coefficient is 0, which is absent from sums. */
 enum zero_mark { ZERO_NUMBER, ZERO_NAME, ZERO_TERM };
 
 struct node {
     enum node_kind kind;
-    int operand[3]; /* nodes, earlier ones; of a name: the name; of a number: its zero_mark */
+    /* indices of earlier nodes; the first is the name of a NODE_NAME, or the zero_mark of a
+     * NODE_NUMBER */
+    int operand[3];
     union {
         double number;
         double (*one)(double);
@@ -49,37 +54,44 @@ struct node {
     };
 };
 
-/* Node 0 is the number 0. After a failure `failed` is set and everything is node 0: check once at
- * the end. */
+/* Node 0 is the number 0. After a failure `failed` is set and every new node is node 0, so that
+ * callers check once at the end, by graph_check(). */
 struct graph {
     struct arena *arena;
-    struct node *node;
+    struct node *node; /* [count] operands come before the nodes that use them */
     int count, capacity;
-    int *table; /* hashed nodes, 0 where free; `slots` is a power of two */
-    unsigned slots;
-    bool binds;     /* known names are numbers: powers become multiplications */
-    bool has_terms; /* those whose coefficient is 0 are absent */
+    int *table;     /* [slots] hash table of node indices, 0 where free */
+    unsigned slots; /* a power of two */
+    bool binds;     /* names are being replaced by their values: powers become multiplications */
+    bool has_terms; /* terms whose coefficient is 0 are absent */
     bool limits;    /* a factor of 0 beside an infinite one gives 0 in derivatives */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
+/* Makes a graph with node 0, in memory of the arena. */
 void graph_init(struct graph *graph, struct arena *arena, bool binds);
+/* Return the node of a number, of a known name with this value, and of a name. */
 int graph_number(struct graph *graph, double number);
-/* Returns the node of a known name with this value. */
 int graph_known(struct graph *graph, double value);
 int graph_name(struct graph *graph, int name);
-/* NODE_NEG … NODE_IF */
+/* Returns the node of an operation from NODE_NEG to NODE_IF on nodes; those it does not have are
+ * 0. */
 int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c);
+/* Return the node of a function's value at one or two nodes. */
 int graph_one(struct graph *graph, double (*one)(double), int a);
 int graph_two(struct graph *graph, double (*two)(double, double), int a, int b);
-/* the operation, on the map's nodes */
+/* Returns the node of the same operation on operands map[i] instead of i; `node` may be one of
+ * another graph. */
 int graph_copy(struct graph *graph, const struct node *node, const int *map);
+/* Returns false, with an error, if the graph has failed. */
 bool graph_check(const struct graph *graph, struct error *error);
-/* Marks [count] what the marked nodes need. */
+/* Marks, among the first `count` nodes, all that the marked ones need. */
 void graph_reach(const struct node *node, int count, bool *mark);
+/* Returns the number of operands of an operation; 0 for numbers and names. */
 int node_arity(enum node_kind kind);
 
-/* The value of an operation of this kind, which is a constant where this is the body of a loop. */
+/* Returns the value of an operation with these operands. Callers pass `kind` as a constant where
+ * this is the body of a loop. */
 static inline __attribute__((always_inline)) double
 node_value(enum node_kind kind, const struct node *node, double a, double b, double c)
 {
@@ -124,7 +136,7 @@ node_value(enum node_kind kind, const struct node *node, double a, double b, dou
     return node->number;
 }
 
-/* A case for each operation, so that its loop or its code is its own. */
+/* Expands CASE for each kind of operation, so that each has a loop or code of its own. */
 #define OPERATIONS(CASE)                                                                           \
     CASE(NODE_NEG)                                                                                 \
     CASE(NODE_ABS)                                                                                 \
@@ -145,8 +157,8 @@ node_value(enum node_kind kind, const struct node *node, double a, double b, dou
 
 /* ---- derivatives (derive.c) ---- */
 
-/* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the
- * name, as a node. */
+/* Sets slope[i], for each of the first `count` nodes that is marked, to the node of its partial
+ * derivative by the name. */
 void graph_derive(struct graph *graph, int name, const bool *mark, int count, int *slope);
 
 /* ---- equations and programs ---- */
@@ -155,13 +167,14 @@ struct equations {
     struct arena arena;
     struct graph graph;
     int names;
-    int *meaning; /* [names] the node of a name: itself, or what it was defined as */
-    int *output;  /* [outputs] nodes */
+    int *meaning; /* [names] the node of a name: itself, or that of its definition */
+    int *output;  /* [outputs] nodes of the outputs */
     int outputs, capacity;
-    bool exact; /* equations_exact() */
+    bool exact; /* set by equations_exact() */
 };
 
-bool equations_reserve(struct equations *e, int more); /* room for more outputs */
+/* Makes room for `more` outputs; returns false if out of memory. */
+bool equations_reserve(struct equations *e, int more);
 
 /* ---- antiderivatives (integrate.c) ----
  *
@@ -178,99 +191,111 @@ bool equations_integrate(struct equations *e, int first, int count, const int *n
 
 /* ---- switches (program_switch.c) ---- */
 
-/* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not
- * above it. */
+/* Kinds of the branch of a switch, as a function of its argument: 1 above 0 and 0 below; or the
+ * largest integer not above it. */
 enum switch_kind { SWITCH_SIGN, SWITCH_WHOLE };
 
+/* The switches of some equations. The caller sets `name` and `moving`. */
 struct switches {
     int name;   /* the first of LIMIT_TYPED_SWITCHES names for branches */
-    int moving; /* the first names are t and the state: so many */
+    int moving; /* number of the first names that move: t and the state */
     int count;
-    /* nodes, themselves frozen; each depends on the branches before only */
+    /* [count] nodes of the arguments, with earlier switches frozen */
     int argument[LIMIT_TYPED_SWITCHES];
     enum switch_kind kind[LIMIT_TYPED_SWITCHES];
-    bool full; /* there are more */
-    /* functions under if() go on beyond the switch that ends their domain, and so might on this
-     * side of it */
+    bool full; /* there are more than LIMIT_TYPED_SWITCHES */
+    /* Functions under if() were continued beyond the switch that ends their domain, so that frozen
+     * equations may have a value where the equations have none. */
     bool extended;
 };
 
 /*
- * Adds the switches' arguments as outputs, then `count` that are those from `first` on with every
- * switch frozen. Nothing where there are no switches, or too many.
+ * Adds the arguments of all switches as outputs, then the `count` outputs from `first` on again,
+ * with every switch frozen: its branch is the value of a name. Adds nothing if there are no
+ * switches, or too many. Returns false with an error.
  */
 bool equations_freeze(struct equations *e, int first, int count, struct switches *found,
                       struct error *error);
-bool expr_switches(const struct expr *expr); /* false for NULL */
+/* Returns true if the formula contains a switch; false for NULL. */
+bool expr_switches(const struct expr *expr);
 
-/* One operation: places are doubles in the frame. What an operation writes is none of its operands.
- */
+/* One operation of a program. A place is the index of a double in the frame. An operation never
+ * writes to a place of its own operands. */
 struct instruction {
     struct node node; /* the operands are places in the frame */
-    int target_slot;
+    int target_slot;  /* place of the result */
     /* index of the output that this computes in lanes, which no operation reads; -1 if there is
      * none */
     int output;
-    bool last[3]; /* the operand's place is free afterwards */
+    bool last[3]; /* the operand is not used afterwards */
 };
 
-enum { LEADING = 3 }; /* names that a program's function takes as numbers */
+enum { LEADING = 3 }; /* number of the first names, which a program's function takes as arguments */
 
-/* The frame: names, numbers, then intermediate values whose places are used again. */
+/* The frame has places for names, then numbers, then intermediate values, whose places are used
+ * again. */
 struct program {
-    program_function *run;
+    program_function *run; /* interpreter or machine code */
     struct arena arena;
-    int moving, names, numbers, slots;
-    int keeps;            /* the last names: what depends on given ones only */
-    struct program *keep; /* their values, from the names before; NULL if there are none */
-    double *number;
-    struct instruction *code;
+    int moving;               /* number of the first names that move: t and the state */
+    int names, numbers;       /* places of names and of numbers */
+    int slots;                /* all places */
+    int keeps;                /* the last names are retained values, this many */
+    struct program *keep;     /* program that computes these; NULL if there are none */
+    double *number;           /* [numbers] */
+    struct instruction *code; /* [count] */
     int count;
-    int *used; /* names that are read */
+    int *used; /* [uses] names that are read */
     int uses;
     int *output; /* [outputs] places */
     int outputs;
-    bool *written;     /* [outputs] in lanes by the operation itself */
-    int copies;        /* the others */
-    struct node *node; /* the graph it came from, and there the outputs: for questions */
-    int nodes, *result;
-    struct native *native; /* NULL if there is none */
-    /* Calls whose argument depends on t only remember it and their value in two places each,
-     * behind those of the operations. */
+    bool *written;     /* [outputs] in lanes, the operation itself writes the output */
+    int copies;        /* number of the other outputs, which are copied */
+    struct node *node; /* [nodes] the graph of the program, for program_depends() and others */
+    int nodes;
+    int *result;           /* [outputs] nodes of the outputs */
+    struct native *native; /* machine code; NULL if there is none */
+    /* Number of calls whose argument depends on t only: they remember it and their value, in two
+     * places each behind those of the operations. */
     int remembered;
 };
-/* An argument that no call has: its value is not a number, as that of any such argument. */
+/* The bits of an argument that no call has, for places that remember nothing yet. */
 #define PROGRAM_NO_ARGUMENT UINT64_C(0x7FF8DEADBEEF0001)
 
 /*
- * Names from `first` on are given: they stay as they are for many evaluations. What depends on them
- * only is computed by program_keep() and becomes more names, given[kept] and on, if they and all it
- * takes fit (most; PROGRAM_KEEP doubles).
+ * Steady names, those from `first` on, keep their values for many evaluations. Values that depend
+ * on them only are retained: program_keep() computes them once, and they become further names,
+ * steady[retained] and on, if there are at most `max` of them and their program has at most
+ * PROGRAM_KEEP places.
  */
 struct steady_names {
     int first, retained, max;
 };
 #define PROGRAM_KEEP 4096
 
+/* Creates the program of `count` outputs from `first` on. Names with bound[name] are replaced by
+ * value[name]; bound may be NULL. steady may be NULL. Machine code is made if `native` and if this
+ * machine has it. Returns NULL with an error. */
 struct program *program_create_keeping(const struct equations *e, int first, int count,
                                        const bool *bound, const double *value,
                                        const struct steady_names *steady, bool native,
                                        struct error *error);
 /* Same as program_depends() for any of these names. */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
-/* Once for each set of given values. */
+/* Computes the retained values from the values of steady names, and writes them behind these. Is
+ * called once for each set of values. */
 void program_keep(const struct program *program, double *steady);
 
 #define PROGRAM_FEW 128
 
-/* A frame: those few doubles if they are enough; else memory, to be given back, or NULL: there is
- * none. */
+/* Returns memory for the frame: `few`, which the caller has on its stack, if that is enough, else
+ * allocated memory that the caller frees, or NULL if out of memory. */
 static inline double *program_place(const struct program *p, double few[PROGRAM_FEW])
 {
     return program_frame(p) <= PROGRAM_FEW ? few : malloc(program_frame(p) * sizeof *few);
 }
 
-/* The outputs, where `moving` names are t and a state. */
+/* Computes all outputs at t and a state [moving - 1], with the values of steady names. */
 static inline void program_run(const struct program *p, double t, const double *state,
                                const double *steady, double *output, double *frame)
 {

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Switches: where |u|, sign(u), u < v, if(), min(), max(), step(), floor(), ceil(), round(), mod()
- * go from one smooth branch to another. Frozen equations take the branch from a name instead, and
- * so are smooth across the switch.
- */
+/* Switches: places where |u|, sign(u), u < v, if(), min(), max(), step(), floor(), ceil(), round(),
+ * mod() go from one smooth branch to another. equations_freeze() makes equations whose branches are
+ * values of names, so that they are smooth across the switch. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -12,11 +10,12 @@
 struct freezing {
     struct equations *e;
     struct switches *found;
-    int *map;     /* [nodes] the frozen node */
-    bool *moving; /* [nodes] true if the frozen node depends on what moves */
-    bool *always; /* [nodes] true if it is needed on all branches */
+    int *map;     /* [nodes] the frozen node of each node */
+    bool *moving; /* [nodes] the frozen node depends on t or the state */
+    bool *always; /* [nodes] the node is needed whatever branch an if() takes */
 };
 
+/* Returns the node of an operation on frozen nodes. */
 static int frozen_node(struct freezing *f, enum node_kind kind, int a, int b, int c)
 {
     return graph_apply(&f->e->graph, kind, a, b, c);
@@ -32,7 +31,9 @@ static bool opposite(const struct freezing *f, int a, int b)
             x->operand[1] == y->operand[0]);
 }
 
-/* The branch of u as a node; 0 if there are too many. */
+/* Returns the name of the branch of a switch with argument u, as a node: an existing one if it has
+ * this argument or its negative, else a new one. Returns 0, and sets found->full, if there are too
+ * many. */
 static int branch(struct freezing *f, int u, enum switch_kind kind)
 {
     struct switches *found = f->found;
@@ -54,12 +55,13 @@ static int branch(struct freezing *f, int u, enum switch_kind kind)
     return graph_name(&f->e->graph, found->name + found->count++);
 }
 
-/* The largest integer not above u */
+/* Returns the branch that is the largest integer not above u. */
 static int whole(struct freezing *f, int u)
 {
     return branch(f, u, SWITCH_WHOLE);
 }
 
+/* Returns the frozen node of a function of one argument, or -1 if it is smooth. */
 static int freeze_one(struct freezing *f, const struct node *node, int x)
 {
     struct graph *g = &f->e->graph;
@@ -77,6 +79,7 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
     return -1;
 }
 
+/* Returns the frozen node of a function of two arguments, or -1 if it is smooth. */
 static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
 {
     if (node->two == function_min || node->two == function_max) {
@@ -91,8 +94,8 @@ static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
     return -1;
 }
 
-/* Returns the smooth node in place of one whose operands move, or -1 if it is smooth itself. x
- * holds the frozen operands. */
+/* Returns the smooth node in place of a switch whose operands move, or -1 if the node is smooth
+ * itself. x holds the frozen operands. */
 static int freeze(struct freezing *f, const struct node *node, const int *x, bool condition_moves)
 {
     switch (node->kind) {
@@ -114,14 +117,15 @@ static int freeze(struct freezing *f, const struct node *node, const int *x, boo
     }
 }
 
+/* Returns true if the node is this number. */
 static bool operand_is_number(const struct freezing *f, int node, double number)
 {
     const struct node *n = &f->e->graph.node[node];
     return n->kind == NODE_NUMBER && n->number == number;
 }
 
-/* |u|, or max(u, 0), which is u < 0 ? 0 : u: never below 0, but for their frozen branches beyond
- * the switch */
+/* Returns true for |u| and max(u, 0), that is u < 0 ? 0 : u, which are never below 0; their frozen
+ * branches are, beyond the switch. */
 static bool never_below(const struct freezing *f, int node)
 {
     const struct node *n = &f->e->graph.node[node], *less = &f->e->graph.node[n->operand[0]];
@@ -131,8 +135,8 @@ static bool never_below(const struct freezing *f, int node)
             (operand_is_number(f, n->operand[1], 0) || operand_is_number(f, n->operand[2], 0)));
 }
 
-/* Returns true if the node needs an argument above 0. A power does if its exponent is no whole
- * number. */
+/* Returns true if the node is a function of arguments above 0 only: a root, a logarithm, or a power
+ * whose exponent is not a whole number. */
 static bool wants_positive(const struct freezing *f, const struct node *node)
 {
     if (node->kind != NODE_TWO || node->two != function_power)
@@ -142,12 +146,10 @@ static bool wants_positive(const struct freezing *f, const struct node *node)
     return power->kind == NODE_NUMBER && power->number != floor(power->number);
 }
 
-/*
- * Continues a branch beyond its switch. A step that ends at a switch evaluates the branch beyond
- * it, where sqrt(y) of if(y > 0, sqrt(y), 0), or the branch y of max(y, 0)^1.5, is not a number; it
- * is continued as that of |y|. Under if() it may not be a number on this side either; then
- * `extended` is set, and the step evaluates the equations themselves.
- */
+/* Continues a branch beyond its switch, by |y| in place of an argument y that has to be above 0. A
+ * step that ends at a switch evaluates the branch beyond it, where sqrt(y) of if(y > 0, sqrt(y),
+ * 0), or the branch y of max(y, 0)^1.5, is not a number. Under if(), the function may have no value
+ * on this side either, which `extended` notes: the step then evaluates the equations themselves. */
 static void go_on_beyond(struct freezing *f, int node, const struct node *kind, int *map)
 {
     const int operand = kind->operand[0];
@@ -159,7 +161,8 @@ static void go_on_beyond(struct freezing *f, int node, const struct node *kind, 
     map[operand] = frozen_node(f, NODE_ABS, map[operand], 0, 0);
 }
 
-/* Marks what is wanted on all branches of if(). */
+/* Marks the nodes that are needed whatever branches if() takes: all operands, but for the last two
+ * of if(). */
 static void mark_always(struct freezing *f, int count)
 {
     const struct node *node = f->e->graph.node;
@@ -169,6 +172,7 @@ static void mark_always(struct freezing *f, int count)
             f->always[node[i].operand[k]] = true;
 }
 
+/* Sets f->map to the frozen nodes of the first `count` nodes that are reached, in their order. */
 static void freeze_nodes(struct freezing *f, int count, const bool *reached)
 {
     for (int i = 0; i < count && !f->e->graph.failed && !f->found->full; i++) {
@@ -232,8 +236,9 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
     return allocated ? graph_check(&e->graph, error) : error_memory(error);
 }
 
-/* ---- whether a formula has switches ---- */
+/* ---- finding switches in a formula ---- */
 
+/* Returns true if an operation is a switch; its operands may be constant. */
 static bool is_switch(const struct op *op)
 {
     static double (*const one[])(double) = {fabs, function_sign, function_step, floor, ceil, round};
