@@ -31,14 +31,14 @@ struct hooke {
     struct buffer output, messages;
     bool has_error;
     struct hooke_error error;
-    struct error said;  /* message and position that the error points to */
-    struct buffer file; /* name of the file with the error; error.file points into it */
+    struct error last_error; /* message and position that the error points to */
+    struct buffer file;      /* name of the file with the error; error.file points into it */
     /* Receives the table of `export -`; NULL if it goes to the output. */
     struct hooke_table *table;
 };
 
 /* Source name of lines that the program passes, to tell them from lines of files. */
-static const char place[] = "hooke_run";
+static const char line_source[] = "hooke_run";
 
 const char *hooke_version(void)
 {
@@ -70,10 +70,10 @@ static void take_error(void *context, const struct error *error, const struct so
 {
     struct hooke *hooke = context;
     hooke->has_error = true;
-    hooke->said = *error;
-    hooke->said.where = (struct text){NULL, 0};
+    hooke->last_error = *error;
+    hooke->last_error.where = (struct text){NULL, 0};
     buffer_clear(&hooke->file);
-    if (where && where->name && where->name != place)
+    if (where && where->name && where->name != line_source)
         buffer_put(&hooke->file, text_of(where->name));
     const char *const file = hooke->file.len > 0 ? buffer_view(&hooke->file) : NULL;
     hooke->error = (struct hooke_error){
@@ -82,13 +82,13 @@ static void take_error(void *context, const struct error *error, const struct so
         .column = where ? (int)column : 0,
         .file = file,
         .code = error_name(error->code),
-        .message = hooke->said.text,
-        .hint = hooke->said.hint,
+        .message = hooke->last_error.text,
+        .hint = hooke->last_error.hint,
     };
 }
 
 /* Clears output, messages, error, status and cancellation before the next call. */
-static void forget_said(struct hooke *hooke)
+static void clear_reply(struct hooke *hooke)
 {
     buffer_clear(&hooke->output);
     buffer_clear(&hooke->messages);
@@ -256,8 +256,8 @@ int hooke_run(struct hooke *hooke, const char *lines)
     struct error error;
     if (!hooke)
         return ERROR_COMMAND;
-    forget_said(hooke);
-    script_begin(&script, hooke->session, place, NULL);
+    clear_reply(hooke);
+    script_begin(&script, hooke->session, line_source, NULL);
     while (text_split(&rest, '\n', &line) &&
            script_feed(&script, hooke->session, line, &hooke->reply))
         ;
@@ -308,7 +308,7 @@ struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
     struct error error = {0};
     if (!hooke)
         return NULL;
-    forget_said(hooke);
+    clear_reply(hooke);
     if (what && strpbrk(what, ";>\n\r#\\")) {
         error_set(&error, ERROR_USAGE,
                   "a table is named by what follows 'export FILE', such as: t y energy");

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #define LOCK_NS 200000000 /* [ns] longest wait for a lock that another program holds */
-#define LOCK_LOOKS 20     /* number of attempts within that time */
+#define LOCK_ATTEMPTS 20  /* number of attempts within that time */
 
 /* ---- opening ---- */
 
@@ -54,13 +54,13 @@ int append_open(const char *path, struct write_policy policy, unsigned mode, str
 
 bool file_lock(int fd, bool wait)
 {
-    const struct timespec moment = {.tv_nsec = LOCK_NS / LOCK_LOOKS};
-    for (int look = 0;; look++) {
+    const struct timespec interval = {.tv_nsec = LOCK_NS / LOCK_ATTEMPTS};
+    for (int attempt = 0;; attempt++) {
         if (flock(fd, LOCK_EX | LOCK_NB) == 0)
             return true;
         const bool held = errno == EWOULDBLOCK || errno == EINTR;
         /* Ctrl-C ends the waiting */
-        if (!held || !wait || look == LOCK_LOOKS || nanosleep(&moment, NULL) != 0)
+        if (!held || !wait || attempt == LOCK_ATTEMPTS || nanosleep(&interval, NULL) != 0)
             return false;
     }
 }
@@ -74,18 +74,18 @@ void file_unlock(int fd)
 
 /* Truncates the file to size bytes, which removes what this program has appended, unless somebody
  * else has written since. Returns false if the incomplete line had to remain. */
-static bool cut_back(int fd, off_t whole)
+static bool remove_appended(int fd, off_t size)
 {
     struct stat now;
     int result = 0;
     if (fstat(fd, &now) != 0)
         return false;
-    if (now.st_size <= whole)
+    if (now.st_size <= size)
         return true;
     if (now.st_size != lseek(fd, 0, SEEK_CUR))
         return false;
     do
-        result = ftruncate(fd, whole);
+        result = ftruncate(fd, size);
     while (result != 0 && errno == EINTR);
     return result == 0;
 }
@@ -113,7 +113,7 @@ bool append_lines(int fd, struct text lines, bool sync, struct error *error)
 {
     struct stat status = {.st_size = 0};
     const int number = file_append(fd, lines, sync, &status);
-    const bool whole = number == 0 || cut_back(fd, status.st_size);
+    const bool is_complete = number == 0 || remove_appended(fd, status.st_size);
     return number == 0 || error_set(error, ERROR_IO, "%s%s", system_message(number),
-                                    whole ? "" : " (the last line is incomplete)");
+                                    is_complete ? "" : " (the last line is incomplete)");
 }

@@ -115,7 +115,7 @@ static bool same_but_case(struct text a, struct text b)
 }
 
 /* Returns the largest distance of a misspelling of this length from the name that was meant. */
-static int reach(size_t len)
+static int misspelling_distance(size_t len)
 {
     if (len <= 3)
         return 1;
@@ -129,16 +129,16 @@ void suggestion_offer(struct suggestion *suggestion, const char *name)
     struct text wanted = suggestion->wanted, candidate = text_of(name);
     if (wanted.len == 0 || wanted.len > LIMIT_NAME || candidate.len >= sizeof suggestion->name[0])
         return;
-    const int far = reach(wanted.len);
+    const int max_distance = misspelling_distance(wanted.len);
     int distance = text_distance(wanted, candidate);
     /* The beginning of a long name counts as near; a name that shares no letter never does. */
     if (same_but_case(wanted, candidate))
         distance = 0;
-    else if (wanted.len >= 3 && distance > far && text_starts(candidate, wanted))
-        distance = far;
+    else if (wanted.len >= 3 && distance > max_distance && text_starts(candidate, wanted))
+        distance = max_distance;
     else if ((size_t)distance >= (wanted.len > candidate.len ? wanted.len : candidate.len))
         return;
-    if (distance > far)
+    if (distance > max_distance)
         return;
 
     const int max = (int)COUNT_OF(suggestion->name);

@@ -33,7 +33,7 @@ struct child_answer {
 
 /* Makes the system kill this process when its parent ends, and forbids core files. Returns false if
  * the parent has ended already. */
-static bool dies_with(pid_t parent)
+static bool die_with_parent(pid_t parent)
 {
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -44,7 +44,7 @@ static bool dies_with(pid_t parent)
 
 /* Detaches the child from terminal, standard streams (reads and writes of them then fail), signal
  * handlers and core files. */
-static void leave_all(void)
+static void detach_child(void)
 {
     const struct rlimit none = {0, 0};
     const struct sigaction usual = {.sa_handler = SIG_DFL};
@@ -63,20 +63,20 @@ static void leave_all(void)
 
 /* Does the work of the child and writes output and answer into the pipe's end. Exits with 0 if both
  * were written; never returns. */
-static _Noreturn void work_apart(const struct child *child, int end, pid_t parent)
+static _Noreturn void child_work(const struct child *child, int end, pid_t parent)
 {
-    struct buffer made = {0};
+    struct buffer output = {0};
     struct child_answer answer;
     const int descriptor = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     memset(&answer, 0, sizeof answer); /* padding between the members is written, too */
-    leave_all();
-    if (descriptor < 0 || !dies_with(parent))
+    detach_child();
+    if (descriptor < 0 || !die_with_parent(parent))
         _exit(1);
-    answer.done = child->work(child->context, &made, &answer.error) &&
-                  (!made.failed || error_memory(&answer.error));
-    answer.len = answer.done ? made.len : 0;
+    answer.done = child->work(child->context, &output, &answer.error) &&
+                  (!output.failed || error_memory(&answer.error));
+    answer.len = answer.done ? output.len : 0;
     answer.error.where = (struct text){0};
-    struct text part[] = {{made.data, answer.len}, {(const char *)&answer, sizeof answer}};
+    struct text part[] = {{output.data, answer.len}, {(const char *)&answer, sizeof answer}};
     _exit(file_put(descriptor, &part[0]) != 0 || file_put(descriptor, &part[1]) != 0);
 }
 
@@ -85,11 +85,11 @@ static _Noreturn void work_apart(const struct child *child, int end, pid_t paren
 struct process {
     pid_t pid;
     int descriptor, status;
-    bool gone; /* its status is known */
+    bool ended; /* its status is known */
 };
 
 /* Sets the error "WORK: why". Returns false. */
-static bool not_done(const struct child *child, struct error *error, const char *why)
+static bool child_fail(const struct child *child, struct error *error, const char *why)
 {
     return error_set(error, ERROR_IO, "%s: %s", child->what, why);
 }
@@ -97,27 +97,27 @@ static bool not_done(const struct child *child, struct error *error, const char 
 /* Reads the output of the child until the pipe ends, or until the process has ended while others
  * still hold the pipe open. Returns false with the error set if the user cancels, the time allowed
  * is over, or reading fails. */
-static bool take_all(const struct child *child, struct process *process, struct buffer *all,
-                     struct error *error)
+static bool read_output(const struct child *child, struct process *process, struct buffer *all,
+                        struct error *error)
 {
-    double looks = child->patience * 1000 / LOOK_MS;
-    char piece[REPLY_CHUNK_BYTES];
+    double looks_left = child->patience * 1000 / LOOK_MS;
+    char chunk[REPLY_CHUNK_BYTES];
     for (;;) {
         if (child->stopped && child->stopped(child->context))
             return error_set(error, ERROR_CANCELLED, "%s: stopped", child->what);
         struct pollfd ready = {.fd = process->descriptor, .events = POLLIN};
         const int count = poll(&ready, 1, LOOK_MS);
-        const ssize_t got = count > 0 ? read(process->descriptor, piece, sizeof piece) : -1;
-        if (got == 0 || (count == 0 && process->gone))
+        const ssize_t got = count > 0 ? read(process->descriptor, chunk, sizeof chunk) : -1;
+        if (got == 0 || (count == 0 && process->ended))
             return true;
-        if (count == 0 && !(--looks > 0))
-            return not_done(child, error, "it took too long");
+        if (count == 0 && !(--looks_left > 0))
+            return child_fail(child, error, "it took too long");
         if (count == 0) /* output written until then is still to be read */
-            process->gone = waitpid(process->pid, &process->status, WNOHANG) != 0;
+            process->ended = waitpid(process->pid, &process->status, WNOHANG) != 0;
         else if (got < 0 && errno != EINTR)
-            return not_done(child, error, system_message(errno));
+            return child_fail(child, error, system_message(errno));
         if (got > 0)
-            buffer_put(all, (struct text){piece, (size_t)got});
+            buffer_put(all, (struct text){chunk, (size_t)got});
         if (all->failed)
             return error_memory(error);
     }
@@ -128,11 +128,11 @@ static bool take_all(const struct child *child, struct process *process, struct 
 static bool child_error_set(const struct child *child, int status, struct error *error)
 {
     if (!WIFSIGNALED(status))
-        return not_done(child, error, "its process ended early");
+        return child_fail(child, error, "its process ended early");
     if (WTERMSIG(status) == SIGXCPU)
-        return not_done(child, error, "it took more processor time than allowed");
+        return child_fail(child, error, "it took more processor time than allowed");
     if (WTERMSIG(status) == SIGKILL)
-        return not_done(child, error, "its process was killed, perhaps because memory ran out");
+        return child_fail(child, error, "its process was killed, perhaps because memory ran out");
     return error_set(error, ERROR_IO, "%s: its process crashed (signal %d)", child->what,
                      WTERMSIG(status));
 }
@@ -156,15 +156,15 @@ static bool read_answer(const struct child *child, int status, size_t old_len,
 
 /* Collects output and answer of the child and waits for its end; kills it on failure. Returns false
  * with the error set and output unchanged if the work was not done. */
-static bool wait_for(const struct child *child, pid_t pid, int descriptor, struct buffer *output,
-                     struct error *error)
+static bool child_collect(const struct child *child, pid_t pid, int descriptor,
+                          struct buffer *output, struct error *error)
 {
     const size_t old_len = output->len;
     struct process process = {.pid = pid, .descriptor = descriptor};
-    bool ok = take_all(child, &process, output, error);
-    if (!ok && !process.gone)
+    bool ok = read_output(child, &process, output, error);
+    if (!ok && !process.ended)
         kill(pid, SIGKILL);
-    while (!process.gone && waitpid(pid, &process.status, 0) < 0 && errno == EINTR)
+    while (!process.ended && waitpid(pid, &process.status, 0) < 0 && errno == EINTR)
         ;
     ok = ok && read_answer(child, process.status, old_len, output, error);
     if (!ok)
@@ -181,17 +181,17 @@ bool child_run(const struct child *child, struct buffer *output, struct error *e
     sigset_t all, old_mask;
     const pid_t parent = getpid();
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return not_done(child, error, system_message(errno));
+        return child_fail(child, error, system_message(errno));
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &old_mask);
     const pid_t pid = fork();
     const int number = errno;
     if (pid == 0)
-        work_apart(child, ends[1], parent);
+        child_work(child, ends[1], parent);
     pthread_sigmask(SIG_SETMASK, &old_mask, NULL);
     close(ends[1]);
-    const bool ok = pid < 0 ? not_done(child, error, system_message(number))
-                            : wait_for(child, pid, ends[0], output, error);
+    const bool ok = pid < 0 ? child_fail(child, error, system_message(number))
+                            : child_collect(child, pid, ends[0], output, error);
     close(ends[0]);
     return ok;
 }

@@ -66,13 +66,13 @@ bool field_next(struct text *text, struct text *name, struct text *value)
     uint32_t len;
     if (text->len == 0)
         return false;
-    const size_t named = (unsigned char)text->data[0], header = 1 + named + sizeof len;
+    const size_t name_len = (unsigned char)text->data[0], header = 1 + name_len + sizeof len;
     if (text->len < header)
         return false;
-    memcpy(&len, text->data + 1 + named, sizeof len);
+    memcpy(&len, text->data + 1 + name_len, sizeof len);
     if (text->len - header < len)
         return false;
-    *name = (struct text){text->data + 1, named};
+    *name = (struct text){text->data + 1, name_len};
     *value = (struct text){text->data + header, len};
     *text = (struct text){text->data + header + len, text->len - header - len};
     return true;
@@ -121,30 +121,30 @@ static double number_at(enum field_kind kind, const char *cursor)
 
 /* Returns true if bytes of a file are a valid value of the field: bools are 0 or 1, a text ends
  * within it, numbers lie between its limits. */
-static bool can_be(const struct field *field, struct text value)
+static bool value_is_allowed(const struct field *field, struct text value)
 {
     const size_t bytes =
         field->kind == FIELD_INTS || field->kind == FIELD_UNSIGNED ? sizeof(int) : sizeof(double);
-    bool can = true;
+    bool allowed = true;
     for (size_t i = 0; i < value.len && field->kind == FIELD_BOOLS; i++)
-        can &= (unsigned char)value.data[i] <= 1;
+        allowed &= (unsigned char)value.data[i] <= 1;
     if (field->kind == FIELD_TEXT)
         return memchr(value.data, 0, value.len);
     if (field->kind < FIELD_INTS || !(field->least < field->most))
-        return can;
-    for (size_t i = 0; i + bytes <= value.len && can; i += bytes) {
+        return allowed;
+    for (size_t i = 0; i + bytes <= value.len && allowed; i += bytes) {
         const double number = number_at(field->kind, value.data + i);
-        can = number >= field->least && number <= field->most;
+        allowed = number >= field->least && number <= field->most;
     }
-    return can;
+    return allowed;
 }
 
 bool fields_sound(const struct field *field, size_t count, const void *object)
 {
     bool all = true;
     for (size_t i = 0; i < count && all; i++)
-        all = can_be(&field[i],
-                     (struct text){(const char *)object + field[i].offset, field[i].bytes});
+        all = value_is_allowed(
+            &field[i], (struct text){(const char *)object + field[i].offset, field[i].bytes});
     return all;
 }
 
@@ -159,7 +159,7 @@ static enum quantity find_quantity(struct text name)
 
 /* Copies one field into its member. Sets *found if the file has the field in the right length.
  * Returns false if it has a value that the member cannot have. */
-static bool take_field(struct text source, const struct field *field, void *object, bool *found)
+static bool field_read(struct text source, const struct field *field, void *object, bool *found)
 {
     struct text value;
     char *member = (char *)object + field->offset;
@@ -169,12 +169,12 @@ static bool take_field(struct text source, const struct field *field, void *obje
     if (!*found)
         return true;
     if (quantity) {
-        const enum quantity is = find_quantity(value);
-        memcpy(member, &is, sizeof is);
+        const enum quantity known = find_quantity(value);
+        memcpy(member, &known, sizeof known);
         return true;
     }
     if (text ? value.len >= field->bytes || memchr(value.data, 0, value.len)
-             : !can_be(field, value))
+             : !value_is_allowed(field, value))
         return false;
     if (text)
         memset(member, 0, field->bytes);
@@ -187,16 +187,16 @@ bool fields_get(struct text text, const struct field *field, size_t count, void 
 {
     bool all = true, found;
     for (size_t i = 0; i < count && all; i++)
-        all = take_field(text, &field[i], object, &found) && found;
+        all = field_read(text, &field[i], object, &found) && found;
     return all;
 }
 
 bool fields_get_known(struct text text, const struct field *field, size_t count, void *object)
 {
-    bool fine = true, found;
+    bool ok = true, found;
     for (size_t i = 0; i < count; i++)
-        fine &= take_field(text, &field[i], object, &found);
-    return fine;
+        ok &= field_read(text, &field[i], object, &found);
+    return ok;
 }
 
 /* ---- arrays that are counted by names ---- */

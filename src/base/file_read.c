@@ -17,7 +17,7 @@
 
 #define READ_CHUNK_BYTES 16384u
 #define PATIENCE_NS 200000000 /* [ns] longest wait for a writer of a named pipe */
-#define PATIENCE_LOOKS 20     /* number of attempts within that time */
+#define PATIENCE_ATTEMPTS 20  /* number of attempts within that time */
 /* [byte] Data that arrive within the watch's patience: any file has more, a sensor less. */
 #define SLOW_BYTES 65536
 
@@ -57,7 +57,7 @@ static void suggest_files(const char *path, struct error *error)
 
 /* Sets the error for an errno (ERROR_CANCELLED after a signal), with similar names if the file does
  * not exist. Returns false. */
-static bool cannot_read(struct error *error, const char *path, int number)
+static bool fail_to_read(struct error *error, const char *path, int number)
 {
     char name[SAFE_NAME_SIZE];
     if (number == EINTR)
@@ -81,8 +81,8 @@ static bool cannot_read(struct error *error, const char *path, int number)
 static bool await_writer(int fd, const char *path, struct buffer *content, struct error *error)
 {
     char name[SAFE_NAME_SIZE], first;
-    const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
-    for (int look = 0; look < PATIENCE_LOOKS; look++) {
+    const struct timespec interval = {.tv_nsec = PATIENCE_NS / PATIENCE_ATTEMPTS};
+    for (int look = 0; look < PATIENCE_ATTEMPTS; look++) {
         const ssize_t got = read(fd, &first, 1);
         if (got == 1) {
             buffer_put(content, (struct text){&first, 1});
@@ -90,8 +90,8 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
         }
         if (got < 0 && errno == EAGAIN) /* a writer exists and has written nothing yet */
             return true;
-        if (got < 0 || nanosleep(&moment, NULL) != 0)
-            return cannot_read(error, path, errno);
+        if (got < 0 || nanosleep(&interval, NULL) != 0)
+            return fail_to_read(error, path, errno);
     }
     return error_set(error, ERROR_IO, "cannot read %s: it is a pipe and no program writes to it",
                      safe_name(text_of(path), name));
@@ -116,7 +116,7 @@ static bool is_socket(const char *path)
 
 /* Returns true if the system generates the contents during reading, perhaps without end, as for
  * /proc/kmsg: a regular file of size 0. */
-static bool made_up(const struct stat *st, const struct read_watch *watch)
+static bool is_generated(const struct stat *st, const struct read_watch *watch)
 {
     return watch && watch->patience > 0 && S_ISREG(st->st_mode) && st->st_size == 0;
 }
@@ -134,19 +134,19 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
     if (*fd < 0 && errno == ENXIO && watch && watch->patience > 0 && is_socket(path))
         return refuse_endless(path, "it is a socket", watch, error);
     if (*fd < 0 || fstat(*fd, st) != 0)
-        return cannot_read(error, path, errno);
+        return fail_to_read(error, path, errno);
     if (watch && watch->patience > 0 && isatty(*fd))
         return refuse_endless(path, "it is a terminal or a serial line, which has no end", watch,
                               error);
     if (S_ISDIR(st->st_mode))
-        return cannot_read(error, path, EISDIR);
+        return fail_to_read(error, path, EISDIR);
     if (S_ISFIFO(st->st_mode) && !input && !await_writer(*fd, path, content, error))
         return false;
-    if (made_up(st, watch)) /* such a file may block reads: it stays non-blocking */
+    if (is_generated(st, watch)) /* such a file may block reads: it stays non-blocking */
         return true;
     const int flags = fcntl(*fd, F_GETFL);
     return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) ||
-           cannot_read(error, path, errno);
+           fail_to_read(error, path, errno);
 }
 
 static bool too_long(const char *path, size_t limit, struct error *error)
@@ -158,54 +158,56 @@ static bool too_long(const char *path, size_t limit, struct error *error)
 
 /* Waits until data arrive or the deadline is over. Returns false with the error set if a source has
  * neither ended by then nor delivered data as fast as a file. */
-static bool await_more(int fd, const struct file_reading *r, size_t so_far, struct error *error)
+static bool await_more(int fd, const struct file_reading *reading, size_t so_far,
+                       struct error *error)
 {
-    if (r->deadline == 0)
+    if (reading->deadline == 0)
         return true;
     struct pollfd ready = {.fd = fd, .events = POLLIN};
-    const int64_t left = r->deadline - clock_ns();
+    const int64_t left = reading->deadline - clock_ns();
     if (left <= 0 && so_far >= SLOW_BYTES)
         return true;
     const int count = left > 0 ? poll(&ready, 1, (int)(left / 1000000) + 1) : 0;
     if (count < 0)
-        return cannot_read(error, r->path, errno);
-    return count > 0 || refuse_endless(r->path, "data keep arriving", r->watch, error);
+        return fail_to_read(error, reading->path, errno);
+    return count > 0 || refuse_endless(reading->path, "data keep arriving", reading->watch, error);
 }
 
 /* Reads the file piece by piece and shows each to the watch. A file that states its size is read up
  * to that size, since somebody may be writing it faster than it is read. Returns false with the
  * error set if reading fails, the file is too long, or the watch refuses it. */
-static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
+static bool read_pieces(int fd, const struct file_reading *reading, struct buffer *content,
                         struct error *error)
 {
     char piece[READ_CHUNK_BYTES];
     for (bool first = true;; first = false) {
-        const size_t so_far = content->len - r->old_len;
-        const uintmax_t left = r->size > 0 ? r->size - so_far : READ_CHUNK_BYTES;
-        if (!await_more(fd, r, so_far, error))
+        const size_t so_far = content->len - reading->old_len;
+        const uintmax_t left = reading->size > 0 ? reading->size - so_far : READ_CHUNK_BYTES;
+        if (!await_more(fd, reading, so_far, error))
             return false;
         const ssize_t got =
             read(fd, piece, left < READ_CHUNK_BYTES ? (size_t)left : READ_CHUNK_BYTES);
-        if (got < 0 && errno == EAGAIN && r->deadline > 0 && clock_ns() < r->deadline) {
-            const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
-            if (nanosleep(&moment, NULL) != 0)
-                return cannot_read(error, r->path, errno);
+        if (got < 0 && errno == EAGAIN && reading->deadline > 0 && clock_ns() < reading->deadline) {
+            const struct timespec interval = {.tv_nsec = PATIENCE_NS / PATIENCE_ATTEMPTS};
+            if (nanosleep(&interval, NULL) != 0)
+                return fail_to_read(error, reading->path, errno);
             continue;
         }
         if (got < 0 && errno == EAGAIN)
-            return refuse_endless(r->path, "data keep arriving", r->watch, error);
+            return refuse_endless(reading->path, "data keep arriving", reading->watch, error);
         if (got < 0)
-            return cannot_read(error, r->path, errno);
+            return fail_to_read(error, reading->path, errno);
         if (got == 0)
             return true;
-        if ((size_t)got > r->limit - so_far)
-            return too_long(r->path, r->limit, error);
+        if ((size_t)got > reading->limit - so_far)
+            return too_long(reading->path, reading->limit, error);
         buffer_put(content, (struct text){piece, (size_t)got});
         if (content->failed)
             return error_memory(error);
-        const struct text seen = {content->data + r->old_len, content->len - r->old_len};
-        if (r->watch &&
-            !r->watch->look(r->watch->context, seen, first ? 0 : so_far, r->size, error))
+        const struct text seen = {content->data + reading->old_len,
+                                  content->len - reading->old_len};
+        if (reading->watch && !reading->watch->look(reading->watch->context, seen,
+                                                    first ? 0 : so_far, reading->size, error))
             return false;
     }
 }
@@ -216,22 +218,22 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
 {
     char name[SAFE_NAME_SIZE];
     struct stat st = {0}, final_status;
-    struct file_reading r = {path, limit, content->len, 0, watch, 0};
+    struct file_reading reading = {path, limit, content->len, 0, watch, 0};
     if (!open_file(path, fd, &st, watch, content, error))
         return false;
-    r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
-    if (watch && watch->patience > 0 && (!S_ISREG(st.st_mode) || made_up(&st, watch)))
-        r.deadline = clock_ns() + watch->patience;
-    if (r.size > limit)
+    reading.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
+    if (watch && watch->patience > 0 && (!S_ISREG(st.st_mode) || is_generated(&st, watch)))
+        reading.deadline = clock_ns() + watch->patience;
+    if (reading.size > limit)
         return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read",
-                         safe_name(text_of(path), name), r.size, limit);
-    if (content->len - r.old_len > limit)
+                         safe_name(text_of(path), name), reading.size, limit);
+    if (content->len - reading.old_len > limit)
         return too_long(path, limit, error);
-    if (!read_pieces(*fd, &r, content, error))
+    if (!read_pieces(*fd, &reading, content, error))
         return false;
     if (watch)
-        watch->grew = r.size > 0 && fstat(*fd, &final_status) == 0 &&
-                      (uintmax_t)final_status.st_size > r.size;
+        watch->grew = reading.size > 0 && fstat(*fd, &final_status) == 0 &&
+                      (uintmax_t)final_status.st_size > reading.size;
     buffer_put(content, TEXT("")); /* an empty file gives "", not NULL */
     return !content->failed || error_memory(error);
 }

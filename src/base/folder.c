@@ -34,13 +34,13 @@ static bool is_self(const char *name)
 static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns *own),
                        folder_owns *own, char stopped[NAME_MAX_SIZE])
 {
-    const int again = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *list = again < 0 ? NULL : fdopendir(again);
+    const int list_fd = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *list = list_fd < 0 ? NULL : fdopendir(list_fd);
     stopped[0] = '\0';
     if (!list) {
         const int number = errno;
-        if (again >= 0)
-            close(again);
+        if (list_fd >= 0)
+            close(list_fd);
         errno = number;
         return false;
     }
@@ -146,7 +146,7 @@ static bool make_hidden(struct folder *folder, mode_t mode)
 
 /* Opens the parent folder, checks the target and makes the hidden folder. Returns false with the
  * error set; the caller cleans up. */
-static bool open_all(struct folder *folder, struct write_policy policy, struct error *error)
+static bool folder_prepare(struct folder *folder, struct write_policy policy, struct error *error)
 {
     struct writer *writer = &folder->writer;
     bool exists;
@@ -172,7 +172,7 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
     folder->writer.path = strdup(path);
     if (policy.refuse && folder->writer.path)
         writer_refuse(&folder->writer, error, WRITER_REFUSED);
-    else if (open_all(folder, policy, error))
+    else if (folder_prepare(folder, policy, error))
         return true;
     folder_abandon(folder);
     return false;
@@ -242,7 +242,7 @@ static int replace_in_turn(struct folder *folder)
 }
 
 /* Gives the finished folder its name; an old one of that name ends up under the hidden name. */
-static int publish(struct folder *folder, bool exists)
+static int folder_publish(struct folder *folder, bool exists)
 {
     struct writer *writer = &folder->writer;
     if (exists) {
@@ -262,7 +262,7 @@ bool folder_commit(struct folder *folder, struct error *error)
     int number = file_synced(folder->fd);
     number = number == EINVAL ? 0 : number; /* a folder that cannot be synced */
     if (number == 0 && target_allows(folder, &exists, error)) {
-        number = publish(folder, exists);
+        number = folder_publish(folder, exists);
         if (number == 0) {
             number = file_synced(writer->folder);
             if (number == EINVAL || number == EBADF) /* or was opened by O_PATH */

@@ -113,7 +113,7 @@ static bool number_scan(struct text text, char decimal, struct scanned *s)
 #if HAVE_WIDE
 /* Returns n * 2^exponent rounded to nearest even, with n >= 2^53. `more` means that n has lost a
  * non-zero tail (it then has at least 64 bits). */
-static double compose(wide n, int exponent, bool more)
+static double round_scaled_integer(wide n, int exponent, bool more)
 {
     uint64_t high = (uint64_t)(n >> 64);
     int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll((uint64_t)n);
@@ -127,20 +127,21 @@ static double compose(wide n, int exponent, bool more)
 
 /* Returns w * 10^e, |e| <= POWER5_MAX, correctly rounded, by one exact product or quotient of
  * integers. */
-static double by_quotient(uint64_t w, int e)
+static double value_by_integers(uint64_t w, int e)
 {
     if (e >= 0)
-        return compose((wide)w * decimal_power5[e], e, false);
+        return round_scaled_integer((wide)w * decimal_power5[e], e, false);
     /* A numerator with its top bit set leaves a quotient of at least 65 bits. */
     const int shift = 64 + __builtin_clzll(w);
     const wide numerator = (wide)w << shift;
-    return compose(numerator / decimal_power5[-e], e - shift, numerator % decimal_power5[-e] != 0);
+    return round_scaled_integer(numerator / decimal_power5[-e], e - shift,
+                                numerator % decimal_power5[-e] != 0);
 }
 #endif
 
 /* Converts a number with any number of digits by strtod() in the "C" locale, which allocates
  * nothing and changes no locale. */
-static double by_library(struct text text, const struct scanned *s)
+static double value_by_library(struct text text, const struct scanned *s)
 {
     char z[DIGITS_MAX + 32];
     size_t len = 0, seen = 0;
@@ -170,21 +171,21 @@ static double by_library(struct text text, const struct scanned *s)
 
 /* Returns the absolute value of the scanned number, correctly rounded, by the fastest way that is
  * exact for it. */
-static double magnitude(struct text text, const struct scanned *s)
+static double scanned_magnitude(struct text text, const struct scanned *s)
 {
     const uint64_t w = s->leading;
     const int64_t e = s->exponent;
     if (w == 0)
         return 0.0;
     if (s->digits > 19 || e < -POWER5_MAX || e > POWER5_MAX)
-        return by_library(text, s);
+        return value_by_library(text, s);
     /* Clinger (1990): both factors are exact doubles, so that one rounding is all there is. */
     if (w <= (uint64_t)1 << 53 && e >= -POWER10_MAX && e <= POWER10_MAX)
         return e < 0 ? (double)w / decimal_power10[-e] : (double)w * decimal_power10[e];
 #if HAVE_WIDE
-    return by_quotient(w, (int)e);
+    return value_by_integers(w, (int)e);
 #else
-    return by_library(text, s);
+    return value_by_library(text, s);
 #endif
 }
 
@@ -196,7 +197,7 @@ enum real_status real_scan(struct text text, char decimal, double *value, size_t
         return REAL_EMPTY;
     if (!number_scan(text, decimal, &s))
         return REAL_MALFORMED;
-    double size = magnitude(text, &s);
+    double size = scanned_magnitude(text, &s);
     *value = s.negative ? -size : size;
     *used = s.used;
     if (!isfinite(size))

@@ -16,7 +16,7 @@ static uint64_t bits_of(double value)
 }
 
 /* Returns the decimal without trailing zeros. */
-static struct decimal stripped(struct decimal d)
+static struct decimal without_trailing_zeros(struct decimal d)
 {
     while (d.digits && d.digits % 10 == 0) {
         d.digits /= 10;
@@ -26,7 +26,7 @@ static struct decimal stripped(struct decimal d)
 }
 
 /* Returns value rounded to a number of significant digits, with trailing zeros kept. */
-static struct decimal rounded(double value, int digits)
+static struct decimal rounded_to_digits(double value, int digits)
 {
     struct decimal d = {.negative = signbit(value)};
     char z[REAL_TEXT_SIZE];
@@ -45,8 +45,8 @@ static struct decimal rounded(double value, int digits)
 /* Returns the finite value rounded to 1 to 17 significant digits, without trailing zeros. */
 static struct decimal decimal_rounded(double value, int digits)
 {
-    struct decimal d = rounded(value, digits);
-    return d.digits ? stripped(d) : (struct decimal){.negative = d.negative};
+    struct decimal d = rounded_to_digits(value, digits);
+    return d.digits ? without_trailing_zeros(d) : (struct decimal){.negative = d.negative};
 }
 
 #if HAVE_WIDE
@@ -107,10 +107,10 @@ static struct decimal shortest_exact(double value)
 static bool reads_back(struct decimal d, double value)
 {
     char z[REAL_TEXT_SIZE];
-    double again;
+    double reread;
     size_t len = decimal_write(d, 0, 0, z);
-    real_parse((struct text){z, len}, &again);
-    return again == value;
+    real_parse((struct text){z, len}, &reread);
+    return reread == value;
 }
 
 /* Returns the shortest decimal of any finite value, by trying numbers of digits. 15 digits always
@@ -120,14 +120,14 @@ static struct decimal shortest_by_trying(double value)
 {
     const bool power_of_two = (bits_of(value) << 12) == 0;
     for (int digits = value < 0x1p-1022 ? 1 : 15; digits < 17; digits++) {
-        struct decimal d = rounded(value, digits);
+        struct decimal d = rounded_to_digits(value, digits);
         if (reads_back(d, value))
-            return stripped(d);
+            return without_trailing_zeros(d);
         /* The doubles are denser below a power of two: the nearest decimal may miss where its
          * neighbour above does not. */
         d.digits++;
         if (power_of_two && reads_back(d, value))
-            return stripped(d);
+            return without_trailing_zeros(d);
     }
     return decimal_rounded(value, 17);
 }
@@ -276,16 +276,16 @@ void buffer_phase(struct buffer *buffer, double radians)
 
 /* Returns value rounded to a multiple of 10^index with at most 17 digits, trailing zeros kept:
  * 1.9370 for index -4. */
-static struct decimal rounded_to(double value, int index)
+static struct decimal rounded_to_place(double value, int index)
 {
-    struct decimal d = rounded(value, 17);
+    struct decimal d = rounded_to_digits(value, 17);
     const int digits = value != 0 ? decimal_decade(d) - index + 1 : 0;
     if (digits < 1) {
         bool rounds_up = digits == 0 && d.digits >= 50000000000000000u;
         return (struct decimal){d.negative && rounds_up, rounds_up,
                                 rounds_up || index < 0 ? index : 0}; /* 0, not 00 */
     }
-    d = rounded(value, digits);
+    d = rounded_to_digits(value, digits);
     for (; d.exponent > index; d.exponent--) /* 9.996 became 10.00 */
         d.digits *= 10;
     return d;
@@ -299,9 +299,10 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
         buffer_short(buffer, value, 6);
         return;
     }
-    const struct decimal two = rounded(uncertainty, 2), one = rounded(uncertainty, 1);
+    const struct decimal two = rounded_to_digits(uncertainty, 2),
+                         one = rounded_to_digits(uncertainty, 1);
     const int index = two.digits < 20 ? two.exponent : one.exponent - (one.digits == 1);
-    const int decade_value = value != 0 ? decimal_decade(rounded(value, 17)) : index;
+    const int decade_value = value != 0 ? decimal_decade(rounded_to_digits(value, 17)) : index;
     if (decade_value - index >= 17) { /* more exact than a double can be: nothing to match */
         buffer_real(buffer, value);
         buffer_put(buffer, TEXT(" +- "));
@@ -313,10 +314,10 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
     const bool plain = decade >= -4 && decade < (index > 0 ? 6 : 15);
     const int high = plain ? 100 : 0, low = -high;
     char z[REAL_TEXT_SIZE];
-    size_t len = decimal_write(rounded_to(value, index), low, high, z);
+    size_t len = decimal_write(rounded_to_place(value, index), low, high, z);
     buffer_put(buffer, (struct text){z, len});
     buffer_put(buffer, TEXT(" +- "));
-    len = decimal_write(rounded_to(uncertainty, index), low, high, z);
+    len = decimal_write(rounded_to_place(uncertainty, index), low, high, z);
     buffer_put(buffer, (struct text){z, len});
 }
 

@@ -145,7 +145,7 @@ void cholesky_backward(int n, int width, const double *l, double *x)
 
 /* Multiplies square matrices; inlined, so that loops for a constant n are unrolled. */
 static inline __attribute__((always_inline)) void
-multiply(int n, const double *restrict a, const double *restrict b, double *restrict product)
+multiply_inline(int n, const double *restrict a, const double *restrict b, double *restrict product)
 {
 #pragma GCC unroll 4
     for (int i = 0; i < n; i++) {
@@ -167,11 +167,11 @@ multiply(int n, const double *restrict a, const double *restrict b, double *rest
 void matrix_multiply(int n, const double *a, const double *b, double *product)
 {
     if (n == 2)
-        multiply(2, a, b, product);
+        multiply_inline(2, a, b, product);
     else if (n == 3)
-        multiply(3, a, b, product);
+        multiply_inline(3, a, b, product);
     else
-        multiply(n, a, b, product);
+        multiply_inline(n, a, b, product);
 }
 
 double matrix_norm(int n, const double *a)

@@ -11,7 +11,7 @@
  * of Cf that reorder, join or hide. */
 static const struct {
     uint32_t first, last;
-} hidden[] = {
+} hidden_ranges[] = {
     {0x0080, 0x009F}, {0x00AD, 0x00AD},   {0x061C, 0x061C},   {0x115F, 0x1160},
     {0x180E, 0x180E}, {0x200B, 0x200F},   {0x2028, 0x202E},   {0x2060, 0x206F},
     {0x3164, 0x3164}, {0xFDD0, 0xFDEF},   {0xFEFF, 0xFEFF},   {0xFFA0, 0xFFA0},
@@ -22,15 +22,15 @@ bool codepoint_hidden(uint32_t codepoint)
 {
     if ((codepoint & 0xFFFE) == 0xFFFE)
         return true;
-    for (size_t i = 0; i < COUNT_OF(hidden); i++)
-        if (codepoint >= hidden[i].first && codepoint <= hidden[i].last)
+    for (size_t i = 0; i < COUNT_OF(hidden_ranges); i++)
+        if (codepoint >= hidden_ranges[i].first && codepoint <= hidden_ranges[i].last)
             return true;
     return false;
 }
 
 /* Returns the first character of text as it is shown, in piece if it has to be escaped. Sets *used
  * to the number of bytes that it stands for. */
-static struct text visible(struct text text, bool keep_layout, char piece[16], size_t *used)
+static struct text visible_text(struct text text, bool keep_layout, char piece[16], size_t *used)
 {
     const uint32_t codepoint = text_codepoint(text, used);
     const unsigned char byte = (unsigned char)text.data[0];
@@ -55,7 +55,7 @@ void safe_text(struct buffer *output, struct text text, bool keep_layout)
         for (used = 0; used < text.len && text.data[used] >= ' ' && text.data[used] < 0x7F;)
             used++;
         buffer_put(output, used > 0 ? (struct text){text.data, used}
-                                    : visible(text, keep_layout, piece, &used));
+                                    : visible_text(text, keep_layout, piece, &used));
     }
 }
 
@@ -65,7 +65,7 @@ const char *safe_name(struct text name, char output[SAFE_NAME_SIZE])
     char piece[16];
     size_t len = 0;
     for (size_t used; name.len > 0; name.data += used, name.len -= used) {
-        struct text shown = visible(name, false, piece, &used);
+        struct text shown = visible_text(name, false, piece, &used);
         if (len + shown.len > SAFE_NAME_SIZE - 4) {
             shown = TEXT("...");
             used = name.len;

@@ -42,26 +42,26 @@ static bool is_hidden_name(const char *name)
            name[STRAY_MARK_INDEX + 1] != '\0';
 }
 
-/* Results of name_of(). */
+/* Results of name_status(). */
 enum { NAME_LOST, NAME_KEPT, NAME_UNKNOWN };
 
 /* Tells if the open file still has that name in the folder, or has lost it to another file or none;
  * NAME_UNKNOWN if the system does not tell. */
-static int name_of(int folder, const char *name, int fd)
+static int name_status(int folder, const char *name, int fd)
 {
-    struct stat mine, there;
-    if (fstat(fd, &mine) != 0)
+    struct stat opened, named;
+    if (fstat(fd, &opened) != 0)
         return NAME_UNKNOWN;
-    if (fstatat(folder, name, &there, AT_SYMLINK_NOFOLLOW) != 0)
+    if (fstatat(folder, name, &named, AT_SYMLINK_NOFOLLOW) != 0)
         return errno == ENOENT ? NAME_LOST : NAME_UNKNOWN;
-    return mine.st_dev == there.st_dev && mine.st_ino == there.st_ino ? NAME_KEPT : NAME_LOST;
+    return opened.st_dev == named.st_dev && opened.st_ino == named.st_ino ? NAME_KEPT : NAME_LOST;
 }
 
 bool stray_is_held(int folder, const char *name, int fd)
 {
     if (!file_lock(fd, false) && errno == EWOULDBLOCK) /* it is being removed */
         return false;
-    return name_of(folder, name, fd) != NAME_LOST;
+    return name_status(folder, name, fd) != NAME_LOST;
 }
 
 /* Returns true if nobody writes the file: this program could lock it, it still has its name, and no
@@ -69,12 +69,12 @@ bool stray_is_held(int folder, const char *name, int fd)
 static bool is_abandoned(int folder, const char *name, int fd)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    return file_lock(fd, false) && name_of(folder, name, fd) == NAME_KEPT &&
+    return file_lock(fd, false) && name_status(folder, name, fd) == NAME_KEPT &&
            (fcntl(fd, F_OFD_GETLK, &lock) != 0 || lock.l_type == F_UNLCK);
 }
 
 /* Accepts every name, for folder_empty(). */
-static bool any_name(const char *name)
+static bool accept_any_name(const char *name)
 {
     (void)name;
     return true;
@@ -82,7 +82,7 @@ static bool any_name(const char *name)
 
 /* Removes one hidden file or folder of this user that nobody writes. An old folder that a killed
  * program had moved aside gets its name back if that is free. */
-static void sweep_name(int folder, const char *name)
+static void sweep_stray(int folder, const char *name)
 {
     struct stat st;
     if (fstatat(folder, name, &st, AT_SYMLINK_NOFOLLOW) != 0 || st.st_uid != geteuid() ||
@@ -96,13 +96,13 @@ static void sweep_name(int folder, const char *name)
         return;
     if (is_abandoned(folder, name, fd)) {
         /* an old folder whose replacement never got its name is restored */
-        const bool back =
+        const bool restored =
             is_folder && name[STRAY_MARK_INDEX] == STRAY_OLD &&
             fstatat(folder, name + STRAY_MARK_INDEX + 1, &st, AT_SYMLINK_NOFOLLOW) != 0 &&
             renameat(folder, name, folder, name + STRAY_MARK_INDEX + 1) == 0;
-        if (is_folder && !back)
-            folder_empty(fd, any_name);
-        if (!back)
+        if (is_folder && !restored)
+            folder_empty(fd, accept_any_name);
+        if (!restored)
             unlinkat(folder, name, is_folder ? AT_REMOVEDIR : 0);
     }
     close(fd);
@@ -110,15 +110,15 @@ static void sweep_name(int folder, const char *name)
 
 void strays_sweep(int folder)
 {
-    const int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *list = again < 0 ? NULL : fdopendir(again);
+    const int list_fd = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *list = list_fd < 0 ? NULL : fdopendir(list_fd);
     for (struct dirent *entry; list && (entry = readdir(list));)
         if (is_hidden_name(entry->d_name))
-            sweep_name(folder, entry->d_name);
+            sweep_stray(folder, entry->d_name);
     if (list)
         closedir(list);
-    else if (again >= 0)
-        close(again);
+    else if (list_fd >= 0)
+        close(list_fd);
 }
 
 void strays_sweep_path(const char *path)

@@ -140,7 +140,7 @@ const char *quantity_unit(enum quantity quantity)
 
 /* Returns number * factor; for decimal factors below 1 by division, which rounds once: 57 cm is 57
  * / 100 = 0.57 m, but 57 * 0.01 is another double. */
-static double to_si(double number, double factor)
+static double value_in_si(double number, double factor)
 {
     return factor < 1 && nearbyint(1 / factor) * factor == 1 ? number / nearbyint(1 / factor)
                                                              : number * factor;
@@ -148,7 +148,7 @@ static double to_si(double number, double factor)
 
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si)
 {
-    const double value = to_si(number, unit->factor);
+    const double value = value_in_si(number, unit->factor);
     if (unit->quantity == wanted)
         *si = value;
     else if (unit->quantity == QUANTITY_FREQUENCY && wanted == QUANTITY_ANGULAR_FREQUENCY)

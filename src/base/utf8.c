@@ -63,7 +63,7 @@ void buffer_folded(struct buffer *buffer, struct text text, int width)
 
 /* Returns the length [byte] of the separator between items that begins there, or 0 if there is
  * none; separators inside parentheses (depth > 0) do not count. */
-static size_t separator(struct text rest, int depth)
+static size_t separator_length(struct text rest, int depth)
 {
     static const char *const separators[] = {"  ", ", ", "; ", ": ", " | ", " ("};
     for (size_t i = 0; i < COUNT_OF(separators) && depth == 0; i++)
@@ -84,7 +84,7 @@ struct text text_in_room(struct text text, int width, bool *cut)
         return text;
     for (size_t position = 0, used; position < text.len && column <= width; position += used) {
         const struct text rest = {text.data + position, text.len - position};
-        if (position > 0 && rest.data[-1] != ' ' && separator(rest, depth)) {
+        if (position > 0 && rest.data[-1] != ' ' && separator_length(rest, depth)) {
             items = position;
             item_columns = column;
         }

@@ -9,7 +9,7 @@ struct range {
 };
 
 /* Code points without width: marks that combine with the preceding letter, format controls. */
-static const struct range zero[] = {
+static const struct range zero_width[] = {
     {0x0300, 0x036F},   {0x0483, 0x0489},   {0x0591, 0x05BD},   {0x05BF, 0x05BF},
     {0x05C1, 0x05C2},   {0x05C4, 0x05C5},   {0x05C7, 0x05C7},   {0x0600, 0x0605},
     {0x0610, 0x061A},   {0x061C, 0x061C},   {0x064B, 0x065F},   {0x0670, 0x0670},
@@ -92,7 +92,7 @@ static const struct range zero[] = {
 };
 
 /* Code points that take two columns: East Asian wide and full width, emoji. */
-static const struct range two[] = {
+static const struct range double_width[] = {
     {0x1100, 0x115F},   {0x231A, 0x231B},   {0x2329, 0x232A},   {0x23E9, 0x23EC},
     {0x23F0, 0x23F0},   {0x23F3, 0x23F3},   {0x25FD, 0x25FE},   {0x2614, 0x2615},
     {0x2648, 0x2653},   {0x267F, 0x267F},   {0x2693, 0x2693},   {0x26A1, 0x26A1},
@@ -117,7 +117,7 @@ static const struct range two[] = {
 };
 
 /* Returns true if one of the ascending ranges contains the code point, by binary search. */
-static bool is_in(const struct range *ranges, size_t count, uint32_t codepoint)
+static bool ranges_contain(const struct range *ranges, size_t count, uint32_t codepoint)
 {
     size_t low = 0, high = count;
     while (low < high) {
@@ -134,7 +134,7 @@ int codepoint_width(uint32_t codepoint)
 {
     if (codepoint < 0x300)
         return codepoint >= 0x20 && (codepoint < 0x7F || codepoint >= 0xA0);
-    if (is_in(zero, COUNT_OF(zero), codepoint))
+    if (ranges_contain(zero_width, COUNT_OF(zero_width), codepoint))
         return 0;
-    return is_in(two, COUNT_OF(two), codepoint) ? 2 : 1;
+    return ranges_contain(double_width, COUNT_OF(double_width), codepoint) ? 2 : 1;
 }

@@ -147,7 +147,7 @@ static bool open_temporary(struct writer *writer)
 
 /* Opens the folder, checks the target and opens the temporary file. Returns false with the error
  * set; the caller cleans up. */
-static bool open_all(struct writer *writer, bool confine, struct error *error)
+static bool writer_prepare(struct writer *writer, bool confine, struct error *error)
 {
     mode_t mode;
     if (!writer->path || !writer->chunk) {
@@ -170,7 +170,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
     writer->chunk = malloc(WRITER_CHUNK);
     if (policy.refuse && writer->path)
         writer_refuse(writer, error, WRITER_REFUSED);
-    else if (open_all(writer, policy.confine, error))
+    else if (writer_prepare(writer, policy.confine, error))
         return true;
     writer_abandon(writer);
     return false;
@@ -202,7 +202,7 @@ static void writer_write(struct writer *writer, struct text text)
     writer->failed = writer->failure != 0;
 }
 
-static void flush(struct writer *writer)
+static void writer_flush(struct writer *writer)
 {
     writer_write(writer, (struct text){writer->chunk, writer->used});
     writer->used = 0;
@@ -211,7 +211,7 @@ static void flush(struct writer *writer)
 void writer_put(struct writer *writer, struct text text)
 {
     if (text.len > WRITER_CHUNK - writer->used)
-        flush(writer);
+        writer_flush(writer);
     if (text.len > WRITER_CHUNK) {
         writer_write(writer, text);
     } else if (text.len > 0) {
@@ -233,10 +233,10 @@ int file_synced(int fd)
 
 /* Closes a duplicate of the descriptor, because some file systems report a full disk only on close.
  * Returns 0 or an errno. */
-static int closes_well(int fd)
+static int close_duplicate(int fd)
 {
-    const int again = dup(fd);
-    return again >= 0 && (close(again) == 0 || errno == EINTR) ? 0 : errno;
+    const int duplicate = dup(fd);
+    return duplicate >= 0 && (close(duplicate) == 0 || errno == EINTR) ? 0 : errno;
 }
 
 /* Gives the unnamed file a name in the folder. */
@@ -276,7 +276,7 @@ static int rename_temporary(struct writer *writer)
 
 /* Gives the finished file its name: by a link if it is unnamed and the name is free, else by
  * rename. */
-static int publish(struct writer *writer)
+static int writer_publish(struct writer *writer)
 {
     if (writer->temporary[0] == '\0') {
         int number = link_unnamed(writer, writer->base);
@@ -293,14 +293,14 @@ static int publish(struct writer *writer)
 bool writer_commit(struct writer *writer, struct error *error)
 {
     mode_t mode;
-    flush(writer);
+    writer_flush(writer);
     int number = writer->failed ? writer->failure : file_synced(writer->fd);
     if (number == 0)
-        number = closes_well(writer->fd);
-    const bool unnamed = writer->base != NULL; /* a file of a folder has its name already */
-    bool done = number == 0 && (!unnamed || writer_allows(writer, &mode, error));
-    if (done && unnamed) {
-        number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
+        number = close_duplicate(writer->fd);
+    const bool needs_name = writer->base != NULL; /* a file of a folder has its name already */
+    bool done = number == 0 && (!needs_name || writer_allows(writer, &mode, error));
+    if (done && needs_name) {
+        number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : writer_publish(writer);
         if (number == 0) {
             number = file_synced(writer->folder);
             if (number == EINVAL ||

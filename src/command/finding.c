@@ -271,7 +271,7 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
 /* Does the work of explain_unknown() for a statement without leading blanks: tries rewritten forms
  * first, then meanings of the word, then other words of the sentence, and replaces the hint by what
  * it finds. */
-static void explain(const struct session *session, struct text statement, struct error *error)
+static void explain_word(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;
     const char *kind = error->unknown;
@@ -324,5 +324,5 @@ void explain_unknown(const struct session *session, struct text statement, struc
         error->code != ERROR_COMMAND)
         return;
     text_skip_blanks(&statement);
-    explain(session, statement, error);
+    explain_word(session, statement, error);
 }

@@ -328,7 +328,7 @@ static void note_left_out(struct text rest, struct reply *reply)
 
 /* Frees the memory of a statement; what remains because the user cancels is freed by a later
  * statement. */
-static void give_back(struct session *session, struct arena *arena)
+static void free_statement(struct session *session, struct arena *arena)
 {
     arena_move(arena, &session->execution.leftover);
     arena_give_back(&session->execution.leftover, session->front.cancel);
@@ -379,7 +379,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
             reply_error(reply, &error, where, line);
             note_failure(session, &error);
         }
-        give_back(session, &arena);
+        free_statement(session, &arena);
         if (!ok && !session->execution.halted)
             return false;
     }

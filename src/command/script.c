@@ -16,8 +16,8 @@ void script_begin(struct script *script, struct session *session, const char *na
 }
 
 /* Executes a joined line and decides if the script stops. */
-static void execute(struct script *script, struct session *session, struct text line,
-                    struct reply *reply)
+static void script_execute(struct script *script, struct session *session, struct text line,
+                           struct reply *reply)
 {
     struct source where = script->where;
     where.line = script->piece[0].line;
@@ -60,14 +60,14 @@ bool script_feed(struct script *script, struct session *session, struct text lin
         script->piece[script->pieces++] =
             (struct source_piece){pending->len, script->where.line, (int)(line.data - whole.data)};
     if (!joins && pending->len == 0) {
-        execute(script, session, line, reply);
+        script_execute(script, session, line, reply);
     } else {
         /* An endless joined line grows to just above the limit, where it is refused. */
         if (pending->len <= LIMIT_LINE)
             buffer_put(pending, (struct text){line.data, joins ? line.len - 1 : line.len});
         buffer_char(pending, ' ');
         if (!joins) {
-            execute(script, session, text_trim(buffer_text(pending)), reply);
+            script_execute(script, session, text_trim(buffer_text(pending)), reply);
             buffer_clear(pending);
         }
     }
@@ -87,7 +87,7 @@ static void put_runs_left(const struct session *session, struct buffer *text)
 bool script_end(struct script *script, struct session *session, struct reply *reply)
 {
     if (script->pending.len > 0 && !script->stopped && !session->execution.quit)
-        execute(script, session, text_trim(buffer_text(&script->pending)), reply);
+        script_execute(script, session, text_trim(buffer_text(&script->pending)), reply);
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;

@@ -44,7 +44,8 @@ double series_fill_grid(const struct series *s, double t0, double dt, size_t len
 
 /* Replaces rounded stamps by the times of the line through them, so that readers of samples->t see
  * the times at which samples were taken. Returns false if out of memory. */
-static bool even_out(struct samples *samples, const struct even_times *even, struct arena *arena)
+static bool use_even_times(struct samples *samples, const struct even_times *even,
+                           struct arena *arena)
 {
     double *t = arena_array(arena, samples->n, sizeof *t);
     for (size_t i = 0; t && i < samples->n; i++)
@@ -107,7 +108,7 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     samples->dt = even.step;
     samples->uniform = even.even;
     samples->pace = hypot(even.pace, series->pace);
-    if (even.even && even.resolution > 0 && !even_out(samples, &even, arena))
+    if (even.even && even.resolution > 0 && !use_even_times(samples, &even, arena))
         return false;
     return !cancelled(series->cancel);
 }

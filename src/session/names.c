@@ -241,9 +241,9 @@ static double scope_load(const void *context, int slot)
 
 /* Offers every name that has a meaning, with its description; moving is the model of state and
  * observables. */
-static void each_name(const struct session *session, const struct model *moving,
-                      void (*offer)(void *context, const char *name, const char *brief),
-                      void *context)
+static void offer_names(const struct session *session, const struct model *moving,
+                        void (*offer)(void *context, const char *name, const char *brief),
+                        void *context)
 {
     const struct scene *scene = &session->setup.scene;
     const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene),
@@ -270,10 +270,10 @@ void names_each(const struct session *session,
                 void (*offer)(void *context, const char *name, const char *brief), void *context)
 {
     const struct run *run = session_run(session);
-    each_name(session, run ? run->system.model : session->setup.scene.model, offer, context);
+    offer_names(session, run ? run->system.model : session->setup.scene.model, offer, context);
 }
 
-/* Passes a name on to a struct suggestion, for each_name(). */
+/* Passes a name on to a struct suggestion, for offer_names(). */
 static void suggest(void *context, const char *name, const char *brief)
 {
     (void)brief;
@@ -284,7 +284,7 @@ static void suggest(void *context, const char *name, const char *brief)
 static void scope_offer(const void *context, struct suggestion *suggestion)
 {
     const struct names *names = context;
-    each_name(names->session, state_model(names), suggest, suggestion);
+    offer_names(names->session, state_model(names), suggest, suggestion);
     suggestion_offer(suggestion, "pi");
 }
 

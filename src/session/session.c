@@ -178,7 +178,7 @@ bool session_add_recording(struct session *session, struct recording *recording,
 
 /* Returns the index of the current item after item `dropped` was removed from a list that has count
  * items left; the last item becomes current if the current one was removed. */
-static int after_drop(int current, int dropped, int count)
+static int index_after_drop(int current, int dropped, int count)
 {
     if (current > dropped)
         return current - 1;
@@ -191,7 +191,7 @@ void session_drop_run(struct session *session, int index)
     session->runs.count--;
     memmove(&session->runs.slot[index], &session->runs.slot[index + 1],
             (size_t)(session->runs.count - index) * sizeof(session->runs.slot[0]));
-    session->runs.current = after_drop(session->runs.current, index, session->runs.count);
+    session->runs.current = index_after_drop(session->runs.current, index, session->runs.count);
     session_changed(session);
 }
 
@@ -201,7 +201,8 @@ void session_drop_recording(struct session *session, int index)
     session->recordings--;
     memmove(&session->recording[index], &session->recording[index + 1],
             (size_t)(session->recordings - index) * sizeof(session->recording[0]));
-    session->current_recording = after_drop(session->current_recording, index, session->recordings);
+    session->current_recording =
+        index_after_drop(session->current_recording, index, session->recordings);
     session_changed(session);
 }
 

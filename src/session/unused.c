@@ -27,8 +27,8 @@ bool run_slot_uses(const struct run_slot *slot, const struct model *model,
 
 /* Returns true if set-up, runs, undo or checkpoints use the model or the events; either may be
  * NULL. */
-static bool is_used(const struct session *session, const struct model *model,
-                    const struct events *events)
+static bool definition_is_used(const struct session *session, const struct model *model,
+                               const struct events *events)
 {
     bool used = setup_uses(&session->setup, model, events);
     for (int i = 0; i < session->runs.count && !used; i++)
@@ -43,14 +43,14 @@ static bool is_used(const struct session *session, const struct model *model,
 
 static bool events_are_used(const struct session *session, const struct events *events)
 {
-    return is_used(session, NULL, events);
+    return definition_is_used(session, NULL, events);
 }
 
 /* Returns true if the session (context) or a module's part of it uses the model. */
 static bool model_is_used(const void *context, const struct model *model)
 {
     const struct session *session = context;
-    bool used = is_used(session, model, NULL);
+    bool used = definition_is_used(session, model, NULL);
     for (int i = 0; i < session->parts->count && !used; i++) {
         const struct session_part *part = &session->parts->item[i];
         used = part->module->part_uses && part->module->part_uses(part->state, model);

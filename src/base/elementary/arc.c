@@ -67,12 +67,12 @@ INLINE struct wide first_angle(double y, double x)
     const double j = (ratio * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
                  c = j / ATAN_CENTRES, upper = upper_part(x);
     const double t = ((y - c * upper) - c * (x - upper)) / (x + c * y);
-    const struct wide centre = centre_angle[(int)j], most = ordered_sum(centre.high, t);
-    return (struct wide){most.high, most.low + (centre.low + angle_rest(t))};
+    const struct wide centre = centre_angle[(int)j], leading = ordered_sum(centre.high, t);
+    return (struct wide){leading.high, leading.low + (centre.low + angle_rest(t))};
 }
 
 /* Returns the angle from 0 to pi of a point with y >= 0, both coordinates of normal size. */
-static double angle(double y, double x)
+static double point_angle(double y, double x)
 {
     const double x_size = fabs(x);
     const bool steep = y > x_size;
@@ -103,8 +103,8 @@ double fixed_atan(double x)
     const double t =
         is_inverted ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
     const struct wide centre = centre_angle[(int)(c * ATAN_CENTRES)],
-                      most = ordered_sum(centre.high, t),
-                      found = {most.high, most.low + (centre.low + angle_rest(t))};
+                      leading = ordered_sum(centre.high, t),
+                      found = {leading.high, leading.low + (centre.low + angle_rest(t))};
     return copysign(is_inverted ? wide_less(half_pi, found) : found.high + found.low, x);
 }
 
@@ -128,7 +128,7 @@ double fixed_atan2(double y, double x)
         x_size *= scale;
         y_size *= scale;
     }
-    return copysign(angle(y_size, x < 0 ? -x_size : x_size), y);
+    return copysign(point_angle(y_size, x < 0 ? -x_size : x_size), y);
 }
 
 /* Returns asin x - x for |x| <= 1/2, by a polynomial (Remez exchange in 400 bits), with an error of
@@ -180,7 +180,7 @@ double fixed_acos(double x)
 
 /* Returns sqrt(a^2 + b^2) for a >= b whose squares are normal, corrected by the rounding errors of
  * squares and root. */
-static double length(double a, double b)
+static double hypotenuse(double a, double b)
 {
     const struct wide aa = wide_product(a, a), bb = wide_product(b, b),
                       sum = ordered_sum(aa.high, bb.high);
@@ -194,7 +194,7 @@ double fixed_hypot(double x, double y)
 {
     const double p = fabs(x), q = fabs(y), a = p < q ? q : p, b = p < q ? p : q;
     if (a < 0x1p500 && b > 0x1p-400)
-        return length(a, b);
+        return hypotenuse(a, b);
     if (p == HUGE_VAL || q == HUGE_VAL)
         return HUGE_VAL;
     if (x != x || y != y)
@@ -202,7 +202,7 @@ double fixed_hypot(double x, double y)
     if (b <= a * 0x1p-60)
         return a + b;
     const double scale = a > 0x1p450 ? 0x1p-600 : 0x1p600;
-    return length(a * scale, b * scale) / scale;
+    return hypotenuse(a * scale, b * scale) / scale;
 }
 
 /* Writes |x| as u 2^3k with 1 <= u < 8 and estimates u^(-1/3) by a polynomial (Remez exchange, to

@@ -92,7 +92,7 @@ void complete_next(struct completion *c, const struct command *command, struct t
 
 /* Returns true if an expression continues at the cursor: after an operator, or after the comparison
  * of `until`. */
-static bool goes_on(const struct command *command, struct text preceding)
+static bool expression_continues(const struct command *command, struct text preceding)
 {
     const struct text t = text_trim(preceding);
     const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 &&
@@ -138,7 +138,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
             return;
         }
     }
-    if (goes_on(command, preceding)) {
+    if (expression_continues(command, preceding)) {
         complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
         return;
     }

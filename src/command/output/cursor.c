@@ -194,8 +194,8 @@ static bool draw_plane(const struct session *session, struct arena *arena, struc
 
 /* Shows, moves or hides the point on a portrait. Without arguments (any is false) it appears, first
  * at the state of the run, or disappears. */
-static bool point(struct session *session, const struct arguments *args, bool any,
-                  struct reply *reply, struct error *error)
+static bool cursor_point(struct session *session, const struct arguments *args, bool any,
+                         struct reply *reply, struct error *error)
 {
     struct plot_plane plane;
     struct cursors *c = &session->view.cursors, previous = *c;
@@ -228,8 +228,8 @@ static bool point(struct session *session, const struct arguments *args, bool an
 
 /* Puts cursor `which` to the time that the argument gives, if it is given. Returns false with the
  * error set if it is outside of the series. */
-static bool put_argument(struct cursors *c, const struct ground *ground, int which,
-                         const struct argument_value *argument, struct error *error)
+static bool cursor_put_argument(struct cursors *c, const struct ground *ground, int which,
+                                const struct argument_value *argument, struct error *error)
 {
     const struct series *s = &ground->series;
     const double t = argument->count ? argument->item->value.value : 0;
@@ -242,16 +242,16 @@ static bool put_argument(struct cursors *c, const struct ground *ground, int whi
 }
 
 /* Applies all arguments of the command to the cursors. Returns false with the error set. */
-static bool apply(struct session *session, const struct arguments *args, struct ground *ground,
-                  struct reply *reply, struct error *error)
+static bool cursor_apply(struct session *session, const struct arguments *args,
+                         struct ground *ground, struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
     const struct argument_value *periods = argument_value(args, "periods");
     for (int i = 0; i < 2 && has_argument(args, "snap"); i++)
         cursor_put(c, ground, i, c->cursor[i].t, HUGE_VAL);
-    if (!put_argument(c, ground, 0, argument_value(args, "A"), error) ||
-        !put_argument(c, ground, 1, argument_value(args, "B"), error) ||
-        !put_argument(c, ground, c->active, argument_value(args, "go"), error))
+    if (!cursor_put_argument(c, ground, 0, argument_value(args, "A"), error) ||
+        !cursor_put_argument(c, ground, 1, argument_value(args, "B"), error) ||
+        !cursor_put_argument(c, ground, c->active, argument_value(args, "go"), error))
         return false;
     if (periods->count && !cursor_span(c, ground, periods->item->value.value, error)) {
         error->where = periods->item->text;
@@ -311,7 +311,8 @@ HANDLER(cursor)
     session->live.pausing = session->live.state == LIVE_RUNNING;
     const bool timed = any && !has_argument(args, "WHAT");
     if (!timed && plot_row(view_focus(&session->view))->plane && (c->plane || !c->shown))
-        return draw_plane(session, args->arena, error) && point(session, args, any, reply, error);
+        return draw_plane(session, args->arena, error) &&
+               cursor_point(session, args, any, reply, error);
     c->plane = false;
     const bool turns_off =
         has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF;
@@ -327,7 +328,7 @@ HANDLER(cursor)
     c->shown = opened;
     if (opened && (!c->cursor[0].set || !c->cursor[1].set))
         cursor_spread(c, &ground);
-    if (!opened || !apply(session, args, &ground, reply, error)) {
+    if (!opened || !cursor_apply(session, args, &ground, reply, error)) {
         *c = previous;
         return false;
     }

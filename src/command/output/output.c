@@ -101,8 +101,8 @@ static bool reply_rows(struct reply *reply, const struct table *table, struct er
 
 /* Writes the text in pieces, since a slow terminal takes long, so that Ctrl-C can end it. Returns
  * false with the error set if it was cancelled. */
-static bool say_in_pieces(const struct session *session, struct text text, struct reply *reply,
-                          struct error *error)
+static bool reply_in_pieces(const struct session *session, struct text text, struct reply *reply,
+                            struct error *error)
 {
     while (text.len > SHOWN_CHUNK_BYTES) {
         const char *end = memchr(text.data + SHOWN_CHUNK_BYTES, '\n', text.len - SHOWN_CHUNK_BYTES);
@@ -231,7 +231,7 @@ HANDLER(export)
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
         if (ok)
-            ok = say_in_pieces(session, buffer_text(&text), reply, error);
+            ok = reply_in_pieces(session, buffer_text(&text), reply, error);
         buffer_free(&text);
         return ok;
     }

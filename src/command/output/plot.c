@@ -223,9 +223,9 @@ static void reply_numbers(const struct session *session, const struct figure_req
 
 /* Writes the figure to a file, as text or by the module that draws pictures. Returns false with the
  * error set. */
-static bool into_file(const struct session *session, const struct arguments *args,
-                      const struct figure_request *request, const struct figure_file *file,
-                      struct figure *figure, struct reply *reply, struct error *error)
+static bool write_figure(const struct session *session, const struct arguments *args,
+                         const struct figure_request *request, const struct figure_file *file,
+                         struct figure *figure, struct reply *reply, struct error *error)
 {
     const struct argument_value *size = added_argument(args, "size");
     double page[2] = {0, 0};
@@ -286,9 +286,9 @@ static int move_legend(struct figure *figure, int width, struct arena *arena, st
 
 /* Prints the figure as text of that size, with colour if wanted, and the legend below. Returns
  * false with the error set. */
-static bool as_text(const struct session *session, const struct figure_request *request,
-                    struct figure *figure, int width, int height, struct arena *arena,
-                    struct reply *reply, struct error *error)
+static bool print_figure(const struct session *session, const struct figure_request *request,
+                         struct figure *figure, int width, int height, struct arena *arena,
+                         struct reply *reply, struct error *error)
 {
     const struct front *front = &session->front;
     const enum color_choice choice = (enum color_choice)session->setup.settings.color;
@@ -336,12 +336,13 @@ HANDLER(plot)
         !choose_words(args, &figure, error))
         return false;
     if (file->count)
-        return into_file(session, args, &request, &chosen, &figure, reply, error);
+        return write_figure(session, args, &request, &chosen, &figure, reply, error);
     if ((pixels || request.charset->words) &&
         !label_curves(session, &request, args->arena, &figure, error))
         return false;
-    if (pixels ? !session->front.pixels(&session->front, &figure, width, height, error)
-               : !as_text(session, &request, &figure, width, height, args->arena, reply, error))
+    if (pixels
+            ? !session->front.pixels(&session->front, &figure, width, height, error)
+            : !print_figure(session, &request, &figure, width, height, args->arena, reply, error))
         return false;
     reply_numbers(session, &request, &figure, reply);
     if (in_log)

@@ -15,14 +15,14 @@
 #define ZOOM_MAX 1e6 /* the whole span divided by the shortest range of time */
 
 /* Counts a change of the session. Returns true. */
-static bool changed(struct session *session)
+static bool note_change(struct session *session)
 {
     session_changed(session);
     return true;
 }
 
 /* Makes both axes automatic. */
-static void free_ranges(struct view *view)
+static void clear_ranges(struct view *view)
 {
     view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
 }
@@ -65,7 +65,7 @@ HANDLER(layout)
     if (name->count || has_argument(args, "next"))
         view->full = false;
     describe_layout(session, reply_buffer(reply));
-    return changed(session);
+    return note_change(session);
 }
 
 /* Chooses the pane that commands act on, if it has something to show; full shows it alone. */
@@ -93,12 +93,12 @@ HANDLER(focus)
     }
     /* ranges belong to the pane that was in focus */
     if (wanted != view_focus(view))
-        free_ranges(view);
+        clear_ranges(view);
     view_focus_on(view, wanted);
     if (has_argument(args, "full") || has_argument(args, "shared"))
         view->full = has_argument(args, "full");
     reply_line(reply, "focus %s%s: %s", row->name, view->full ? " full" : "", row->brief);
-    return changed(session);
+    return note_change(session);
 }
 
 /* ---- ranges ---- */
@@ -143,7 +143,7 @@ HANDLER(range)
         memcpy(range, item.range, sizeof item.range);
     }
     reply_range(session, x, reply);
-    return changed(session);
+    return note_change(session);
 }
 
 /* Sets span to the times [s] of the current run and recording together. Returns false if there is
@@ -190,7 +190,7 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
         return error_hint(error, "type: run, or: load FILE");
     }
     if (plot_quantity(session, view_focus(&session->view), true) != QUANTITY_TIME) {
-        free_ranges(view);
+        clear_ranges(view);
         view_focus_on(view, PLOT_POSITION);
     }
     if (on_screen(session, shown))
@@ -237,7 +237,7 @@ HANDLER(zoom)
     const double centre = at_cursor ? t : 0.5 * (shown[0] + shown[1]);
     set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);
-    return changed(session);
+    return note_change(session);
 }
 
 /* Moves the time range. */
@@ -249,7 +249,7 @@ HANDLER(pan)
         return false;
     set_span(session, shown[0] + shift, shown[1] - shown[0], whole);
     reply_range(session, true, reply);
-    return changed(session);
+    return note_change(session);
 }
 
 /* Sets or shows the length of time that plots show. */
@@ -265,7 +265,7 @@ HANDLER(window)
         buffer_measured(text, (struct measured){session->view.window, 0}, QUANTITY_TIME, 6);
     else
         buffer_put(text, TEXT("auto"));
-    return changed(session);
+    return note_change(session);
 }
 
 /* Chooses other runs that are drawn over the current one. */
@@ -296,7 +296,7 @@ HANDLER(overlay)
         buffer_format(text, "%s %d", i ? "" : " run", view->overlay[i]);
     if (view->overlays == 0)
         buffer_put(text, TEXT(" off"));
-    return changed(session);
+    return note_change(session);
 }
 
 /* Sets or shows the length of the phase plot's trail. */
@@ -312,7 +312,7 @@ HANDLER(trail)
         buffer_put(text, TEXT("all"));
     else
         buffer_format(text, "%s periods", SHOWN_SHORT(session->view.trail, 6));
-    return changed(session);
+    return note_change(session);
 }
 
 /* ---- screenshot ---- */

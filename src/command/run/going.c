@@ -64,8 +64,8 @@ struct step_pace {
 
 /* Compiles the events of the run, with names of the run's own scene, into the target. Returns false
  * with the error set. */
-static bool watch(struct session *session, const struct arguments *args, struct advance *advance,
-                  struct error *error)
+static bool advance_watch(struct session *session, const struct arguments *args,
+                          struct advance *advance, struct error *error)
 {
     struct in_force *force = arena_alloc(args->arena, sizeof *force);
     struct names *names = arena_alloc(args->arena, sizeof *names);
@@ -83,8 +83,8 @@ static bool watch(struct session *session, const struct arguments *args, struct 
 
 /* Fills in *advance: the target of the last request, at most `steps` steps of it (none if < 0), its
  * condition and its events. Returns false with the error set. */
-static bool set_out(struct session *session, const struct arguments *args, int64_t steps,
-                    struct advance *advance, struct error *error)
+static bool advance_begin(struct session *session, const struct arguments *args, int64_t steps,
+                          struct advance *advance, struct error *error)
 {
     struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct request *request = journal_pending(slot);
@@ -111,7 +111,7 @@ static bool set_out(struct session *session, const struct arguments *args, int64
         }
         advance->target.condition = condition;
     }
-    return !slot->events || watch(session, args, advance, error);
+    return !slot->events || advance_watch(session, args, advance, error);
 }
 
 /*
@@ -134,8 +134,8 @@ static double time_left(const struct run *run, const struct run_target *target, 
 }
 
 /* Returns false if the rest of the run would take too long and the user does not allow it. */
-static bool goes_on(struct session *session, const struct run *run, struct advance *advance,
-                    int64_t first, struct step_pace *pace)
+static bool may_continue(struct session *session, const struct run *run, struct advance *advance,
+                         int64_t first, struct step_pace *pace)
 {
     struct error ignored = {0};
     const double steps = (double)pace->steps, t = pace->t;
@@ -164,7 +164,7 @@ static void run_to_target(struct session *session, struct run *run, struct advan
     const int64_t first = run->steps;
     while (run_advance(run, &rest, SLICE_NS, front->cancel)) {
         rest.steps = target->steps < 0 ? -1 : target->steps - (run->steps - first);
-        if (!goes_on(session, run, advance, first, &pace)) {
+        if (!may_continue(session, run, advance, first, &pace)) {
             run->stop = STOP_GIVEN_UP;
             break;
         }
@@ -178,7 +178,8 @@ static void run_to_target(struct session *session, struct run *run, struct advan
 }
 
 /* Does the same as run_to_target(), and marks the session as advancing meanwhile. */
-static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
+static void advance_run(struct session *session, struct run *run, struct advance *advance,
+                        bool clocked)
 {
     session->live.advancing = true;
     run_to_target(session, run, advance, clocked);
@@ -217,8 +218,8 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
 
 /* Replies with the result of the run, its error estimate and warnings. Returns false with the error
  * set if the run did not reach its target. */
-static bool arrive(struct session *session, const struct advance *advance,
-                   const struct event_pass *pass, struct reply *reply, struct error *error)
+static bool advance_finish(struct session *session, const struct advance *advance,
+                           const struct event_pass *pass, struct reply *reply, struct error *error)
 {
     struct run *run = advance->slot->run;
     run_diagnose(run);
@@ -292,7 +293,7 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
     struct event_pass pass = {.count = 0};
     struct error why = {0};
     bool ok = true;
-    if (!set_out(session, args, steps, &advance, error))
+    if (!advance_begin(session, args, steps, &advance, error))
         return false;
     advance.force = advance.target.steps >= 0 || has_argument(args, "force");
     struct run *run = advance.slot->run;
@@ -301,14 +302,14 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
         reply_running(session, reply);
     do {
         advance.target.steps = last < 0 ? -1 : last - run->steps;
-        travel(session, run, &advance, clocked);
+        advance_run(session, run, &advance, clocked);
     } while (events_pass(session, &advance.target, &pass, args, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != advance.request.t && steps >= 0 &&
                        run->steps < advance.request.end;
     /* the condition was not to be reached in these steps */
     if (early)
         advance.target.condition = NULL;
-    const bool arrived = arrive(session, &advance, &pass, reply, error);
+    const bool arrived = advance_finish(session, &advance, &pass, reply, error);
     if (early && !stop_is_failure(run->stop))
         run->stop = STOP_CANCELLED;
     for (int i = 0; i < pass.count && arrived && ok; i++)

@@ -80,8 +80,8 @@ static bool is_exact_available(const struct run *run)
 /* Reports the time from which no digit is certain: because the second solution differs, or because
  * variables came to rest within their tolerance. Returns true if `set opinion warn` makes this a
  * warning, else false with the error set. */
-static bool say_lost(const struct session *session, const struct run *run, struct reply *reply,
-                     struct error *error)
+static bool reply_lost(const struct session *session, const struct run *run, struct reply *reply,
+                       struct error *error)
 {
     const struct opinion *opinion = &run->opinion;
     const double sunk = run_opinion_sunk(run);
@@ -114,7 +114,7 @@ static bool say_lost(const struct session *session, const struct run *run, struc
 
 /* Warns of an error far above the tolerance; not if all variables are below their tolerances, which
  * another line reports and a smaller tol would not help. */
-static void say_large(const struct run *run, double times, struct reply *reply)
+static void reply_large(const struct run *run, double times, struct reply *reply)
 {
     double error_floor[LIMIT_VARIABLES];
     if (run_below_tolerance(run, error_floor) < run->system.n)
@@ -134,7 +134,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     const bool asked = !reply->quiet && session->setup.settings.opinion != OPINIONS_OFF &&
                        run->plan.adaptive && run->steps > 0 && !stop_is_failure(run->stop);
     if (!isnan(run_opinion_sunk(run)))
-        return say_lost(session, run, reply, error);
+        return reply_lost(session, run, reply, error);
     if (asked && isnan(opinion->t))
         reply_line(reply, "error not known: the second solution used up its allowed work at once");
     if (!run_opinion_known(run))
@@ -149,9 +149,9 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     put_witness(run, text);
     bool ok = true;
     if (!isnan(opinion->lost))
-        ok = say_lost(session, run, reply, error);
+        ok = reply_lost(session, run, reply, error);
     else if (times > OPINION_WRONG && !run->warned_error)
-        say_large(run, times, reply);
+        reply_large(run, times, reply);
     run->warned_error |= times > OPINION_WRONG;
     return ok;
 }

@@ -62,7 +62,7 @@ static bool new_request(struct session *session, double t, int64_t end,
 }
 
 /* Returns the value of --steps, or -1. */
-static int64_t steps_of(const struct arguments *args)
+static int64_t steps_option(const struct arguments *args)
 {
     const struct argument_value *steps = argument_value(args, "steps");
     return steps->count ? (int64_t)steps->item->value.value : -1;
@@ -94,7 +94,8 @@ HANDLER(run)
         return error_at(error, number->item->text,
                         "the number of the next run must be %d or larger",
                         session->runs.next_number);
-    struct run *run = new_run(session, span, steps_of(args), has_argument(args, "force"), error);
+    struct run *run =
+        new_run(session, span, steps_option(args), has_argument(args, "force"), error);
     if (!run)
         return false;
     if (number->count) {
@@ -106,13 +107,13 @@ HANDLER(run)
     reply_coarse(session, run, reply);
     reply_tiny(run, reply);
     return new_request(session, t, INT64_MAX, condition, error) &&
-           run_go_on(session, args, steps_of(args), true, reply, error);
+           run_go_on(session, args, steps_option(args), true, reply, error);
 }
 
 /* ---- the current run ---- */
 
 /* Returns the current run, or NULL with the error set. */
-static struct run *current(const struct session *session, struct error *error)
+static struct run *current_run(const struct session *session, struct error *error)
 {
     struct run *run = session_run(session);
     if (!run) {
@@ -123,7 +124,7 @@ static struct run *current(const struct session *session, struct error *error)
 }
 
 /* Returns true unless the run has failed or is full; then sets an error. */
-static bool can_go_on(const struct run *run, struct error *error)
+static bool can_continue(const struct run *run, struct error *error)
 {
     if (run->stop == STOP_STALLED || !(stop_is_failure(run->stop) || run->stop == STOP_FULL))
         return true;
@@ -170,7 +171,7 @@ static bool is_paused(const struct session *session, const struct run *run)
 }
 
 /* Makes the rest of the last request the present one. Returns false with the error set. */
-static bool resume(struct session *session, const struct run *run, struct error *error)
+static bool resume_request(struct session *session, const struct run *run, struct error *error)
 {
     return stop_is_pause(run->stop) ||
            journal_go_on(session->runs.slot[session->runs.current], false, error);
@@ -185,11 +186,11 @@ HANDLER(continue)
                                 *condition = argument_value(args, "until");
     const bool limited = duration->count || end_argument->count || condition->count;
     const struct module *waiting = module_waiting(session);
-    if (waiting && !limited && steps_of(args) < 0)
+    if (waiting && !limited && steps_option(args) < 0)
         return waiting->stopped.go_on(session, args, reply, error);
-    struct run *run = current(session, error);
+    struct run *run = current_run(session, error);
     struct plan plan;
-    if (!run || !can_go_on(run, error))
+    if (!run || !can_continue(run, error))
         return false;
     double span = direction(run) * (duration->count ? duration->item->value.value
                                                     : session->setup.settings.duration);
@@ -207,8 +208,8 @@ HANDLER(continue)
     if (!plan_make(&run->system, run->method, &run->settings,
                    open ? copysign(HUGE_VAL, span) : span, &plan, error))
         return false;
-    if (steps_of(args) >= 0 && plan.steps > (double)steps_of(args))
-        plan.seconds *= (double)steps_of(args) / plan.steps;
+    if (steps_option(args) >= 0 && plan.steps > (double)steps_option(args))
+        plan.seconds *= (double)steps_option(args) / plan.steps;
     if (!allow_long(session, plan.seconds, plan.steps, has_argument(args, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
@@ -217,9 +218,9 @@ HANDLER(continue)
         !new_request(session, end_argument->count ? end_argument->item->value.value : run->t + span,
                      INT64_MAX, condition, error))
         return false;
-    if (paused && !resume(session, run, error))
+    if (paused && !resume_request(session, run, error))
         return false;
-    return run_go_on(session, args, steps_of(args), true, reply, error);
+    return run_go_on(session, args, steps_option(args), true, reply, error);
 }
 
 /* Advances the current run, or a new one, by N steps. */
@@ -232,12 +233,13 @@ HANDLER(step)
         return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
     if (!run)
         reply_unchosen(session, reply);
-    if (run ? !can_go_on(run, error)
+    if (run ? !can_continue(run, error)
             : !(run =
                     new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
     if (is_paused(session, run))
-        return resume(session, run, error) && run_go_on(session, args, steps, false, reply, error);
+        return resume_request(session, run, error) &&
+               run_go_on(session, args, steps, false, reply, error);
     return new_request(session, direction(run) * T_UNREACHABLE, run->steps + steps, &none, error) &&
            run_go_on(session, args, -1, false, reply, error);
 }
@@ -266,7 +268,7 @@ static bool go_back(struct session *session, struct run *run, int64_t rows, stru
 HANDLER(back)
 {
     const struct argument_value *count = argument_value(args, "N");
-    struct run *run = current(session, error);
+    struct run *run = current_run(session, error);
     if (!run)
         return false;
     if (run->steps == 0)
@@ -279,7 +281,7 @@ HANDLER(back)
 HANDLER(reset)
 {
     UNUSED(args);
-    struct run *run = current(session, error);
+    struct run *run = current_run(session, error);
     if (!run)
         return false;
     if (run->steps > 0)

@@ -29,7 +29,8 @@ static double gravity_in(const struct recording *recording)
 
 /* Explains why a recording of the same time is not compared with the run, or in which unit it is
  * compared if it has none; and that it contains gravity. */
-static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
+static void reply_not_compared(const struct session *session, const struct run *run,
+                               struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
     const struct variable first = system_variable(&run->system, 0);
@@ -63,8 +64,8 @@ static void say_apart(const struct session *session, const struct run *run, stru
 }
 
 /* Explains how a recording of a quantity that is no motion is scaled to the run. */
-static void say_scale(const struct session *session, const struct run *run,
-                      const struct data_distance *data, struct reply *reply)
+static void reply_scale(const struct session *session, const struct run *run,
+                        const struct data_distance *data, struct reply *reply)
 {
     if (!data->scaled || !isfinite(data->rms))
         return;
@@ -81,8 +82,8 @@ static void say_scale(const struct session *session, const struct run *run,
 
 /* Replies that most of the rms is a constant distance between recording and run, and what removes
  * it. */
-static void say_offset(const struct session *session, const struct data_distance *data,
-                       struct reply *reply)
+static void reply_offset(const struct session *session, const struct data_distance *data,
+                         struct reply *reply)
 {
     if (!isfinite(data->rms) || !isfinite(data->offset))
         return;
@@ -154,9 +155,9 @@ void reply_run(const struct session *session, const struct run *run, struct repl
             buffer_format(text, " (%zu bad sample%s left out)", data->bad,
                           plural_s((int64_t)data->bad));
     }
-    say_scale(session, run, data, reply);
-    say_offset(session, data, reply);
-    say_apart(session, run, reply);
+    reply_scale(session, run, data, reply);
+    reply_offset(session, data, reply);
+    reply_not_compared(session, run, reply);
     if (reply_wants_records(reply))
         reply_run_record(&record, reply);
 }

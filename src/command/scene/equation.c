@@ -24,7 +24,7 @@ static bool skip_equals(struct text *rest, const char *usage, struct error *erro
 /* ---- lines of a scene ---- */
 
 /* Returns true unless the name would hide a setting; then sets an error. */
-static bool free_name(struct text name, struct error *error)
+static bool name_is_free(struct text name, struct error *error)
 {
     if (!catalog_find(&setting_catalog, name))
         return true;
@@ -35,8 +35,8 @@ static bool free_name(struct text name, struct error *error)
 
 /* Returns true if the scene can have a typed parameter of that name. The start-up scene, if nobody
  * has changed it, gives up its parameters; other scenes keep theirs, which sets an error. */
-static bool makes_room(const struct session *session, struct text name, struct text value,
-                       struct error *error)
+static bool name_makes_room(const struct session *session, struct text name, struct text value,
+                            struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     struct scene fresh;
@@ -80,8 +80,8 @@ static bool use_model(struct session *session, const struct model *model, bool b
 
 /* Returns true unless the line is a potential that is not that of the forces; then sets an error.
  * If the scene is not complete yet, that is tested later. */
-static bool suits(const struct scene *scene, const struct model *model,
-                  const struct typed_line *line, struct error *error)
+static bool potential_fits(const struct scene *scene, const struct model *model,
+                           const struct typed_line *line, struct error *error)
 {
     struct scene candidate = *scene;
     struct system system;
@@ -103,7 +103,7 @@ static bool add_line(struct session *session, const struct typed_line *line, dou
     const struct model *previous = session->setup.scene.model, *model;
     struct buffer text = {0};
     if (!(model = typed_add(session->definitions.models, previous, line, error)) ||
-        !suits(&session->setup.scene, model, line, error) ||
+        !potential_fits(&session->setup.scene, model, line, error) ||
         !use_model(session, model, !typed_base(model) && typed_base(previous), reply, error))
         return false;
     typed_describe(line, &text);
@@ -183,14 +183,14 @@ static bool add_value(struct session *session, const struct arguments *args, enu
     }
     if (text_is(rest, "off"))
         return remove_line(session, args, kind, line.name, NULL, reply, error);
-    if (!free_name(line.name, error) || !skip_equals(&rest, usage, error))
+    if (!name_is_free(line.name, error) || !skip_equals(&rest, usage, error))
         return false;
     struct parser parser = {session, args->scope, args->arena, rest};
     if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value",
                      QUANTITY_OTHER, &item, error) ||
         !refuse_rest(&parser, &item, error))
         return false;
-    if (kind == TYPED_PARAM && !makes_room(session, line.name, item.text, error))
+    if (kind == TYPED_PARAM && !name_makes_room(session, line.name, item.text, error))
         return false;
     line.value = item.value.value;
     line.quantity = item.quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : item.quantity;
@@ -258,7 +258,7 @@ HANDLER(equation)
 }
 
 /* Returns NAME of NAME = EXPR and moves *rest behind the '='; an empty text for EXPR alone. */
-static struct text read_left(struct text *rest)
+static struct text read_left_side(struct text *rest)
 {
     const struct text name = peek_name(*rest), right = text_behind(*rest, name.len);
     if (name.len == 0 || right.len == 0 || right.data[0] != '=')
@@ -281,7 +281,7 @@ HANDLER(force)
         return error_hint(error,
                           "'force x = EXPR' adds to x''; to define x'' type only x'' = EXPR");
     }
-    const struct text name = read_left(&rest);
+    const struct text name = read_left_side(&rest);
     const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};
     if (peek_name(rest).len > 0 &&
         text_is(text_behind(rest, peek_name(rest).len), "off")) /* force x off */
@@ -309,7 +309,7 @@ HANDLER(observe)
     struct text rest = argument_value(args, "= EXPR")->item->text;
     if (text_is(rest, "off"))
         return remove_line(session, args, TYPED_OBSERVE, line.name, NULL, reply, error);
-    if (!free_name(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
+    if (!name_is_free(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
         return false;
     line.expr = rest;
     return add_line(session, &line, 0, reply, error);

@@ -21,7 +21,7 @@ static void list_atol(const struct session *session, struct reply *reply)
 }
 
 /* Sets the error that name is not a variable of the scene. Returns false. */
-static bool no_variable(const struct model *model, struct text name, struct error *error)
+static bool unknown_variable(const struct model *model, struct text name, struct error *error)
 {
     struct buffer names = {0};
     for (int i = 0; i < model->n; i++)
@@ -85,7 +85,7 @@ HANDLER(atol)
     wanted.len += rest.len > 0 && rest.data == wanted.data + wanted.len && rest.data[0] == '\'';
     const int i = model_variable(scene->model, wanted);
     struct parser parser = value_parser(session, args);
-    return i < 0 ? no_variable(scene->model, wanted, error)
+    return i < 0 ? unknown_variable(scene->model, wanted, error)
                  : set_atol(session, i, &parser, reply, error);
 }
 #endif

@@ -438,7 +438,7 @@ HANDLER(help)
 /* ---- apropos ---- */
 
 /* Returns true if each of the words occurs in the row's name, description, source or text. */
-static bool speaks_of(const struct catalog *catalog, const struct row *row, struct text words)
+static bool row_mentions(const struct catalog *catalog, const struct row *row, struct text words)
 {
     const char *text;
     if (catalog == &command_catalog)
@@ -461,12 +461,12 @@ static bool speaks_of(const struct catalog *catalog, const struct row *row, stru
 }
 
 /* Lists the rows of a catalog that speak of the words. Returns how many. */
-static int search(const struct catalog *catalog, struct text words, struct reply *reply)
+static int catalog_search(const struct catalog *catalog, struct text words, struct reply *reply)
 {
     int found = 0;
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
-        if (speaks_of(catalog, row, words)) {
+        if (row_mentions(catalog, row, words)) {
             reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);
             found++;
         }
@@ -480,9 +480,10 @@ HANDLER(apropos)
     const struct text word = argument_value(args, "WORD")->item->text;
     int found = 0;
     for (int i = 0; help_catalog(i); i++)
-        found += search(help_catalog(i), word, reply);
+        found += catalog_search(help_catalog(i), word, reply);
     for (const struct model *const *model = scene_models; *model; model++)
-        found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
+        found += catalog_search((*model)->params, word, reply) +
+                 catalog_search((*model)->derived, word, reply);
     return found > 0 || error_at(error, word, "nothing was found for '%.*s'",
                                  (int)(word.len < 64 ? word.len : 64), word.data);
 }

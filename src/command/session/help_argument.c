@@ -34,7 +34,7 @@ static void put_name(const struct argument *argument, struct buffer *text)
 }
 
 /* Returns true if the sentence contains the name as a whole word. */
-static bool stands_in(struct text sentence, struct text name)
+static bool sentence_has_name(struct text sentence, struct text name)
 {
     for (size_t i = 0; i + name.len <= sentence.len; i++) {
         const size_t end = i + name.len;
@@ -61,7 +61,7 @@ static bool put_sentences(struct text text, struct text name, struct buffer *out
         text = text_after(text, len);
         while (sentence.len > 0 && strchr(" \n", sentence.data[0]))
             sentence = text_after(sentence, 1);
-        if (!stands_in(sentence, name))
+        if (!sentence_has_name(sentence, name))
             continue;
         buffer_put(output, text_of(separator));
         for (size_t i = 0; i < sentence.len; i++)
@@ -95,7 +95,7 @@ static void put_argument(const struct command *command, const struct argument *a
                       catalog_row(choices, i)->brief);
     struct text rest = text_of(command->examples), line;
     for (const char *head = "\nexamples:"; text_split(&rest, '\n', &line);)
-        if (name.len > 0 && stands_in(line, buffer_text(&name))) {
+        if (name.len > 0 && sentence_has_name(line, buffer_text(&name))) {
             buffer_format(text, "%s\n  %.*s", head, (int)line.len, line.data);
             head = "";
         }

@@ -51,7 +51,7 @@ HANDLER(record)
 }
 
 /* Returns true if `rest` contains `wanted`; an empty text is contained in every one. */
-static bool contains(struct text rest, struct text wanted)
+static bool text_contains(struct text rest, struct text wanted)
 {
     for (; rest.len >= wanted.len; rest = text_after(rest, 1)) {
         if (text_starts(rest, wanted))
@@ -81,7 +81,7 @@ HANDLER(history)
         if (!history_is_typed(session, entry))
             continue;
         number++;
-        if (search ? !contains(line, text_after(word, 1)) : number <= log->lines - max)
+        if (search ? !text_contains(line, text_after(word, 1)) : number <= log->lines - max)
             continue;
         struct buffer text = {0};
         buffer_format(&text, "%5d  ", number);

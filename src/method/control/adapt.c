@@ -53,8 +53,8 @@ static double first_step(struct step *step, double tol, int order, double span)
 }
 
 /* Restores state, low parts and time after a rejected attempt, and counts it. */
-INLINE void take_back(int n, struct step *step, struct controller *controller, double t,
-                      const double *y, const double *low)
+INLINE void restore_attempt(int n, struct step *step, struct controller *controller, double t,
+                            const double *y, const double *low)
 {
     doubles_copy(n, y, step->y);
     if (step->low)
@@ -80,10 +80,10 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
                                    struct controller *controller, double t_end,
                                    struct switches_state *switches)
 {
-    const double tol = tolerance(controller), t = step->t, span = t_end - t;
+    const double tol = controller_tolerance(controller), t = step->t, span = t_end - t;
     const double max = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
-    const double accepted = 1 / (n * max * max), aims = by_aim(method);
+    const double accepted = 1 / (n * max * max), aims = aim_factor(method);
     /* restored on failure, so that another call begins where this one did */
     const double planned = controller->h;
     const bool rejected = controller->rejected;
@@ -91,7 +91,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     if (switches)
         state = *switches;
     double previous[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, own_error[LIMIT_VARIABLES],
-                                      *asked = step->error;
+                                      *wanted_error = step->error;
     doubles_copy(n, step->y, previous);
     if (step->low)
         doubles_copy(n, step->low, low);
@@ -101,7 +101,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         step->h = controller->h;
         if (unlikely(last)) /* as a branch, since the first stage does not wait for branches */
             step->h = span;
-        step->error = asked ? asked : own_error;
+        step->error = wanted_error ? wanted_error : own_error;
         step->again = attempt > 0;
         step->tol = max;
         step->square = -1;
@@ -121,14 +121,14 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         if (turned)
             square = status == STEP_OK ? error_square(n, step, previous) * accepted : NAN;
         const double aimed = square * aims;
-        step->error = asked;
+        step->error = wanted_error;
         step->tol = 0;
 
         if (square <= 1) {
             /* a step that was cut short does not shorten the step that was planned */
             plan_next(method, controller, step->h, aimed, last || turned);
             step->t = last ? t_end : advance_clock(controller, t, step->h);
-            step->t = not_beyond(step->t, span, t_end);
+            step->t = limit_to_end(step->t, span, t_end);
             if (step->t == t_end)
                 controller->t_low = 0;
             controller->rejected = false;
@@ -138,7 +138,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
             return STEP_OK;
         }
 
-        take_back(n, step, controller, t, previous, low);
+        restore_attempt(n, step, controller, t, previous, low);
         if (!isfinite(square) && status == STEP_OK)
             status = STEP_NONFINITE;
         failures += !isfinite(aimed);
@@ -180,7 +180,7 @@ static enum step_status adapt_library(const struct method *method, struct step *
         return status;
     }
     if (ended >= 0)
-        step->t = not_beyond(t + step->h, t_end - t, t_end);
+        step->t = limit_to_end(t + step->h, t_end - t, t_end);
     step->cost.turns += ended >= 0;
     switch_next(step, &controller->switches, ended);
     return STEP_OK;
@@ -222,7 +222,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
 INLINE enum step_status adapt_plain(int n, const struct method *method, struct step *step,
                                     struct controller *controller, double t_end)
 {
-    follow(n, step->system, step->t, step->y, controller);
+    update_sizes(n, step->system, step->t, step->y, controller);
     step->scale = controller->scale;
     controller_orient(controller, t_end - step->t);
     const enum step_status status = adapt_size(n, method, step, controller, t_end, NULL);
@@ -247,14 +247,14 @@ static enum step_status adapt_any(const struct method *method, struct step *step
                                   struct controller *controller, double t_end)
 {
     const double span = t_end - step->t;
-    follow(step->system->n, step->system, step->t, step->y, controller);
+    update_sizes(step->system->n, step->system, step->t, step->y, controller);
     step->scale = controller->scale;
     enum step_status status;
     if (method->adapt && step->system->switches == 0) {
         status = method->adapt(method, step, controller, t_end);
     } else {
         if (controller->h == 0)
-            controller->h = first_step(step, tolerance(controller), method->order, span);
+            controller->h = first_step(step, controller_tolerance(controller), method->order, span);
         controller_orient(controller, span);
         status = step->system->switches > 0
                      ? adapt_between_switches(method, step, controller, t_end)

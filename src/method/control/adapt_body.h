@@ -58,7 +58,7 @@ static const struct filter {
 #define MIN_ULPS 4
 
 /* Returns the relative tolerance, which is at least 10 eps. */
-INLINE double tolerance(const struct controller *controller)
+INLINE double controller_tolerance(const struct controller *controller)
 {
     const double min = 10 * DBL_EPSILON;
     return controller->tol > min ? controller->tol : min;
@@ -66,8 +66,8 @@ INLINE double tolerance(const struct controller *controller)
 
 /* Updates the sizes of variables along the run (struct controller) by the state y at the start of a
  * step. */
-INLINE void follow(int n, const struct system *system, double t, const double *y,
-                   struct controller *controller)
+INLINE void update_sizes(int n, const struct system *system, double t, const double *y,
+                         struct controller *controller)
 {
     const double elapsed = controller->sampling ? fabs(t - controller->sampled) : 0;
     controller->sampling = true;
@@ -78,7 +78,8 @@ INLINE void follow(int n, const struct system *system, double t, const double *y
         const double min = system->scale[i], size = fabs(y[i]);
         double mean = 1;
         if (system->atol[i] > 0) {
-            controller->scale[i] = fmin(system->atol[i] / tolerance(controller), DBL_MAX);
+            controller->scale[i] =
+                fmin(system->atol[i] / controller_tolerance(controller), DBL_MAX);
             continue;
         }
         if (size > min)
@@ -118,7 +119,7 @@ INLINE void controller_orient(struct controller *controller, double span)
 
 /* Returns the factor from squared errors in units of the accepted error to those in units of the
  * aim. */
-INLINE double by_aim(const struct method *method)
+INLINE double aim_factor(const struct method *method)
 {
     return method->flags & METHOD_IMPLICIT ? 1 / (AIM_IMPLICIT * AIM_IMPLICIT)
                                            : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
@@ -126,8 +127,8 @@ INLINE double by_aim(const struct method *method)
 
 /* Returns log2 of rho (see the top of this file), from squares of the last two errors in units of
  * the aim; ratio is h_n/h_n-1. */
-INLINE double change(const struct filter *filter, int k, double square, double previous,
-                     double ratio)
+INLINE double step_change_log2(const struct filter *filter, int k, double square, double previous,
+                               double ratio)
 {
     const double half = -0.5 / k;
     const double history =
@@ -137,7 +138,7 @@ INLINE double change(const struct filter *filter, int k, double square, double p
 }
 
 /* Returns rho of a first step and after a rejection, by the last error alone. */
-__attribute__((noinline, unused)) static double change_elementary(int k, double square)
+__attribute__((noinline, unused)) static double elementary_step_change(int k, double square)
 {
     return factor_exp2(factor_log2(square) * (-0.5 / k));
 }
@@ -153,11 +154,11 @@ INLINE void plan_next(const struct method *method, struct controller *controller
     double rho = 1;
     square = square > MIN_ERROR * MIN_ERROR ? square : MIN_ERROR * MIN_ERROR;
     if (controller->previous == 0) {
-        rho = change_elementary(k, square);
+        rho = elementary_step_change(k, square);
         rho = rho < STEP_GROWTH_MAX ? rho : STEP_GROWTH_MAX;
     } else if (square < KEEP_MIN * KEEP_MIN || square > KEEP_MAX * KEEP_MAX ||
                ratio < STEADY_RATIO_MIN) {
-        rho = factor_limited(change(filter, k, square, controller->previous, ratio));
+        rho = factor_limited(step_change_log2(filter, k, square, controller->previous, ratio));
     }
     if (controller->rejected)
         rho = rho < 1 ? rho : 1;
@@ -178,7 +179,7 @@ INLINE double advance_clock(struct controller *controller, double t, double h)
 
 /* Returns t, or t_end if t is beyond it. A switch at the very end may be located beyond the end by
  * rounding, and the next step would go back across it. */
-INLINE double not_beyond(double t, double h, double t_end)
+INLINE double limit_to_end(double t, double h, double t_end)
 {
     return (h > 0 ? t > t_end : t < t_end) ? t_end : t;
 }
@@ -199,7 +200,7 @@ __attribute__((noinline, unused)) static double next_attempt(const struct method
 {
     double next = h / 4;
     if (isfinite(square)) {
-        const double factor = change_elementary(method->embedded + 1, square);
+        const double factor = elementary_step_change(method->embedded + 1, square);
         next = h * (factor > STEP_SHRINK_MIN ? factor : STEP_SHRINK_MIN);
     }
     return failures <= FAILED_STEPS_MAX && fabs(next) >= min_step(t) ? next : 0;

@@ -45,74 +45,74 @@ struct switch_search {
 /* Computes the state at t + theta h by a shorter step, for methods of high order without dense
  * output, since a cubic through the ends is too inaccurate for them. Returns false if the dense
  * output or the cubic is to be used, or if the step fails. */
-static bool inside_by_step(const struct switch_search *look, double theta, double *y)
+static bool state_by_shorter_step(const struct switch_search *search, double theta, double *y)
 {
-    const struct method *method = look->method;
+    const struct method *method = search->method;
     /* order 0 means that the method is exact */
     const bool cubic = method->order > 0 && method->order <= 4;
     if (method->dense || cubic || method->flags & METHOD_MULTISTEP || theta <= 0)
         return false;
-    struct step part = *look->step;
-    memcpy(y, look->y_begin, (size_t)part.system->n * sizeof *y);
+    struct step part = *search->step;
+    memcpy(y, search->y_begin, (size_t)part.system->n * sizeof *y);
     part.y = y;
-    part.t = look->t;
-    part.h = theta * look->h;
+    part.t = search->t;
+    part.h = theta * search->h;
     part.error = part.low = NULL;
     part.warm = false;
     part.again = true;
     const bool fine = method_step(method, &part) == STEP_OK;
-    look->step->cost = part.cost;
-    look->step->warm = false; /* work holds values of the shorter step */
+    search->step->cost = part.cost;
+    search->step->warm = false; /* work holds values of the shorter step */
     return fine;
 }
 
 /* Computes all guards at t + theta h. */
-static void guards_at(const struct switch_search *look, double theta, double *guard)
+static void guards_at(const struct switch_search *search, double theta, double *guard)
 {
     double y[LIMIT_VARIABLES];
     if (theta >= 1)
-        memcpy(y, look->step->y, (size_t)look->step->system->n * sizeof *y);
-    else if (!inside_by_step(look, theta, y))
-        method_dense(look->method, look->step, look->y_begin, theta, y);
-    system_guards(look->step->system, look->t + theta * look->h, y, guard);
+        memcpy(y, search->step->y, (size_t)search->step->system->n * sizeof *y);
+    else if (!state_by_shorter_step(search, theta, y))
+        method_dense(search->method, search->step, search->y_begin, theta, y);
+    system_guards(search->step->system, search->t + theta * search->h, y, guard);
 }
 
 /* Returns guard i at t + theta h. */
-static double guard_at(const struct switch_search *look, int i, double theta)
+static double guard_at(const struct switch_search *search, int i, double theta)
 {
     double guard[LIMIT_SWITCHES];
-    guards_at(look, theta, guard);
+    guards_at(search, theta, guard);
     return guard[i];
 }
 
-/* Context of one_guard_at(). */
+/* Context of guard_function(). */
 struct one_guard {
-    const struct switch_search *look;
+    const struct switch_search *search;
     int i;
 };
 
 /* Returns one guard at t + theta h, for root_between(); 0 counts as positive, since a branch still
  * holds there. */
-static double one_guard_at(void *context, double theta)
+static double guard_function(void *context, double theta)
 {
     const struct one_guard *one = context;
-    const double guard = guard_at(one->look, one->i, theta);
+    const double guard = guard_at(one->search, one->i, theta);
     return guard == 0 ? DBL_MIN : guard; /* a branch holds up to there */
 }
 
 /* Returns the zero of the guard between a, where it is above 0, and b, where it is below. */
-static double guard_root(const struct switch_search *look, int i, double a, double fa, double b,
+static double guard_root(const struct switch_search *search, int i, double a, double fa, double b,
                          double fb)
 {
-    struct one_guard one = {look, i};
-    return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
+    struct one_guard one = {search, i};
+    return root_between(guard_function, &one, a, fa, b, fb, DBL_EPSILON);
 }
 
 /* Returns a point before theta where guard i is positive, or theta if none was found. */
-static double inside(const struct switch_search *look, int i, double theta)
+static double point_inside_branch(const struct switch_search *search, int i, double theta)
 {
     double x = theta / 2;
-    while (x > 1e-12 && !(guard_at(look, i, x) > 0))
+    while (x > 1e-12 && !(guard_at(search, i, x) > 0))
         x /= 4;
     return x > 1e-12 ? x : theta;
 }
@@ -120,22 +120,22 @@ static double inside(const struct switch_search *look, int i, double theta)
 /* Searches the minimum of a guard that is positive at m - apart, m and m + apart (values fa, fm,
  * fb), lowest at m, by parabolas. Returns a point where the guard is negative, or NAN if there is
  * none. */
-static double guard_minimum(const struct switch_search *look, int i, double m, double apart,
+static double guard_minimum(const struct switch_search *search, int i, double m, double apart,
                             double fa, double fm, double fb)
 {
     for (int k = 0; k < 6; k++) {
         const double curve = fa - 2 * fm + fb,
                      x = curve > 0 ? m + apart / 2 * (fa - fb) / curve : m;
-        const double f = guard_at(look, i, x);
+        const double f = guard_at(search, i, x);
         if (f < 0)
             return x;
         if (!(fm - (fa - fb) * (fa - fb) / (8 * curve) < 0.1 * fm))
             return NAN;
         apart /= 4;
         m = fmin(fmax(x, apart), 1 - apart);
-        fm = guard_at(look, i, m);
-        fa = guard_at(look, i, m - apart);
-        fb = guard_at(look, i, m + apart);
+        fm = guard_at(search, i, m);
+        fa = guard_at(search, i, m - apart);
+        fb = guard_at(search, i, m + apart);
         if (fm < 0)
             return m;
         if (fa < 0 || fb < 0)
@@ -148,56 +148,60 @@ static double guard_minimum(const struct switch_search *look, int i, double m, d
  * guard holds its values at GUARD_CHECKS + 1 points. A branch begins within rounding of its switch,
  * perhaps before it: while its guard rises from there, in a step as short as rounding, the branch
  * has not ended. */
-static double first_end(const struct switch_search *look, int i, double (*guard)[LIMIT_SWITCHES])
+static double first_branch_end(const struct switch_search *search, int i,
+                               double (*guard)[LIMIT_SWITCHES])
 {
-    bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
+    bool ahead = guard[0][i] < 0 && fabs(search->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(search->t);
     for (int k = 1; k <= GUARD_CHECKS; k++) {
         const double a = (double)(k - 1) / GUARD_CHECKS, b = (double)k / GUARD_CHECKS,
                      fa = guard[k - 1][i], fb = guard[k][i];
         ahead = ahead && fb < 0 && fb >= fa;
         if (fb < 0 && !ahead) {
-            const double bracket_begin = fa > 0 && k > 1 ? a : inside(look, i, b);
+            const double bracket_begin = fa > 0 && k > 1 ? a : point_inside_branch(search, i, b);
             return bracket_begin == b ? 0
-                                      : guard_root(look, i, bracket_begin,
-                                                   guard_at(look, i, bracket_begin), b, fb);
+                                      : guard_root(search, i, bracket_begin,
+                                                   guard_at(search, i, bracket_begin), b, fb);
         }
         const bool lowest = k < GUARD_CHECKS && fb < fa && fb < guard[k + 1][i];
         const double low =
             lowest && guard[k + 1][i] >= 0
-                ? guard_minimum(look, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
+                ? guard_minimum(search, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
                 : NAN;
         if (!isnan(low)) {
-            const double bracket_begin = low > b ? b : a > 0 ? a : inside(look, i, low);
-            return guard_root(look, i, bracket_begin, guard_at(look, i, bracket_begin), low,
-                              guard_at(look, i, low));
+            const double bracket_begin = low > b ? b
+                                         : a > 0 ? a
+                                                 : point_inside_branch(search, i, low);
+            return guard_root(search, i, bracket_begin, guard_at(search, i, bracket_begin), low,
+                              guard_at(search, i, low));
         }
     }
     return 2;
 }
 
 /* Takes the step again over x [s]. Sets *guard to guard i at its end. */
-static enum step_status again(const struct switch_search *look, struct step *step,
-                              const double *low, double x, int i, double *guard)
+static enum step_status retake_step(const struct switch_search *search, struct step *step,
+                                    const double *low, double x, int i, double *guard)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(step->y, look->y_begin, size);
+    memcpy(step->y, search->y_begin, size);
     if (step->low)
         memcpy(step->low, low, size);
-    step->t = look->t;
+    step->t = search->t;
     step->h = x;
     step->warm = false;
     step->again = true;
-    const enum step_status status = method_step(look->method, step);
+    const enum step_status status = method_step(search->method, step);
     double all[LIMIT_SWITCHES] = {0};
     if (status == STEP_OK)
-        system_guards(step->system, look->t + x, step->y, all);
+        system_guards(step->system, search->t + x, step->y, all);
     *guard = all[i];
     return status;
 }
 
 /* Returns true if no branch can end in the step, because dry friction is the only switch and the
  * velocity is far from 0 throughout. */
-static bool moves_on(const struct system *system, double h, const double *y_begin, const double *y)
+static bool cannot_switch(const struct system *system, double h, const double *y_begin,
+                          const double *y)
 {
     const double v0 = y_begin[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
                  mean = h * (v0 + v1) / 2;
@@ -211,17 +215,17 @@ static bool moves_on(const struct system *system, double h, const double *y_begi
 enum step_status switch_step(const struct method *method, struct step *step, double t,
                              const double *y_begin, const double *low, int *ended)
 {
-    const struct switch_search look = {method, step, y_begin, t, step->h};
+    const struct switch_search search = {method, step, y_begin, t, step->h};
     const int count = step->system->switches;
     double guard[GUARD_CHECKS + 1][LIMIT_SWITCHES], theta = 2;
     *ended = -1;
-    if (moves_on(step->system, step->h, y_begin, step->y))
+    if (cannot_switch(step->system, step->h, y_begin, step->y))
         return STEP_OK;
     system_guards(step->system, t, y_begin, guard[0]);
     for (int k = 1; k <= GUARD_CHECKS; k++)
-        guards_at(&look, (double)k / GUARD_CHECKS, guard[k]);
+        guards_at(&search, (double)k / GUARD_CHECKS, guard[k]);
     for (int i = 0; i < count; i++) {
-        const double root_theta = first_end(&look, i, guard);
+        const double root_theta = first_branch_end(&search, i, guard);
         if (root_theta < theta) {
             theta = root_theta;
             *ended = i;
@@ -231,16 +235,16 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
         return STEP_OK;
     const double h = step->h, ulps = 2 * DBL_EPSILON * fmax(fabs(t), fabs(t + h));
     const double tolerance = fmax(ulps, SWITCH_DISTANCE_MAX * step->tol * fabs(h));
-    const double ahead = fmin(1, theta + 1e-3),
-                 rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
-                        (2e-3 * h);
+    const double ahead = fmin(1, theta + 1e-3), rise = (guard_at(&search, *ended, ahead) -
+                                                        guard_at(&search, *ended, ahead - 2e-3)) /
+                                                       (2e-3 * h);
     double x = theta * h, slope = rise, last_x = NAN, last = NAN;
     if (!(fabs(x) >
           ulps)) /* the branch ends at once: the step is as short as rounding, so that t moves */
         x = copysign(2 * ulps, h);
     for (int k = 0; k < SWITCH_STEPS_MAX; k++) {
         double value;
-        const enum step_status status = again(&look, step, low, x, *ended, &value);
+        const enum step_status status = retake_step(&search, step, low, x, *ended, &value);
         if (status != STEP_OK)
             return status;
         if (!isnan(last) && last != value)

@@ -19,8 +19,8 @@
 #define SHARE_ROUNDING 1e-9 /* Rounding of a sliding share that is computed by differences. */
 
 /* Computes the guards at y after h [s], by the midpoint rule; f is the derivative at y. */
-static void look_from(const struct step *step, const struct system *frozen, const double *f,
-                      double h, double *guard)
+static void guards_after(const struct step *step, const struct system *frozen, const double *f,
+                         double h, double *guard)
 {
     double middle[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
     for (int i = 0; i < frozen->n; i++)
@@ -33,7 +33,7 @@ static void look_from(const struct step *step, const struct system *frozen, cons
 
 /* Returns the time [s] in which the motion moves by a millionth of the sizes of variables, or 0 if
  * it does not move. */
-static double moment(const struct step *step, int n, const double *f)
+static double short_time(const struct step *step, int n, const double *f)
 {
     const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
     return rate > 0 ? ARGUMENT_STEP_MIN / rate : 0;
@@ -42,8 +42,8 @@ static double moment(const struct step *step, int n, const double *f)
 /* Computes the guards of frozen branches at the start of the step (now) and a moment later (soon).
  * Euler's rule is used, or the second derivative for guards whose rate is 0, which are marked in
  * still. */
-static void look_ahead(struct step *step, const struct system *frozen, double probe_step,
-                       double *now, double *soon, bool *still)
+static void guards_ahead(struct step *step, const struct system *frozen, double probe_step,
+                         double *now, double *soon, bool *still)
 {
     const int n = frozen->n;
     double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], guard_back[LIMIT_SWITCHES],
@@ -59,9 +59,9 @@ static void look_ahead(struct step *step, const struct system *frozen, double pr
     if (frozen->sliding)
         return;
     const double min = PROBE_MIN_ULPS * DBL_EPSILON * fabs(step->t),
-                 far = SECOND_DIFFERENCE_FACTOR * moment(step, n, f);
-    look_from(step, frozen, f, -copysign(fmax(far, min), probe_step), guard_back);
-    look_from(step, frozen, f, copysign(fmax(far, min), probe_step), guard_ahead);
+                 far = SECOND_DIFFERENCE_FACTOR * short_time(step, n, f);
+    guards_after(step, frozen, f, -copysign(fmax(far, min), probe_step), guard_back);
+    guards_after(step, frozen, f, copysign(fmax(far, min), probe_step), guard_ahead);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
         const double second = (guard_ahead[i] - now[i]) - (now[i] - guard_back[i]);
@@ -73,8 +73,8 @@ static void look_ahead(struct step *step, const struct system *frozen, double pr
 
 /* Makes *frozen the system on its branches, or the sliding one if it slides along a switch. Returns
  * false if sliding has no solution. */
-static bool freeze(const struct step *step, const struct switches_state *state,
-                   struct sliding *sliding, struct system *frozen)
+static bool freeze_or_slide(const struct step *step, const struct switches_state *state,
+                            struct sliding *sliding, struct system *frozen)
 {
     for (int i = 0; i < step->system->switches; i++)
         if (state->slides_along[i])
@@ -85,31 +85,31 @@ static bool freeze(const struct step *step, const struct switches_state *state,
 }
 
 /* Marks the motion as sliding along switch i, and counts it. */
-static void slide(struct step *step, struct switches_state *state, const struct system *frozen,
-                  int i)
+static void begin_sliding(struct step *step, struct switches_state *state,
+                          const struct system *frozen, int i)
 {
     double f[LIMIT_VARIABLES];
     system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
     step->cost.evals++;
     state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
     state->slides_along[i] = true;
-    state->slide_step = fmax(state->slide_step, moment(step, frozen->n, f));
+    state->slide_step = fmax(state->slide_step, short_time(step, frozen->n, f));
     if (state->slides++ == 0) {
         state->slid = step->t;
         state->first = i;
     }
 }
 
-/* Does the same as slide(). Returns false, with the state unchanged, if the motion crosses the
- * switch, as it does if the switch depends on time alone. */
-static bool slide_along(struct step *step, struct switches_state *state,
+/* Does the same as begin_sliding(). Returns false, with the state unchanged, if the motion crosses
+ * the switch, as it does if the switch depends on time alone. */
+static bool try_sliding(struct step *step, struct switches_state *state,
                         const struct system *frozen, int i)
 {
     const struct switches_state was = *state;
     struct sliding sliding = {0};
     struct system sliding_system;
-    slide(step, state, frozen, i);
-    const bool passes = freeze(step, state, &sliding, &sliding_system) &&
+    begin_sliding(step, state, frozen, i);
+    const bool passes = freeze_or_slide(step, state, &sliding, &sliding_system) &&
                         sliding_passes(&sliding, i, step->t, step->y, state->slide_step);
     sliding_free(&sliding);
     if (passes)
@@ -119,14 +119,14 @@ static bool slide_along(struct step *step, struct switches_state *state,
 
 /* Returns true if a guard is at 0 (`now`) and falls: at the end of the step before (`ends`), at
  * rest, or by chance. */
-static bool falls(double now, double soon, bool ends)
+static bool guard_falls(double now, double soon, bool ends)
 {
     return soon < 0 && fabs(now) <= (ends ? GUARD_ZERO_RELATIVE : AT_ONCE) * fabs(soon - now);
 }
 
 /* Returns a switch along which the motion cannot slide, because one side pushes harder than the
  * other pushes back; -1 if there is none. */
-static int not_held(const struct switches_state *state, const double *guard, int count)
+static int find_unheld_switch(const struct switches_state *state, const double *guard, int count)
 {
     for (int i = 0; i < count; i++)
         if (state->slides_along[i] && !(guard[i] >= -SHARE_ROUNDING))
@@ -136,8 +136,8 @@ static int not_held(const struct switches_state *state, const double *guard, int
 
 /* Lets the motion leave switch i to the side that it is pushed to. Returns false if it was sliding
  * along it before. */
-static bool let_go(const struct step *step, struct switches_state *state,
-                   const struct system *sliding, int i)
+static bool leave_switch(const struct step *step, struct switches_state *state,
+                         const struct system *sliding, int i)
 {
     const double branch = system_next_branch(sliding, i, step->t, step->y);
     if (state->slid_along[i] || state->slides == 0 || isnan(branch))
@@ -161,26 +161,26 @@ static bool branches_settle(struct step *step, struct switches_state *state, dou
     state->slide_step = fabs(probe_step);
     for (int round = 0; round <= 4 * count; round++) {
         double now[LIMIT_SWITCHES] = {0}, soon[LIMIT_SWITCHES] = {0};
-        if (!freeze(step, state, sliding, frozen))
+        if (!freeze_or_slide(step, state, sliding, frozen))
             return false;
-        look_ahead(step, frozen, probe_step, now, soon, still);
+        guards_ahead(step, frozen, probe_step, now, soon, still);
         int wrong = 0;
         while (wrong < count &&
                (passes[wrong] || wrong == state->released ||
-                !falls(now[wrong], soon[wrong], wrong == state->fresh || still[wrong])))
+                !guard_falls(now[wrong], soon[wrong], wrong == state->fresh || still[wrong])))
             wrong++;
         if (wrong == count) {
-            const int pushed = not_held(state, now, count);
+            const int pushed = find_unheld_switch(state, now, count);
             if (pushed < 0)
                 return true;
-            if (!let_go(step, state, frozen, pushed) || ++changed[pushed] > 3)
+            if (!leave_switch(step, state, frozen, pushed) || ++changed[pushed] > 3)
                 return false;
             continue;
         }
         if (++changed[wrong] > 3)
             return false;
         if (changed[wrong] > 1 && !state->slides_along[wrong]) {
-            passes[wrong] = !slide_along(step, state, frozen, wrong);
+            passes[wrong] = !try_sliding(step, state, frozen, wrong);
             continue;
         }
         double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
@@ -204,7 +204,7 @@ static void pile_up(struct step *step, struct switches_state *state, double prob
     state->slide_step = fabs(probe_step);
     for (int i = 0; i < frozen.switches; i++)
         if (state->recent[i] && !state->slides_along[i])
-            slide(step, state, &frozen, i);
+            begin_sliding(step, state, &frozen, i);
     if (system_slide(step->system, state->branch, state->slides_along, state->slide_step, &sliding,
                      &sliding_system)) {
         double guard[LIMIT_SWITCHES];
@@ -223,7 +223,7 @@ static void pile_up(struct step *step, struct switches_state *state, double prob
 }
 
 /* Resets the state of switches at time t, except for its counts. */
-static void forget(struct switches_state *state, double t)
+static void switches_reset(struct switches_state *state, double t)
 {
     const struct switches_state was = *state;
     *state = (struct switches_state){.known = true,
@@ -251,7 +251,7 @@ bool switch_begin(struct step *step, struct switches_state *state, double probe_
 {
     bool fine = true;
     if (!state->known || state->t != step->t) {
-        forget(state, step->t);
+        switches_reset(state, step->t);
         system_branches(step->system, step->t, step->y, state->branch);
         step->warm = false;
     }
@@ -259,7 +259,7 @@ bool switch_begin(struct step *step, struct switches_state *state, double probe_
         pile_up(step, state, probe_step);
     else if (state->begins)
         fine = branches_settle(step, state, probe_step, sliding, frozen);
-    if (!fine || !freeze(step, state, sliding, frozen)) {
+    if (!fine || !freeze_or_slide(step, state, sliding, frozen)) {
         state->known = false;
         state->slid = state->crossings++ == 0 && state->slides == 0 ? step->t : state->slid;
         return false;

@@ -86,8 +86,9 @@ static bool ends_at_pole(struct step *step, double t, double h)
 
 /* Takes one segment over at most `rest`; step->h is how far it went. Sets *ended to the switch at
  * its end, or -1. `last` forbids another segment. A pole is stepped across without ending there. */
-static enum step_status piece(const struct method *method, struct step *step,
-                              struct switches_state *state, double rest, bool last, int *ended)
+static enum step_status step_segment(const struct method *method, struct step *step,
+                                     struct switches_state *state, double rest, bool last,
+                                     int *ended)
 {
     const struct system *whole = step->system;
     const size_t size = (size_t)whole->n * sizeof *step->y;
@@ -145,8 +146,8 @@ enum step_status switched_step(const struct method *method, struct step *step)
     switches_state_init(step, &state);
     step->kernel = NULL;
     enum step_status status = STEP_OK;
-    for (int pieces = 1, ended = 0; status == STEP_OK && ended >= 0 && rest * h > 0; pieces++) {
-        status = piece(method, step, &state, rest, pieces == STEP_SEGMENTS_MAX, &ended);
+    for (int segments = 1, ended = 0; status == STEP_OK && ended >= 0 && rest * h > 0; segments++) {
+        status = step_segment(method, step, &state, rest, segments == STEP_SEGMENTS_MAX, &ended);
         rest -= step->h;
         step->cost.turns += status == STEP_OK && ended >= 0;
     }

@@ -27,7 +27,7 @@ bool method_turns(const struct method *method, const struct system *system)
 }
 
 /* Returns true if the two numbers have opposite signs. */
-static bool crosses(double first, double second)
+static bool signs_differ(double first, double second)
 {
     return (first < 0 && second > 0) || (first > 0 && second < 0);
 }
@@ -63,7 +63,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
                            const double *y_begin, const double *low, bool *turned)
 {
     *turned = false;
-    if (!crosses(y_begin[1], step->y[1]))
+    if (!signs_differ(y_begin[1], step->y[1]))
         return STEP_OK;
     const size_t size = (size_t)step->system->n * sizeof *y_begin;
     const double tolerance = fmax(TURN_NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
@@ -143,7 +143,7 @@ enum { N = 2, AT_ONCE_LEAST = 8, AT_ONCE_MOST = 512, WORK_MOST = 64 };
 static int64_t steps_before_turn(const double *row, int64_t count, double v)
 {
     int64_t i = 0;
-    while (i < count && !crosses(v, row[N * i + 1])) {
+    while (i < count && !signs_differ(v, row[N * i + 1])) {
         v = row[N * i++ + 1];
         /* One comparison a row is enough while the sign stays. */
         if (v > 0)
@@ -239,18 +239,18 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
     if (!method_turns(method, whole) && !method_meets_switches(method, whole))
         return method_march(method, kernel, march, status);
     const bool fast = kernel && method_work_size(method, N) <= WORK_MOST;
-    int64_t done = 0, try = 0;
+    int64_t done = 0, batch = 0;
     *status = STEP_OK;
     while (done < march->count) {
         struct march part = *march;
         part.first += done;
         part.row += done * N;
-        const bool tries = fast && done > 2 && step->y[1] != 0 && !whole->extended;
-        try = tries ? steps_to_try(part.row, try, whole->pieces) : 0;
-        if (try > 0) {
+        const bool can_try = fast && done > 2 && step->y[1] != 0 && !whole->extended;
+        batch = can_try ? steps_to_try(part.row, batch, whole->pieces) : 0;
+        if (batch > 0) {
             part.count = march->count - done;
-            if (part.count > try)
-                part.count = try;
+            if (part.count > batch)
+                part.count = batch;
             const int64_t straight = whole->pieces ? march_on_branch(method, kernel, &part)
                                                    : march_straight(method, kernel, &part);
             done += straight;

@@ -31,7 +31,7 @@ struct whole {
 };
 
 /* Prepares the forces of the system. */
-static void whole_take(struct whole *whole, const struct system *system)
+static void prepare_forces(struct whole *whole, const struct system *system)
 {
     const int n = system->n, rows = system->order == 2 ? n / 2 : n;
     whole->system = system;
@@ -41,7 +41,7 @@ static void whole_take(struct whole *whole, const struct system *system)
 }
 
 /* Computes dydt [n], for a slope_function; context is a struct whole. */
-static void whole_slope(const void *context, double t, const double *y, double *dydt)
+static void prepared_slope(const void *context, double t, const double *y, double *dydt)
 {
     const struct whole *whole = context;
     const int n = whole->system->n, positions = whole->positions;
@@ -54,7 +54,7 @@ static void whole_slope(const void *context, double t, const double *y, double *
 }
 
 /* Computes the forces that do not depend on velocity, for a force_function. */
-static void whole_force(const void *context, double t, const double *y, double *a)
+static void prepared_force(const void *context, double t, const double *y, double *a)
 {
     const struct whole *whole = context;
     const int n = whole->system->n;
@@ -65,7 +65,7 @@ static void whole_force(const void *context, double t, const double *y, double *
 }
 
 /* Computes the forces that depend on velocity, for a force_function. */
-static void whole_drag(const void *context, double t, const double *y, double *a)
+static void prepared_drag(const void *context, double t, const double *y, double *a)
 {
     const struct whole *whole = context;
     system_drag(whole->system, t, y, a);
@@ -126,9 +126,9 @@ static int64_t any_rk(const struct method *method, const struct march *march)
 {
     const struct system *system = march->step->system;
     struct whole whole;
-    whole_take(&whole, system);
+    prepare_forces(&whole, system);
     return picked_march(method, system_variables(system), stride_of(system->n), combine_blocks(),
-                        whole_slope, &whole, march);
+                        prepared_slope, &whole, march);
 }
 
 /* Single step of an explicit Runge-Kutta method. */
@@ -145,8 +145,8 @@ static int64_t any_split(const struct method *method, const struct march *march)
     const struct system *system = march->step->system;
     const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;
     struct whole whole;
-    whole_take(&whole, system);
-    return split_march(method, system->n, drag, whole_force, whole_drag, &whole, march);
+    prepare_forces(&whole, system);
+    return split_march(method, system->n, drag, prepared_force, prepared_drag, &whole, march);
 }
 
 march_function *any_kernel(const struct method *method)

@@ -189,7 +189,7 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
                                     bool known, struct attempt *attempt)
 {
     const struct tableau *tableau = method->tableau;
-    const double t = attempt->t, span = t_end - t, aims = by_aim(method);
+    const double t = attempt->t, span = t_end - t, aims = aim_factor(method);
     controller_orient(controller, span);
     const double planned = controller->h;
     const bool rejected = controller->rejected;
@@ -203,11 +203,11 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
         attempt->evals += tableau->stages - known;
         known = true;
         if (count == 0) /* slow roots and quotients come after the stages, which are waited for */
-            follow(n, system, t, attempt->y, controller);
+            update_sizes(n, system, t, attempt->y, controller);
         const double square = attempt_error(tableau, n, controller->scale, h, attempt) * accepted;
         if (square <= 1) {
             plan_next(method, controller, h, square * aims, last);
-            attempt->t = not_beyond(last ? t_end : advance_clock(controller, t, h), span, t_end);
+            attempt->t = limit_to_end(last ? t_end : advance_clock(controller, t, h), span, t_end);
             if (attempt->t == t_end)
                 controller->t_low = 0;
             controller->rejected = false;
@@ -233,7 +233,7 @@ INLINE int64_t controlled_steps(const struct method *method, int n, slope_functi
                                 double *row, enum step_status *status)
 {
     const struct tableau *tableau = method->tableau;
-    const double max = largest_estimate(method, tolerance(controller)),
+    const double max = largest_estimate(method, controller_tolerance(controller)),
                  accepted = 1 / (n * max * max);
     struct controller control;
     struct attempt attempt;
@@ -275,7 +275,7 @@ INLINE int64_t controlled_steps(const struct method *method, int n, slope_functi
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)
 
 /* Returns true if this file has a kernel for the method and shape. */
-INLINE bool solved(const struct method *method, int shape)
+INLINE bool has_controlled_kernel(const struct method *method, int shape)
 {
     bool always = false;
 #define IS_IT(name) always = always || shape == SHAPE_##name;
@@ -291,7 +291,7 @@ INLINE bool solved(const struct method *method, int shape)
                                int64_t count, double *row, enum step_status *status)               \
     {                                                                                              \
         struct shape_forces forces;                                                                \
-        if (!solved(&RK_ROW, SHAPE_##shape))                                                       \
+        if (!has_controlled_kernel(&RK_ROW, SHAPE_##shape))                                        \
             return 0; /* not in use */                                                             \
         forces_take(&forces, step->system, 0 TERMS_OF_##shape(ONE_MORE));                          \
         return controlled_steps(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step, controller,   \
@@ -313,7 +313,7 @@ controlled_function *method_controlled_kernel(const struct method *method,
 #include "method/rows/rk.def"
     };
     const int shape = shape_of(system);
-    return shape >= 0 && method->step == rk_step && solved(method, shape)
+    return shape >= 0 && method->step == rk_step && has_controlled_kernel(method, shape)
                ? steps[method->index][shape]
                : NULL;
 }

@@ -11,7 +11,7 @@
 #include "method/step/newton_body.h"
 
 /* [double] newton_capacity() for one stage of N variables. */
-enum { ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
+enum { WORK_SIZE = 2 + (3 + N) * N + 3 * N * (N + 1) };
 
 /* ---- stages ---- */
 
@@ -70,7 +70,7 @@ MOTION_SHAPES(NEWTON_STAGE)
 
 /* Sets y [2] to the new state: sum if the method is stiffly accurate (`accurate`, its last stage is
  * the new state), else y + z. Returns false with y unchanged if the result is not finite. */
-INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
+INLINE bool state_update(bool accurate, const double *z, const double *sum, double *y)
 {
     double next[N];
     for (int i = 0; i < N; i++)
@@ -91,7 +91,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     const int stages = tableau->stages;
     const bool accurate = stiffly_accurate(tableau);
     struct step *const step = march->step;
-    double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM],
+    double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[WORK_SIZE],
                                last[N] = {0};
     double *const reused = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
     struct step own = {.system = step->system, .h = step->h, .y = y};
@@ -110,7 +110,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
                                     work) == STEP_OK;
         if (good && !accurate)
             diagonal_increment(tableau, N, own.h, k, z);
-        if (!good || !finish(accurate, z, sum, y)) {
+        if (!good || !state_update(accurate, z, sum, y)) {
             copy_numbers(N, last, newest);
             break;
         }

@@ -16,7 +16,7 @@
 
 /* Returns true if a row has its own kernel for the shape: for METHOD_UNROLLED rows, and for forces
  * so short that a call would take longer. */
-INLINE bool unrolled(const struct method *method, int shape)
+INLINE bool has_own_kernel(const struct method *method, int shape)
 {
     return method->flags & METHOD_UNROLLED || shape == SHAPE_spring || shape == SHAPE_damped ||
            shape == SHAPE_henon_heiles;
@@ -27,7 +27,7 @@ INLINE bool unrolled(const struct method *method, int shape)
     static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)          \
     {                                                                                              \
         struct shape_forces forces;                                                                \
-        if (!unrolled(&RK_ROW, SHAPE_##shape))                                                     \
+        if (!has_own_kernel(&RK_ROW, SHAPE_##shape))                                               \
             return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);         \
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
         return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                     \
@@ -92,7 +92,7 @@ march_function *method_kernel(const struct method *method, const struct system *
         return system->order != 2 ? NULL
                : method->tableau  ? typed_kernel(method, system, drag)
                                   : any_kernel(method);
-    if (unrolled(method, shape) && (method->step == rk_step || method->step == split_step))
+    if (has_own_kernel(method, shape) && (method->step == rk_step || method->step == split_step))
         return (method->step == rk_step ? runge_kutta : splittings)[method->index][shape];
     return method->splitting ? shape_split(shape)
            : method->tableau ? typed_kernel(method, system, drag)

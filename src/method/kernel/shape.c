@@ -12,14 +12,14 @@
 /* Head of a program_function: time, position q and velocity v of a single coordinate or else all
  * variables in `state`; returns two accelerations. Built-in terms use frame for their
  * coefficients. */
-#define RUN(name)                                                                                  \
+#define PROGRAM_FUNCTION(name)                                                                     \
     static struct leading name(const struct program *program, double t, double q, double v,        \
                                const double *state, const double *args, double *output,            \
                                double *frame)
 
 /* Defines the program_function of a shape. */
 #define SHAPE_RUN(shape)                                                                           \
-    RUN(shape##_run)                                                                               \
+    PROGRAM_FUNCTION(shape##_run)                                                                  \
     {                                                                                              \
         const struct shape_forces *forces = (const struct shape_forces *)(const void *)frame;      \
         const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;      \
@@ -31,7 +31,7 @@
 ALL_SHAPES(SHAPE_RUN)
 
 /* Adds any built-in terms; frame holds a pointer to the system. */
-RUN(terms_run)
+PROGRAM_FUNCTION(terms_run)
 {
     const struct system *const *const system_pointer =
         (const struct system *const *)(const void *)frame;

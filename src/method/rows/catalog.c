@@ -147,8 +147,8 @@ void method_end(const struct method *method, struct step *step)
 
 /* Checks the needs of the method (order of the equations, exact solution, potential, velocity, drag
  * variant) and sets *drag to the variant. Returns false with the error set. */
-static bool applies(const struct method *method, const struct system *system, enum drag *drag,
-                    struct error *error)
+static bool check_needs(const struct method *method, const struct system *system, enum drag *drag,
+                        struct error *error)
 {
     const char *name = method->row.name;
     if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
@@ -195,12 +195,12 @@ bool method_applies(const struct method *method, const struct system *system, en
                     struct error *error)
 {
     if (!method_meets_switches(method, system))
-        return applies(method, system, drag, error);
+        return check_needs(method, system, drag, error);
     struct system frozen; /* such methods step the system on its branches */
     double branch[LIMIT_SWITCHES];
     system_branches(system, system->t0, system->start, branch);
     system_freeze(system, branch, &frozen);
-    return applies(method, &frozen, drag, error);
+    return check_needs(method, &frozen, drag, error);
 }
 
 enum step_status method_step(const struct method *method, struct step *step)

@@ -32,9 +32,9 @@ struct cvode {
 };
 
 /* Returns 0 if all numbers are finite; otherwise 1, which makes CVODE try a smaller step. */
-static int checked(struct cvode *c, const double *x, int count)
+static int check_finite(struct cvode *c, const double *x, int count_cost)
 {
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count_cost; i++)
         if (!isfinite(x[i]))
             return c->wild = true;
     return 0;
@@ -45,7 +45,7 @@ static int slope(double t, N_Vector y, N_Vector f, void *data)
 {
     struct cvode *c = data;
     system_derivative(c->system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(f));
-    return checked(c, N_VGetArrayPointer(f), c->system->n);
+    return check_finite(c, N_VGetArrayPointer(f), c->system->n);
 }
 
 /* Evaluates the Jacobian, column by column, for CVODE. Returns -1 if out of memory. */
@@ -63,7 +63,7 @@ static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *da
         for (int j = 0; j < n; j++)
             columns[j * n + i] = rows[i * n + j];
     free(rows);
-    return checked(c, columns, n * n);
+    return check_finite(c, columns, n * n);
 }
 
 /* ---- memory ---- */
@@ -124,7 +124,7 @@ void *cvode_begin(const struct method *method, const struct step *step)
 /* ---- stepping ---- */
 
 /* Restarts the solver at the step's t and y, without history. Returns false on failure. */
-static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
+static bool solver_restart(struct cvode *c, const struct step *step, bool forward)
 {
     const int n = step->system->n;
     double *min = N_VGetArrayPointer(c->min);
@@ -139,7 +139,7 @@ static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
 }
 
 /* Adds what the solver has spent since the last call to *cost. */
-static void count(struct cvode *c, struct cost *cost)
+static void count_cost(struct cvode *c, struct cost *cost)
 {
     long evals = 0, jacobians = 0, iterations = 0, refused = 0, unsolved = 0;
     CVodeGetNumRhsEvals(c->memory, &evals);
@@ -175,8 +175,8 @@ static enum step_status cvode_status(int flag, bool moved, bool wild)
 
 /* Takes one step of CVODE's own size towards t_end. Sets *t to the time reached; the state is in
  * c->y. */
-static enum step_status one_step(struct cvode *c, struct cost *cost, double t_begin, double t_end,
-                                 double *t)
+static enum step_status solver_step(struct cvode *c, struct cost *cost, double t_begin,
+                                    double t_end, double *t)
 {
     const struct system *system = c->system;
     /* Only the sign and the size of the distance matter, for the first step. */
@@ -186,7 +186,7 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double t_be
     int flag = CVodeSetStopTime(c->memory, t_end);
     if (flag == CV_SUCCESS)
         flag = CVode(c->memory, towards, c->y, t, CV_ONE_STEP);
-    count(c, cost);
+    count_cost(c, cost);
     return cvode_status(flag, *t != t_begin, c->wild);
 }
 
@@ -214,10 +214,10 @@ enum step_status cvode_adapt(const struct method *method, struct step *step,
     c->system = step->system; /* the system may have been frozen anew */
     c->tol = fmax(controller->tol, 10 * DBL_EPSILON);
     enum step_status status = STEP_OK;
-    if ((!step->warm || forward != c->forward) && !begin_anew(c, step, forward))
+    if ((!step->warm || forward != c->forward) && !solver_restart(c, step, forward))
         status = STEP_NO_SOLUTION;
     if (status == STEP_OK)
-        status = one_step(c, &step->cost, step->t, t_end, &t);
+        status = solver_step(c, &step->cost, step->t, t_end, &t);
     if (status == STEP_OK)
         status = cvode_take_state(c, step);
     step->warm = status == STEP_OK;
@@ -237,11 +237,11 @@ enum step_status cvode_step(const struct method *method, struct step *step)
     struct cvode *c = step->library;
     const double end = step->t + step->h;
     double t = step->t;
-    if (!c || c->tol == 0 || !begin_anew(c, step, step->h > 0))
+    if (!c || c->tol == 0 || !solver_restart(c, step, step->h > 0))
         return STEP_NO_SOLUTION;
     for (int i = 0; t != end; i++) {
         enum step_status status =
-            i < STEPS_MOST ? one_step(c, &step->cost, t, end, &t) : STEP_STALLED;
+            i < STEPS_MOST ? solver_step(c, &step->cost, t, end, &t) : STEP_STALLED;
         if (status != STEP_OK)
             return status;
     }

@@ -36,8 +36,8 @@ static bool estimate_diagonal(const struct implicit_tableau *tableau, struct ste
 }
 
 /* Solves one stage by newton_stage(), for a stage_function. */
-static enum step_status stage_of(const void *system, struct step *step, double t, double h,
-                                 const double *y, double *z, double *sum, double *work)
+static enum step_status general_stage(const void *system, struct step *step, double t, double h,
+                                      const double *y, double *z, double *sum, double *work)
 {
     (void)system;
     return newton_stage(step, t, h, y, z, sum, work);
@@ -51,8 +51,9 @@ static enum step_status diagonal_step(const struct implicit_tableau *tableau, st
            *own = base + n;
     if (!step->warm)
         newton_forget(own);
-    const enum step_status status = diagonal_stages(tableau, n, stage_of, step_slope, step->system,
-                                                    step, step->warm, slope, z, sum, base, own);
+    const enum step_status status =
+        diagonal_stages(tableau, n, general_stage, step_slope, step->system, step, step->warm,
+                        slope, z, sum, base, own);
     if (status != STEP_OK)
         return status;
     if (step->error && tableau->b_hat && !estimate_diagonal(tableau, step, slope, own))
@@ -79,8 +80,8 @@ static void divide_differences(const struct implicit_tableau *tableau, double *z
 }
 
 /* Evaluates that polynomial at theta. */
-static double polynomial(const struct implicit_tableau *tableau, const double *difference,
-                         double theta)
+static double evaluate_polynomial(const struct implicit_tableau *tableau, const double *difference,
+                                  double theta)
 {
     double value = difference[tableau->stages - 1];
     for (int s = tableau->stages - 1; s-- > 0;)
@@ -100,15 +101,15 @@ void implicit_dense(const struct method *method, const struct step *step, double
         for (int s = 0; s < tableau->stages; s++)
             difference[s] = z[s * n + i];
         divide_differences(tableau, difference);
-        y[i] = step->y[i] +
-               (polynomial(tableau, difference, theta) - polynomial(tableau, difference, 1));
+        y[i] = step->y[i] + (evaluate_polynomial(tableau, difference, theta) -
+                             evaluate_polynomial(tableau, difference, 1));
     }
 }
 
 /* Sets step->error to (real - h J)^-1 (h f(t, state) + sum_s estimate_s z_s). Returns false if the
  * matrix is singular. */
-static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *state,
-                     const double *z, double *own)
+static bool coupled_estimate(const struct implicit_tableau *tableau, struct step *step,
+                             const double *state, const double *z, double *own)
 {
     int n = step->system->n;
     double slope[LIMIT_VARIABLES];
@@ -134,7 +135,7 @@ static bool estimate_again(const struct implicit_tableau *tableau, struct step *
         sum += ratio * ratio;
         state[i] = step->y[i] + step->error[i];
     }
-    return sqrt(sum / system->n) <= step->tol || estimate(tableau, step, state, z, own);
+    return sqrt(sum / system->n) <= step->tol || coupled_estimate(tableau, step, state, z, own);
 }
 
 /* Takes a step of a method whose stages are solved all at once. */
@@ -156,7 +157,7 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
     if (status != STEP_OK)
         return status;
     if (step->error && tableau->estimate &&
-        (!estimate(tableau, step, step->y, z, own) ||
+        (!coupled_estimate(tableau, step, step->y, z, own) ||
          (!step->warm && !estimate_again(tableau, step, z, own))))
         return STEP_NO_SOLUTION;
     double increment[LIMIT_VARIABLES] = {0};

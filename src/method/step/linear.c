@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* Growth above 1 up to which it counts as rounding. */
-static const double MARGIN = 1e-12;
+static const double GROWTH_ROUNDING = 1e-12;
 
 /* Range of the search for the largest stable step; the first value is divided by zeta > 1. */
 static const double X_FIRST = 1e-4, X_LAST = 1e8;
@@ -121,7 +121,7 @@ double method_growth(const struct method *method, enum drag drag, double x, doub
 }
 
 /* Returns the growth per step less 1, which is positive if the step grows; HUGE_VAL if it fails. */
-static double growth(const struct linear_scene *oscillation, double x)
+static double growth_excess(const struct linear_scene *oscillation, double x)
 {
     double radius = growth_factor(oscillation, x);
     return isnan(radius) ? HUGE_VAL : radius - 1;
@@ -135,7 +135,7 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
     if (!oscillation_init(&oscillation, method, drag, zeta, sign))
         return NAN;
     double low = 0, high = X_FIRST / fmax(1, fabs(zeta));
-    while (growth(&oscillation, high) <= MARGIN) {
+    while (growth_excess(&oscillation, high) <= GROWTH_ROUNDING) {
         low = high;
         high = next_x(high);
         if (high > X_LAST)
@@ -145,11 +145,11 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
         return 0;
     /* growth like x^q from 0 on also reaches the margin; then it exceeds rounding a little below,
      * and no step is stable */
-    double previous = growth(&oscillation, 0.9 * low), margin = MARGIN;
-    if (previous > MARGIN / 10)
+    double previous = growth_excess(&oscillation, 0.9 * low), margin = GROWTH_ROUNDING;
+    if (previous > GROWTH_ROUNDING / 10)
         return 0;
-    if (previous <
-        -MARGIN) { /* decay turns into growth, so that the limit is where growth is exactly 1 */
+    if (previous < -GROWTH_ROUNDING) { /* decay turns into growth, so that the limit is where growth
+                                          is exactly 1 */
         margin = 0;
         low *= 0.9;
     }
@@ -157,7 +157,7 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
         double x = low + (high - low) / 2;
         if (x == low || x == high)
             break;
-        *(growth(&oscillation, x) <= margin ? &low : &high) = x;
+        *(growth_excess(&oscillation, x) <= margin ? &low : &high) = x;
     }
     return low;
 }

@@ -21,13 +21,13 @@ enum { COUNT, H, HEAD };
 enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 
 /* Largest move of a root after which its error is below rounding, since convergence is cubic. */
-static const double ARRIVED = 1e-9;
+static const double ROOT_MOVE_MIN = 1e-9;
 
 /* Limits of the substeps of a start. */
-static const double SHORTEST = 1e-9; /* shortest step as a part of h */
+static const double SUBSTEP_MIN = 1e-9; /* shortest step as a part of h */
 enum { SUBSTEPS = 1000 };
 /* Largest estimated error of a substep, relative to the values. */
-static const double SENSIBLE = 1e-4;
+static const double SUBSTEP_ERROR_MAX = 1e-4;
 
 /* Returns the one-step method that takes the first steps. */
 static const struct method *starter(const struct method *method)
@@ -38,9 +38,9 @@ static const struct method *starter(const struct method *method)
 
 size_t multistep_work(const struct method *method, int n)
 {
-    size_t start = method_work_size(starter(method), n), solve = newton_work(method, n);
+    size_t start_step = method_work_size(starter(method), n), solve = newton_work(method, n);
     return HEAD + (size_t)(method->multistep->steps + 2) * (size_t)n +
-           (start > solve ? start : solve);
+           (start_step > solve ? start_step : solve);
 }
 
 /* Values that a step changes, by which it can be taken back. */
@@ -58,7 +58,7 @@ static void history_store(const struct step *step, struct step_backup *backup)
 }
 
 /* Restores state and low parts of the step from *backup. */
-static void take_back(struct step *step, const struct step_backup *backup)
+static void history_restore(struct step *step, const struct step_backup *backup)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     memcpy(step->y, backup->y, size);
@@ -76,7 +76,7 @@ static enum step_status substeps(const struct method *one_step, struct step *one
     const double limit = max * max * one->system->n;
     double done = 0, length = 1; /* shares of h */
     enum step_status failure = STEP_NO_SOLUTION;
-    for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
+    for (int i = 0; i < SUBSTEPS && done < 1 && length >= SUBSTEP_MIN; i++) {
         const double fraction = fmin(length, 1 - done);
         struct step_backup backup;
         history_store(one, &backup);
@@ -92,14 +92,14 @@ static enum step_status substeps(const struct method *one_step, struct step *one
         }
         failure = status == STEP_OK ? STEP_NONFINITE : status;
         length = fraction / 4;
-        take_back(one, &backup);
+        history_restore(one, &backup);
     }
     return done < 1 ? failure : STEP_OK;
 }
 
 /* Takes a step by the starter, with accurate substeps if possible, else with any that have a
  * solution. On failure the state is unchanged. */
-static enum step_status start(const struct method *method, struct step *step, double *work)
+static enum step_status start_step(const struct method *method, struct step *step, double *work)
 {
     double error[LIMIT_VARIABLES];
     struct step one = *step;
@@ -110,13 +110,13 @@ static enum step_status start(const struct method *method, struct step *step, do
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
     history_store(&one, &backup);
-    enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
+    enum step_status status = substeps(starter(method), &one, step->t, step->h, SUBSTEP_ERROR_MAX);
     if (status != STEP_OK) { /* no better start exists in as many steps */
-        take_back(&one, &backup);
+        history_restore(&one, &backup);
         status = substeps(starter(method), &one, step->t, step->h, HUGE_VAL);
     }
     if (status != STEP_OK)
-        take_back(&one, &backup);
+        history_restore(&one, &backup);
     step->cost = one.cost;
     return status;
 }
@@ -129,7 +129,7 @@ static void derivative(struct step *step, double t, const double *y, double *f)
 }
 
 /* Returns sum_j w_j past_j[i] over the weights that are not zero, the newest first. */
-static double weighted(const double *w, int count, const double *past, int n, int i)
+static double weighted_past(const double *w, int count, const double *past, int n, int i)
 {
     double sum = -0.0;
     for (int j = 0; j < count; j++)
@@ -160,24 +160,24 @@ enum step_status multistep_step(const struct method *method, struct step *step)
     head[COUNT] = ++count;
     head[H] = h;
     if (count < steps)
-        return start(method, step, own);
+        return start_step(method, step, own);
 
     if (multistep->values) { /* z = (- sum_j v_j y_n+1-j + h f(t + h, z)) / v_0 */
         const double *v = multistep->values;
         for (int i = 0; i < n; i++)
-            next[i] = -weighted(v + 1, steps, past, n, i) / v[0];
+            next[i] = -weighted_past(v + 1, steps, past, n, i) / v[0];
         enum step_status status = implicit_euler_solve(step, step->t + h, h / v[0], next, z, own);
         return status == STEP_OK ? step_finish(step, z) : status;
     }
     for (int i = 0; i < n; i++)
-        z[i] = h * weighted(multistep->predict, steps, past, n, i);
+        z[i] = h * weighted_past(multistep->predict, steps, past, n, i);
     if (multistep->correct) {
         for (int i = 0; i < n; i++)
             z[i] += y[i];
         derivative(step, step->t + h, z, next);
         for (int i = 0; i < n; i++)
             z[i] = h * (multistep->correct[0] * next[i] +
-                        weighted(multistep->correct + 1, steps - 1, past, n, i));
+                        weighted_past(multistep->correct + 1, steps - 1, past, n, i));
     }
     return step_increase(step, z);
 }
@@ -198,7 +198,7 @@ static double largest_root(int degree, const double complex *p)
     for (int i = 0; i < degree; i++)
         root[i] = cexp((2 * M_PI * i / degree + 0.4) * (double complex)_Complex_I);
     double move = 1;
-    for (int iteration = 0; iteration < ITERATIONS && move > ARRIVED; iteration++) {
+    for (int iteration = 0; iteration < ITERATIONS && move > ROOT_MOVE_MIN; iteration++) {
         move = 0;
         for (int i = 0; i < degree; i++) {
             double complex value = p[0], slope = 0, push = 0;

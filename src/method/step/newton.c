@@ -13,11 +13,11 @@ static const double FIRST_PART = 0.25, PART_MIN = 1e-5;
 enum { PARTS_MOST = 100, STAGES_MOST = 3 };
 
 /* Rate of convergence up to which an adaptive step keeps the Jacobian of the one before. */
-static const double FAST = 1e-3;
+static const double JACOBIAN_KEEP_RATE = 1e-3;
 
 /* Returns the part of an adaptive step's tolerance that the iteration may leave; small for small
  * tolerances, since the errors of many steps add up. */
-static double fraction(double tol)
+static double remaining_fraction(double tol)
 {
     return fmax(10 * DBL_EPSILON / tol, fmin(0.03, sqrt(tol)));
 }
@@ -64,9 +64,10 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
  * itself that small, because the convergence of earlier steps says nothing about this one (Hairer
  * and Wanner carry a rate over, but let it age). The estimate is cautious, since slowly shrinking
  * parts may hide behind faster ones, as across a kink. */
-static enum step_status approach(const struct newton *equations, struct step *step, double t,
-                                 double h, const double *y, double *z, const double *weight,
-                                 double enough, struct workspace *workspace)
+static enum step_status iterate_to_tolerance(const struct newton *equations, struct step *step,
+                                             double t, double h, const double *y, double *z,
+                                             const double *weight, double enough,
+                                             struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
@@ -114,8 +115,9 @@ static void increments_weigh(int stages, int n, const double *y, const double *z
 
 /* Finds the solution near z by Newton's iteration with a new Jacobian each time. Returns false
  * unless each increment is at most CONTRACTION_MAX of the one before. */
-static bool contract(const struct newton *equations, struct step *step, int n, double t, double h,
-                     const double *y, double *z, const double *weight, struct workspace *workspace)
+static bool iterate_contracting(const struct newton *equations, struct step *step, int n, double t,
+                                double h, const double *y, double *z, const double *weight,
+                                struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
@@ -149,7 +151,8 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_MIN; i++) {
         const double next_fraction = fmin(1, done + part);
         memcpy(next, solution, (size_t)count * sizeof *next);
-        if (contract(equations, step, n, t, next_fraction * h, y, next, weight, &workspace)) {
+        if (iterate_contracting(equations, step, n, t, next_fraction * h, y, next, weight,
+                                &workspace)) {
             memcpy(solution, next, (size_t)count * sizeof *solution);
             done = next_fraction;
             part *= 2;
@@ -172,12 +175,13 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
     struct workspace workspace = workspace_of(equations->tableau->stages, system->n, work);
     double weight[LIMIT_VARIABLES] = {0};
     newton_weights(step_scale(step), system->n, y, weight);
-    bool reused = *workspace.h == h && (system->linear || (adaptive && *workspace.rate <= FAST));
+    bool reused = *workspace.h == h &&
+                  (system->linear || (adaptive && *workspace.rate <= JACOBIAN_KEEP_RATE));
     if (!reused && !newton_factor(equations, step, system->n, t, h, y, &workspace))
         return STEP_NO_SOLUTION;
     return adaptive
-               ? approach(equations, step, t, h, y, z, weight, fraction(step->tol) * step->tol,
-                          &workspace)
+               ? iterate_to_tolerance(equations, step, t, h, y, z, weight,
+                                      remaining_fraction(step->tol) * step->tol, &workspace)
                : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &workspace);
 }
 

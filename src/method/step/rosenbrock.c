@@ -6,7 +6,7 @@
 
 /* Distance of the two points of a difference quotient in t, as a part of h; the error stays far
  * below that of the step. */
-static const double APART = 1. / 8192;
+static const double TIME_DIFFERENCE_FRACTION = 1. / 8192;
 
 /* The work array holds u [stages][n], the Jacobian, four states, the matrix. */
 size_t rosenbrock_work(const struct method *method, int n)
@@ -24,7 +24,8 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *later_
         slope[1] = -o->drive * o->omega * fixed_sin(o->omega * step->t + o->phase);
         return;
     }
-    double earlier = step->t - step->h * (APART / 2), later = step->t + step->h * (APART / 2);
+    double earlier = step->t - step->h * (TIME_DIFFERENCE_FRACTION / 2),
+           later = step->t + step->h * (TIME_DIFFERENCE_FRACTION / 2);
     system_derivative(system, earlier, step->y, slope);
     system_derivative(system, later, step->y, later_slope);
     step->cost.evals += 2;

@@ -106,7 +106,7 @@ bool split_applies(const struct method *method, const struct system *system, enu
 }
 
 /* Computes the forces that do not depend on velocity, for a force_function. */
-static void force(const void *system, double t, const double *y, double *a)
+static void split_force(const void *system, double t, const double *y, double *a)
 {
     system_force(system, t, y, a);
 }
@@ -123,7 +123,7 @@ enum step_status split_step(const struct method *method, struct step *step)
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
     double *z = step->work, *pull = z + n, *low = step->low ? pull + d : NULL;
-    const struct split_forces forces = {force, split_drag_force, system, &system->oscillator};
+    const struct split_forces forces = {split_force, split_drag_force, system, &system->oscillator};
     struct split_way way;
     split_choose(&way, method, system->velocity ? step->drag : DRAG_DEFAULT);
     memcpy(z, step->y, (size_t)n * sizeof *z);

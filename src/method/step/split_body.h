@@ -67,7 +67,7 @@ INLINE struct frozen frozen_over(const struct oscillator *oscillator, double w)
 }
 
 /* Returns v' = v + w (F + drag at v') of one component. */
-INLINE double kick_from_end(const struct oscillator *o, double w, double force, double v)
+INLINE double kick_implicit(const struct oscillator *o, double w, double force, double v)
 {
     return drag_root(1 + o->damping * w, o->quadratic * w, v + w * force);
 }
@@ -90,13 +90,13 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
             step_add(&z[d + i], low ? &low[d + i] : NULL, w * (pull[i] + drag[i]));
     } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* evaluated at v' */
         for (int i = 0; i < d; i++)
-            z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
+            z[d + i] = kick_implicit(o, w, pull[i], z[d + i]);
     } else if (way->drag == DRAG_IMPLICIT) {
         /* Drag at (v + v')/2 is half a kick that uses its end, then half one that uses its start.
          */
         for (int i = 0; i < d; i++) {
             const double v = z[d + i];
-            z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;
+            z[d + i] = 2 * kick_implicit(o, w / 2, pull[i], v) - v;
         }
     } else if (way->drag == DRAG_EXACT && !way->drag_at_ends) {
         const struct frozen frozen = prepared ? *prepared : frozen_over(o, w);

@@ -21,7 +21,7 @@ struct structural {
 
 /* Relative increment above which rounding loses so many digits that a linear system needs a second
  * solve. */
-static const double LARGE = 8;
+static const double SOLVE_TWICE_MIN = 8;
 
 /*
  * Returns the size of work, which holds the acceleration [n/2], a+, its increment, F and factors,
@@ -36,8 +36,8 @@ size_t structural_work(const struct method *method, int n)
 
 /* Factors (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv), with derivatives at t
  * and state. Returns false if it is singular. */
-static bool factor(const struct structural *s, struct step *step, double t, double tau,
-                   const double *state, double *jacobian, double *factors)
+static bool factor_matrix(const struct structural *s, struct step *step, double t, double tau,
+                          const double *state, double *jacobian, double *factors)
 {
     int n = step->system->n, d = n / 2;
     double part = 1 - s->alpha_f, by_position = part * s->beta * tau * tau,
@@ -164,8 +164,9 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
  * Iterates a+ (`ahead` [n/2]) and the state's increment z [n] over tau side by side, so that each
  * has only its own rounding. Sets *is_near_root as newton_iterate() does.
  */
-static enum step_status iterate(const struct structural *s, struct step *step, double tau,
-                                const double *a, double *ahead, double *z, bool *is_near_root)
+static enum step_status structural_iterate(const struct structural *s, struct step *step,
+                                           double tau, const double *a, double *ahead, double *z,
+                                           bool *is_near_root)
 {
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
@@ -190,7 +191,7 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
             if (!isfinite(move[i]))
                 return iteration == 0 ? STEP_NONFINITE : STEP_NO_SOLUTION;
         }
-        if (iteration == 0 && !factor(s, step, t, tau, y_mid, jacobian, factors))
+        if (iteration == 0 && !factor_matrix(s, step, t, tau, y_mid, jacobian, factors))
             return STEP_NO_SOLUTION;
         *is_near_root = *is_near_root && !lu_negative(d, factors);
         lu_solve(d, factors, move);
@@ -203,13 +204,13 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
         double size = move_size(step, by_position, by_velocity, move);
         if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
             *is_near_root = false;
-        if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 ||
+        if ((system->linear && size <= SOLVE_TWICE_MIN) || size <= DBL_EPSILON / 2 ||
             (size >= last && size <= INCREMENT_STALL_RELATIVE))
             return STEP_OK;
         if (!system->linear && size > JACOBIAN_REUSE_RATE * last) {
             for (int i = 0; i < n; i++)
                 y_mid[i] = y[i] + (1 - s->alpha_f) * z[i];
-            if (!factor(s, step, t, tau, y_mid, jacobian, factors))
+            if (!factor_matrix(s, step, t, tau, y_mid, jacobian, factors))
                 return STEP_NO_SOLUTION;
         }
         last = size;
@@ -225,7 +226,7 @@ static enum step_status structural_solve(const struct structural *s, struct step
 {
     const int n = step->system->n;
     bool is_near_root;
-    const enum step_status status = iterate(s, step, tau, a, ahead, z, &is_near_root);
+    const enum step_status status = structural_iterate(s, step, tau, a, ahead, z, &is_near_root);
     if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && is_near_root))
         return status;
     return structural_follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK

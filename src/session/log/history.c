@@ -107,7 +107,7 @@ bool history_is_typed(const struct session *session, const struct entry *entry)
            text_trim(history_text(session, entry)).len > 0;
 }
 
-static size_t least(size_t a, size_t b)
+static size_t size_min(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
@@ -131,9 +131,9 @@ void history_trim(struct session *session)
     for (size_t i = drop; i < entries; i++) {
         const struct entry *entry = &log->entry[i];
         kept_offset =
-            least(kept_offset, least(entry->text, entry->full_len ? entry->full : SIZE_MAX));
+            size_min(kept_offset, size_min(entry->text, entry->full_len ? entry->full : SIZE_MAX));
     }
-    kept_offset = least(kept_offset == SIZE_MAX ? bytes : kept_offset - log->text_first, bytes);
+    kept_offset = size_min(kept_offset == SIZE_MAX ? bytes : kept_offset - log->text_first, bytes);
     memmove(log->entry, log->entry + drop, (entries - drop) * sizeof *log->entry);
     memmove(log->text.data, log->text.data + kept_offset, bytes - kept_offset);
     log->text.len -= kept_offset;
@@ -177,7 +177,7 @@ static struct text full_text(const struct session *session, const struct entry *
 }
 
 /* Returns true if a reading of the history includes this entry. */
-static bool is_read(const struct entry *entry, enum history_reading reading)
+static bool entry_is_read(const struct entry *entry, enum history_reading reading)
 {
     if (entry->flags & (ENTRY_LINE | ENTRY_UNRECORDED))
         return false;
@@ -201,12 +201,12 @@ int history_script_line(const struct session *session, size_t statement, struct 
     const struct history *log = &session->history;
     int number = 1;
     if (statement <= log->first || statement > log->count ||
-        !is_read(history_entry(session, statement - 1), HISTORY_SCRIPT))
+        !entry_is_read(history_entry(session, statement - 1), HISTORY_SCRIPT))
         return 0;
     for (size_t i = log->first; i + 1 < statement; i++) {
         const struct entry *entry = history_entry(session, i);
         struct text rest = script_text(session, entry), ignored;
-        while (is_read(entry, HISTORY_SCRIPT) && text_split(&rest, '\n', &ignored))
+        while (entry_is_read(entry, HISTORY_SCRIPT) && text_split(&rest, '\n', &ignored))
             number++;
     }
     struct text rest = script_text(session, history_entry(session, statement - 1));
@@ -220,7 +220,7 @@ void history_put(const struct session *session, size_t first, enum history_readi
     const struct history *log = &session->history;
     for (size_t i = first > log->first ? first : log->first; i < log->count; i++) {
         const struct entry *entry = history_entry(session, i);
-        if (!is_read(entry, reading))
+        if (!entry_is_read(entry, reading))
             continue;
         buffer_put(text, reading == HISTORY_SCRIPT ? script_text(session, entry)
                                                    : text_trim(full_text(session, entry)));
@@ -233,7 +233,7 @@ bool history_fails(const struct session *session)
 {
     for (size_t i = session->history.first; i < session->history.count; i++) {
         const struct entry *entry = history_entry(session, i);
-        if (is_read(entry, HISTORY_SCRIPT) && !(entry->flags & (ENTRY_DONE | ENTRY_HAPPENED)))
+        if (entry_is_read(entry, HISTORY_SCRIPT) && !(entry->flags & (ENTRY_DONE | ENTRY_HAPPENED)))
             return true;
     }
     return false;
@@ -280,8 +280,8 @@ bool record_open(struct session *session, const char *path, struct error *error)
 
 /* Sets the error that the file of `record` cannot be appended to, for the reason why; statement is
  * the first that it lacks, or "". Returns false. */
-static bool cannot_append(const struct session *session, const struct error *why,
-                          const char *statement, struct error *error)
+static bool fail_to_append(const struct session *session, const struct error *why,
+                           const char *statement, struct error *error)
 {
     struct buffer path = {0};
     safe_text(&path, text_of(session->transcript.path), false);
@@ -296,7 +296,7 @@ bool record_close(struct session *session, struct error *error)
     struct error why = {0};
     bool ok = true;
     if (session->transcript.owed && !append_lines(session->transcript.fd, TEXT(""), true, &why))
-        ok = cannot_append(session, &why, "", error);
+        ok = fail_to_append(session, &why, "", error);
     if (session->transcript.fd >= 0)
         close(session->transcript.fd);
     free(session->transcript.path);
@@ -330,7 +330,7 @@ bool record_append(struct session *session, size_t first, struct error *error)
         char lost[LIMIT_NAME + 1];
         struct error ignored;
         history_label(session, first, lost);
-        cannot_append(session, &why, lost, error);
+        fail_to_append(session, &why, lost, error);
         record_close(session, &ignored);
     }
     return ok;

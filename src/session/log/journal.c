@@ -14,7 +14,7 @@
 /* ---- the list ---- */
 
 /* Returns true for changes of parameters, with or without those by commands of events. */
-static bool is_set(const struct request *request, bool by_events)
+static bool is_parameter_change(const struct request *request, bool by_events)
 {
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
 }
@@ -23,7 +23,7 @@ int journal_changes(const struct request *last, double *t, int max)
 {
     int count = 0;
     for (; last && count < max; last = last->previous)
-        if (is_set(last, false))
+        if (is_parameter_change(last, false))
             t[count++] = last->from_t;
     for (int i = 0; i < count / 2; i++) {
         const double later = t[i];
@@ -192,7 +192,7 @@ void journal_scene(const struct run_slot *slot, bool by_events, struct scene *sc
     *scene = slot->run->scene;
     for (const struct request *request = slot->last; request; request = request->previous) {
         const int param = request->param;
-        if (!is_set(request, by_events) || is_known[param])
+        if (!is_parameter_change(request, by_events) || is_known[param])
             continue;
         is_known[param] = scene->chosen[param] = true;
         scene->value[param] = request->value.value;
@@ -239,8 +239,8 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
 
 /* Advances the run to step `steps` along the list that ends at last, beginning with the first
  * request that was made at or after the run's present step. Returns false if out of memory. */
-static bool replay(struct session *session, struct run_slot *slot, struct request *last,
-                   int64_t steps)
+static bool repeat_requests(struct session *session, struct run_slot *slot, struct request *last,
+                            int64_t steps)
 {
     struct run *run = slot->run;
     struct error ignored;
@@ -288,7 +288,7 @@ static bool same_request(const struct request *a, const struct request *b)
 
 /* Returns the step up to which both lists lead to the same states; 0 if one of them goes back,
  * which is hard to compare; INT64_MAX if they are the same. */
-static int64_t common_way(const struct request *a, const struct request *b)
+static int64_t common_steps(const struct request *a, const struct request *b)
 {
     /* steps at which the first differing requests were made */
     int64_t mine = INT64_MAX, other = INT64_MAX;
@@ -311,7 +311,7 @@ static int64_t common_way(const struct request *a, const struct request *b)
 
 /* Returns true if a parameter was changed at that step; such a change has effect but leaves no
  * row. */
-static bool sets_at(const struct request *last, int64_t step)
+static bool parameter_changes_at(const struct request *last, int64_t step)
 {
     for (; last && last->start_step >= step; last = last->previous)
         if (last->kind == REQUEST_SET && last->start_step == step)
@@ -324,10 +324,11 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
                      int64_t steps, double t)
 {
     struct run *run = slot->run;
-    int64_t way = common_way(slot->last, last);
+    int64_t way = common_steps(slot->last, last);
     bool ok = true;
     way = steps < way ? steps : way;
-    const bool changed = slot->last != last && (sets_at(slot->last, steps) || sets_at(last, steps));
+    const bool changed = slot->last != last && (parameter_changes_at(slot->last, steps) ||
+                                                parameter_changes_at(last, steps));
     if (run->steps != steps || run->t != t || way < steps || changed) {
         /* A method's memory of earlier steps comes back only by doing them again; a row at an even
          * time is no step, and a step control starts anew from any but the first. */
@@ -340,9 +341,9 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
         if (back > 0)
             run_back(run, (int64_t)back);
         /* changes at this step that the other list has, too, are repeated below */
-        if (sets_at(slot->last, run->steps))
+        if (parameter_changes_at(slot->last, run->steps))
             run_unbind(run);
-        ok = replay(session, slot, last, steps);
+        ok = repeat_requests(session, slot, last, steps);
     }
     if (ok) {
         journal_fraction(last);

@@ -13,7 +13,8 @@
 
 /* Returns true if a condition has the same meaning in a session without the user's variables and
  * results. */
-static bool portable(const struct session *session, const struct run *run, const char *condition)
+static bool condition_is_portable(const struct session *session, const struct run *run,
+                                  const char *condition)
 {
     struct names names = {.session = session, .run = run, .saved_only = true};
     const struct expr_scope scope = names_scope(&names);
@@ -38,19 +39,19 @@ struct composer {
 };
 
 /* Appends the option that numbers the run, to its first command. */
-static void put_number(const struct composer *c)
+static void put_number_option(const struct composer *c)
 {
     if (!c->started && c->number > 0)
         buffer_format(c->text, " --number %d", c->number);
 }
 
 /* Writes commands that create the run at its start, for requests before its first step. */
-static void put_start(struct composer *c)
+static void put_run_start(struct composer *c)
 {
     if (c->started)
         return;
     buffer_put(c->text, TEXT("run --steps 1"));
-    put_number(c);
+    put_number_option(c);
     buffer_put(c->text, TEXT("\nreset\n"));
     c->started = true;
 }
@@ -58,26 +59,26 @@ static void put_start(struct composer *c)
 /* Writes the command that advances the run from step step_begin to step step_end, which was reached
  * at time t. last means that the request is the last of the run. Returns false if its condition is
  * not portable. */
-static bool put_go(struct composer *c, const struct request *request, int64_t step_begin,
-                   int64_t step_end, double t, bool last)
+static bool put_advance(struct composer *c, const struct request *request, int64_t step_begin,
+                        int64_t step_end, double t, bool last)
 {
     const struct run *run = c->run;
     const bool met = request->condition && request->met == step_end;
-    if (met && !portable(c->session, run, request->condition))
+    if (met && !condition_is_portable(c->session, run, request->condition))
         return false;
     /* `step N` leaves no target to continue to, so that it fits only if there is none to keep */
     const bool ends = request->end < INT64_MAX || (last && !run->plan.adaptive),
                waits = last && stop_is_pause(run->stop);
     if (ends && !waits && !met && !c->waits && t != request->t &&
         (c->started || request->t > request->from_t)) {
-        put_start(c);
+        put_run_start(c);
         buffer_format(c->text, "step %lld\n", (long long)(step_end - step_begin));
         return true;
     }
     c->waits = !met && t != request->t;
     /* Options first: after a condition they would be read as minus signs. */
     buffer_put(c->text, c->started ? TEXT("continue") : TEXT("run"));
-    put_number(c);
+    put_number_option(c);
     if (met) {
         buffer_format(c->text, " until %s", request->condition);
     } else {
@@ -131,7 +132,8 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
         const bool ends =
             !next && going && going->start_step == step_begin && going->from_t != run->t;
         if (going && (step_end > step_begin || ends)) {
-            if (!put_go(&c, going, step_begin, step_end, next ? next->from_t : run->t, !next)) {
+            if (!put_advance(&c, going, step_begin, step_end, next ? next->from_t : run->t,
+                             !next)) {
                 text->len = saved_len;
                 free(list);
                 return false;
@@ -142,7 +144,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
             going = next;
         if (!next || next->kind == REQUEST_GO)
             continue;
-        put_start(&c);
+        put_run_start(&c);
         if (next->kind == REQUEST_BACK) {
             buffer_format(text, "back %lld", (long long)next->rows);
         } else {
@@ -157,8 +159,8 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
     }
     free(list);
     /* a run that was taken back to its start but still has a target */
-    if (!c.started && going && stop_is_pause(run->stop) && put_go(&c, going, 0, 1, NAN, true))
+    if (!c.started && going && stop_is_pause(run->stop) && put_advance(&c, going, 0, 1, NAN, true))
         buffer_put(text, TEXT("back 1\n"));
-    put_start(&c);
+    put_run_start(&c);
     return true;
 }

@@ -252,7 +252,7 @@ static void save_recordings(const struct session *session, struct buffer *text)
 }
 
 /* Returns true if a recording uses another one as its velocity. */
-static bool joins(const struct session *session)
+static bool uses_other_velocity(const struct session *session)
 {
     for (int i = 0; i < session->recordings; i++)
         if (session->recording[i]->recording->velocity[0])
@@ -264,7 +264,7 @@ static bool joins(const struct session *session)
 static void save_current_recording(const struct session *session, struct buffer *text)
 {
     if (session->current_recording >= 0 &&
-        (joins(session) || session->current_recording != session->recordings - 1))
+        (uses_other_velocity(session) || session->current_recording != session->recordings - 1))
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 

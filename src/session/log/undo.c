@@ -209,7 +209,7 @@ bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
 
 /* Takes a run back to its mark. If there is no memory for its journal, only the name is
  * restored. */
-static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
+static void restore_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
     struct run *run = slot->run;
     if (journal_restore(session, slot, mark->last, mark->steps, mark->t)) {
@@ -256,7 +256,7 @@ bool undo_matters(const struct session *session, const struct snapshot *previous
 }
 
 /* Puts the session into the state of the snapshot, which stays valid. */
-static void go_to(struct session *session, const struct snapshot *snapshot)
+static void restore_snapshot(struct session *session, const struct snapshot *snapshot)
 {
     for (int i = 0; i < snapshot->runs; i++)
         snapshot->run[i].slot->references++;
@@ -285,12 +285,12 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     memcpy(&session->setup, &snapshot->setup->setup, sizeof session->setup);
     settings_display(&session->setup.settings, &now);
     for (int i = 0; i < snapshot->runs; i++)
-        return_run(session, snapshot->run[i].slot, snapshot->run[i].mark);
+        restore_run(session, snapshot->run[i].slot, snapshot->run[i].mark);
     session_changed(session);
 }
 
 /* Frees count snapshots from index first on; the caller adapts the counts. */
-static void clear(struct session *session, int first, int count)
+static void free_snapshots(struct session *session, int first, int count)
 {
     for (int i = 0; i < count; i++)
         snapshot_free(session->undo.state[first + i]);
@@ -299,9 +299,9 @@ static void clear(struct session *session, int first, int count)
 /* Drops the snapshots of redo, and the oldest one if there are too many. */
 void undo_push(struct session *session, struct snapshot *previous, size_t statement)
 {
-    clear(session, session->undo.undos, session->undo.redos);
+    free_snapshots(session, session->undo.undos, session->undo.redos);
     if (session->undo.undos == LIMIT_UNDO) {
-        clear(session, 0, 1);
+        free_snapshots(session, 0, 1);
         session->undo.undos--;
         memmove(session->undo.state, session->undo.state + 1,
                 (LIMIT_UNDO - 1) * sizeof(session->undo.state[0]));
@@ -313,7 +313,7 @@ void undo_push(struct session *session, struct snapshot *previous, size_t statem
 
 void undo_clear(struct session *session)
 {
-    clear(session, 0, session->undo.undos + session->undo.redos);
+    free_snapshots(session, 0, session->undo.undos + session->undo.redos);
     session->undo.undos = session->undo.redos = 0;
 }
 
@@ -334,7 +334,7 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
     *slot = now;
     session->undo.undos += back ? -1 : 1;
     session->undo.redos += back ? 1 : -1;
-    go_to(session, target);
+    restore_snapshot(session, target);
     snapshot_free(target);
     return true;
 }
@@ -373,7 +373,7 @@ bool checkpoint_restore(struct session *session, struct text name, const char **
     for (int i = session->undo.checkpoints - 1; i >= 0; i--) {
         const struct snapshot *snapshot = session->undo.checkpoint[i];
         if (name.len == 0 || text_is(name, snapshot->label)) {
-            go_to(session, snapshot);
+            restore_snapshot(session, snapshot);
             *label = snapshot->label;
             return true;
         }

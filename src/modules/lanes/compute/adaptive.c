@@ -87,7 +87,7 @@ void lanes_control(struct lanes *lanes, int used, const double *tol, double t_en
     lanes_march(lanes, 0, NULL); /* prepares */
     *own = (struct lane_control){.t_end = t_end,
                                  .creep = lanes->system[0]->linear ? 0 : creep,
-                                 .aims = by_aim(method),
+                                 .aims = aim_factor(method),
                                  .by_error = -0.5 / k * explicit.b1,
                                  .by_previous = -0.5 / k * explicit.b2,
                                  .by_ratio = explicit.a,
@@ -96,13 +96,13 @@ void lanes_control(struct lanes *lanes, int used, const double *tol, double t_en
     for (int lane = 0; lane < used; lane++) {
         const struct system *system = lanes->system[lane];
         const struct controller wanted = {.tol = tol[lane]};
-        const double max = largest_estimate(method, tolerance(&wanted));
+        const double max = largest_estimate(method, controller_tolerance(&wanted));
         own->tol[lane] = tol[lane];
         own->accepted[lane] = 1 / (n * max * max);
         own->t[lane] = lanes->t0;
         own->h[lane] = lanes->own_h[lane];
         for (int i = 0; i < n; i++) {
-            const double given = system->atol[i] / tolerance(&wanted);
+            const double given = system->atol[i] / controller_tolerance(&wanted);
             lanes->given[i * LANE_COUNT + lane] = given < DBL_MAX ? given : DBL_MAX;
         }
         lane_put(n, system->scale, lane, lanes->min);
@@ -167,7 +167,7 @@ INLINE four four_limited(four x)
 }
 
 /* Updates lanes->scale, the sizes that errors are relative to, in vector q of the lanes, as
- * follow() does. */
+ * update_sizes() does. */
 INLINE void follow_sizes(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;

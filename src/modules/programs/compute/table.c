@@ -21,7 +21,7 @@ bool method_error_control(const struct method *method, double tol, double *most,
     if (!(method->flags & METHOD_ADAPTIVE) || !t || !t->fsal || !t->b_hat || t->rough)
         return false;
     const struct controller controller = {.tol = tol};
-    *most = largest_estimate(method, tolerance(&controller));
+    *most = largest_estimate(method, controller_tolerance(&controller));
     *order = method->embedded + 1;
     return true;
 }
