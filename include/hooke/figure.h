@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * figure: a plot as data, then as cells: ranges, ticks, axes, polylines, legends, ASCII and braille
- * raster.
+ * figure: a plot as data (struct figure: curves, axes, heat map), its layout in a rectangle
+ * (ranges, ticks, panels) and its drawing into a canvas of character cells.
  *
- * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a
- * terminal needs to know.
+ * A caller fills a struct figure, which owns nothing, and calls figure_draw() with a rectangle of a
+ * canvas, or figure_print() for lines of text. Panes and the command `plot` use the same functions;
+ * pictures (SVG, PDF, PNG) are drawn from the same struct by a module.
  */
 #pragma once
 
@@ -12,6 +13,7 @@
 
 /* ---- canvas: a rectangle of character cells ---- */
 
+/* Style of a cell; the front end chooses its colours. */
 enum style {
     STYLE_PLAIN,
     STYLE_DIM,
@@ -23,178 +25,210 @@ enum style {
     STYLE_ALERT
 };
 
+/* A character cell. */
 struct cell {
-    uint32_t codepoint; /* 0 marks the right half of a wide character */
+    uint32_t codepoint; /* Code point; 0 marks the right half of a wide character. */
     uint8_t style;      /* enum style */
 };
 
+/* A rectangle of cells; begin with canvas_init(), end with canvas_free(). */
 struct canvas {
     int width, height;
-    struct cell *cell; /* [height * width] */
+    struct cell *cell; /* [height * width] cells, row by row, owned. */
 };
 
-/* blanks; returns false if out of memory */
+/* Makes a canvas of blanks. Returns false if out of memory. */
 bool canvas_init(struct canvas *canvas, int width, int height);
+/* Frees the cells. */
 void canvas_free(struct canvas *canvas);
-/* Writes one cell; positions outside of the canvas are ignored. */
+/* Writes one cell at column x and row y, from 0 at the top left; positions outside are ignored. */
 void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style);
-/* returns the column after it; clipped */
+/* Writes a text from column x on, clipped at the edges. Returns the column behind it. */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);
-/* Lines without trailing blanks; colour escapes only when `color`. */
+/* Appends the canvas as lines without trailing blanks, with escape sequences for colours only if
+ * `color`. A failure is noted in output->failed. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *output);
 
 struct cancel;
 struct figure;
 struct heat;
 
-/* Dots of one cell: what a character set can resolve. */
+/* Number of dots in one cell that a character set can show. */
 struct dot_grid {
     int dots_horizontal, dots_vertical;
 };
 
-/* Says figures in sentences and tables, for those who are read to. All return false only if out of
- * memory. */
+/* Describes figures in sentences and tables for screen readers. All return false only if out of
+ * memory. A module provides it. */
 struct figure_words {
-    bool (*describe)(const struct figure *figure, struct buffer *output); /* sentences alone */
+    /* Appends a description in sentences. */
+    bool (*describe)(const struct figure *figure, struct buffer *output);
+    /* Appends the figure as figure_print() does, in words, in lines of `width` columns. */
     bool (*print)(const struct figure *figure, int width, struct buffer *output);
+    /* Does the same for a heat map alone. */
     bool (*print_heat)(const struct heat *heat, int width, struct buffer *output);
+    /* Writes the words into a rectangle of a canvas. */
     bool (*draw)(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height);
 };
 
-/* A set of characters that figures are drawn with. */
+/* A set of characters by which figures are drawn. */
 struct charset {
+    /* Dots per cell of curves. */
     struct dot_grid dots;
-    bool plain; /* frames are '-' and '|' */
-    /* words that replace the drawing, or NULL for figures that are drawn */
+    bool plain; /* Frames are drawn by '-' and '|'. */
+    /* Functions that describe the figure in words instead, or NULL for figures that are drawn. */
     const struct figure_words *words;
 };
+/* Characters of ASCII, of block elements, and of braille dots. */
 extern const struct charset charset_ascii, charset_block, charset_braille;
 
-/* Columns enough for a figure in words: no oscillation is drawn as its envelope. */
+/* Number of columns for a figure in words: so many that no oscillation is drawn as its envelope. */
 #define WORDS_COLUMNS 4000
 
-/* ---- heat map: a value over two axes, as shades ----
+/*
+ * ---- heat map: a value over two axes, as shades or letters ----
  *
- * One cell or more for each point; where there are more points than cells a cell shows the largest
- * of its own. Columns follow the places on the axes, whatever their values: they are labelled.
+ * The map has a value for each pair of places on its axes. A place has one cell or more; if there
+ * are more places than cells, a cell shows the largest value of its places. Columns have equal
+ * widths whatever the values on the axis, which are in the labels.
  */
+
+/* An axis of a heat map. */
 struct heat_axis {
     const char *label, *unit;
-    double factor;       /* number shown = value / factor */
-    const double *value; /* [count] */
+    double factor;       /* Number shown = value / factor. */
+    const double *value; /* [count] values of the places, monotonic. */
     int count;
-    bool log; /* the places are evenly spaced on a logarithmic axis */
+    bool log; /* The places are evenly spaced on a logarithmic axis. */
 };
 
-/* The edge between place i - 1 of an axis and place i: half way; the outer ones as far beyond the
- * first and the last place as the next edge is inside. */
+/* Returns the edge between places i - 1 and i of an axis, half way between them (0 <= i <= count);
+ * an outer edge is as far beyond its place as the next edge is inside. */
 double heat_edge(const struct heat_axis *axis, int i);
 
+/* A heat map; owns nothing. */
 struct heat {
+    /* Title, and unit of the values; number shown = value / factor. */
     const char *title, *unit;
     double factor;
-    struct heat_axis x, y; /* y points up */
-    const double *value;   /* [x.count][y.count]; NAN is shown as a missing value */
-    /* Letters for the values -1, 0, 1 ...; the last one also marks all larger values. NULL draws
-     * shades. */
+    struct heat_axis x, y; /* Axes; y points up. */
+    const double *value;   /* [x.count][y.count] values; NAN is shown as missing. */
+    /* Letters for the values -1, 0, 1, …; the last one also stands for all larger values. NULL
+     * draws shades. */
     const char *letters;
 };
 
-/* The range of values that the shades of a map stand for. low > high if there is no value. */
+/* Range of values that the shades of a map show; low > high if there is no value. */
 struct heat_scale {
-    double low, high; /* range of the finite values */
-    bool log;         /* positive values of very different size */
+    double low, high; /* Range of the finite values. */
+    bool log;         /* The scale is logarithmic: positive values of very different sizes. */
 };
 /* Returns the scale of a map. */
 struct heat_scale heat_scale_of(const struct heat *heat);
-/* Returns where a value lies on the scale, from 0 to 1. */
+/* Returns the position of a value on the scale, from 0 to 1. */
 double heat_share(const struct heat_scale *scale, double value);
-/* Returns the largest value of the places [x0, x1) and [y0, y1), or NAN if none has one. */
+/* Returns the largest value of the places x0 <= x < x1 and y0 <= y < y1, or NAN if none has one. */
 double heat_largest(const struct heat *heat, int x0, int x1, int y0, int y1);
-/* Returns the character of a value, or 'x' for NAN. */
+/* Returns the character for a value, 'x' for NAN. */
 uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
                     const struct charset *charset, double value);
-/* The shades of a character set, from the lowest to the highest value; returns how many. */
+/* Sets *shade to the shades of a character set from the lowest to the highest value; returns their
+ * number. */
 int heat_shades(const struct charset *charset, const uint32_t **shade);
 
 /* ---- figures ---- */
 
+/* An axis of a figure. */
 struct axis {
-    const char *label;              /* "y", "t", "v" */
-    const char *unit;               /* unit printed in brackets, or "" for none */
-    double factor;                  /* number shown = value / factor; 0 counts as 1 */
-    double first_value, last_value; /* range in values; used if fixed */
+    const char *label;              /* Name of the quantity: "y", "t", "v". */
+    const char *unit;               /* Unit that is printed in brackets, or "". */
+    double factor;                  /* Number shown = value / factor; 0 stands for 1. */
+    double first_value, last_value; /* Range of values if `fixed`. */
+    /* The range is given; the axis is logarithmic. */
     bool fixed, log;
-    /* Smallest value on a log axis; smaller ones are left out of the range and counted. With 0
-     * only values <= 0 are left out. */
+    /* Smallest value on a logarithmic axis; smaller ones are left out of the range and counted as
+     * hidden. With 0 only values <= 0 are. */
     double min;
-    /* Curves that vary by less than this fraction of their size are drawn with zero on the axis.
-     * With 0 a curve that hardly varies is drawn around its middle; with a negative value its
-     * range is not widened. */
+    /* If curves vary by less than this fraction of their size, the axis includes zero. With 0, a
+     * curve that hardly varies is drawn around its middle; with a negative value the range is never
+     * widened. */
     double flat;
 };
 
+/* A curve or a set of points; owns nothing. Zero members are the defaults. */
 struct curve {
-    const char *label;   /* name in the legend, such as "verlet" or "data" */
-    const double *x, *y; /* [n] NaN is a gap */
+    const char *label;   /* Name in the legend, such as "verlet" or "data". */
+    const double *x, *y; /* [n] coordinates; NAN makes a gap. */
     size_t n;
-    bool points; /* samples are marks instead of a line, and are drawn last */
-    bool plain;  /* has no colour in text, because its mark is enough */
-    bool arrows; /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
-    bool cloud;  /* points, so many that each is the smallest dot there is */
-    bool joined; /* a line joins the points; in pictures each has a shape, never a letter */
-    char mark; /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'), or 0 to choose by position */
-    /* Index, from 1, of the curve whose colour and shape this one shares, or 0 for its own. */
+    bool points; /* Samples are drawn as marks instead of a line, after all lines. */
+    bool plain;  /* It has no colour in text, because its mark is enough. */
+    bool arrows; /* Each piece between gaps is an arrow: tail, tip, then, for pictures, its head. */
+    bool cloud;  /* Points, so many that each is the smallest possible dot. */
+    bool joined; /* A line joins the points; in pictures each point has a shape, never a letter. */
+    /* Character of the curve in ASCII ('#', 'o', 'x', '+'), or 0 to choose it by position. */
+    char mark;
+    /* Index, from 1, of the curve whose colour and shape it shares, or 0 for its own. */
     int look;
-    int panel;            /* 0, or 1 where the figure has a second one */
-    bool thinned;         /* a choice of the samples that looks the same: they are not counted */
-    const double *t;      /* [n] [s] times of the points of a plane, or NULL if unknown */
-    const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
-    const char *spread_label; /* name of the band in the legend */
-    /* [n] For points in a picture, half the length of each error bar, NAN for a point without
-     * one. NULL draws none. Text figures have no room for them. */
+    int panel; /* Panel in which it is drawn: 0, or 1 if the figure has a second panel. */
+    /* A selection of the samples that looks the same as all, so that they cannot be counted. */
+    bool thinned;
+    const double *t; /* [n] times [s] of the points of a plane, or NULL if unknown. */
+    /* [n] half the width of a band around a line, drawn below everything; or NULL. */
+    const double *spread;
+    const char *spread_label; /* Name of the band in the legend, or NULL. */
+    /* [n] half the length of each point's error bar, NAN for none; NULL draws none. Only in
+     * pictures, since text has no room. */
     const double *bar;
-    const struct cancel *cancel; /* ends every loop over its samples; NULL if nobody can */
+    const struct cancel *cancel; /* Flag that stops loops over its samples; may be NULL. */
 };
 
-/* A thin grey line between two points, or a grey area whose corners they are: below all curves, in
- * no range, in no legend. */
+/* A thin grey line between two points, or a grey area with two opposite corners at them, drawn
+ * below all curves; it changes no range and is not in the legend. */
 struct figure_guide {
     double x[2], y[2];
     bool area;
 };
 
-/* Words that end left of a point. A text figure leaves out those that would cover something. */
+/* A text that ends left of a point. Text figures omit it if it would cover something. */
 struct figure_label {
     double x, y;
     const char *text;
 };
 
+/* A plot as data; owns nothing. Zero members are the defaults. */
 struct figure {
     const char *title;
     struct axis x, y;
-    /* x and y of the second panel, for curves of another size. It is drawn below the first one
-     * with the same x axis; in a plane beside it or below, whichever gives more room, with its
-     * own x axis. If NULL, all curves share one panel. */
+    /* [2] axes x and y of a second panel, for curves of another size, or NULL if all curves share
+     * one panel. The second panel is below the first one with the same x axis; if the figure is a
+     * plane, beside or below it, whichever gives more room, with an x axis of its own. */
     const struct axis *second;
-    int panel;  /* panel that is drawn: 0, except in the figures that figure_panels() returns */
-    bool part;  /* one of two panels: only its curves are drawn, with labels even on a single row */
-    bool plane; /* x is no independent variable: curves leave the plot through all four sides */
+    int panel; /* Panel that is drawn: 0, except in the figures of figure_panels(). */
+    /* It is one of two panels: only its curves are drawn, with labels even on a single row. */
+    bool part;
+    /* It is a plane: x is not an independent variable, and curves can leave the plot through all
+     * four sides. */
+    bool plane;
+    /* [curves] curves. */
     const struct curve *curve;
     int curves;
-    const struct heat *heat; /* shades drawn below the curves, whose axes are fixed; or NULL */
-    bool equal;              /* same length for a unit on both axes (phase plot) */
+    /* Heat map that is drawn below the curves, whose axes are then fixed; or NULL. */
+    const struct heat *heat;
+    bool equal; /* A unit has the same length on both axes (phase plot). */
+    /* A line is drawn at y = 0. */
     bool zero_line;
-    bool grid;      /* pictures have lines at the labels of both axes */
-    bool has_point; /* the current point is marked */
+    bool grid;      /* Pictures have grid lines at the labels of both axes. */
+    bool has_point; /* `point` is marked as the current one. */
     double point[2];
-    double aspect;    /* height over width of a cell; 0 counts as 2 */
-    const char *note; /* left end of the lower frame, or NULL: "14 periods: envelope" */
-    int gutter;       /* least width of the y labels (hysteresis of live plots) */
-    /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
+    double aspect; /* Height over width of a cell; 0 stands for 2. */
+    /* Text at the left end of the lower frame, such as "14 periods: envelope", or NULL. */
+    const char *note;
+    int gutter; /* Smallest width [column] of the y labels, so that live plots do not jump. */
+    /* Text at the right end of the upper frame, after the legend, such as "last 2 T, equal axes",
+     * or NULL. */
     const char *caption;
-    /* Words about the figure, where its curves do not say enough, or NULL. */
+    /* Sentences for screen readers, if the curves do not tell enough, or NULL. */
     const char *words;
     const struct figure_guide *guide; /* [guides] */
     int guides;
@@ -202,102 +236,112 @@ struct figure {
     int labels;
 };
 
-/* The factor of an axis that numbers shown are divided by; of a unit, so that nothing overflows. */
+/* Returns the factor of an axis, or 1 if it is 0 or so extreme that a quotient could overflow. */
 static inline double axis_factor(const struct axis *axis)
 {
     return axis->factor > 1e-30 && axis->factor < 1e30 ? axis->factor : 1;
 }
 
-/* Returns the glyph of a curve, or 0 if it is drawn with dots. */
+/* Returns the character of curve number `curve`, or 0 if it is drawn with dots. */
 char figure_mark(const struct figure *figure, int curve);
-/* Returns true if drawing a curve was cancelled; the caller must then discard the figure. */
+/* Returns true if drawing was cancelled; the caller must then discard the figure. */
 bool figure_stopped(const struct figure *figure);
-/* The first curve (of this panel) that has a band with a name; NULL if there is none. */
+/* Returns the first curve of this panel that has a band with a name, or NULL if there is none. */
 const struct curve *figure_band(const struct figure *figure);
 
-/*
- * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at
- * most `max`, all inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or
- * 5 times a power of ten. count 0: no range.
- */
+/* Tick positions: `count` ticks at first + i step, count = 0 if the range is empty. */
 struct ticks {
     double first, step;
     int count, decimals;
-    int exponent;        /* labels are (value - offset) / 10^exponent, 0 mostly */
-    double offset;       /* subtracted from long labels of a narrow range; the title shows it */
-    int offset_decimals; /* decimals of offset / 10^offset_power */
-    int offset_power;    /* power of ten of a very large or small offset, else 0 */
+    /* Labels are (value - offset) / 10^exponent, with `decimals` decimals; mostly 0. */
+    int exponent;
+    /* Offset that is subtracted from long labels of a narrow range and shown in the title; mostly
+     * 0. */
+    double offset;
+    int offset_decimals; /* Number of decimals of offset / 10^offset_power. */
+    int offset_power;    /* Power of ten of a very large or small offset, else 0. */
 };
+/* Chooses ticks by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want` and
+ * at most `max`, all inside the range. Steps are 1, 2, 2.5, 3, 4 or 5 times a power of ten. */
 struct ticks ticks_linear(double range_begin, double range_end, int want, int max);
-/* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`
- * decades. */
+/* Chooses ticks of a logarithmic axis, 0 < range_begin < range_end: powers of ten whose exponents
+ * are `first` + i `step`, at most `max`. */
 struct ticks ticks_log(double range_begin, double range_end, int max);
 
-/* Scale between the two ends of an axis. Never overflows, whatever the values. */
+/* Map from values to the fraction of an axis; it never overflows, whatever the values. */
 struct scale {
-    double first_value, last_value; /* values at the ends */
+    double first_value, last_value; /* Values at the ends. */
     bool log;
-    /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
+    /* fraction = (value * unit - origin) * gain; on a logarithmic axis with log10(value) in place
+     * of value * unit. */
     double unit, origin, gain;
 };
-/* 0 at from, 1 at to; cut off at +-1e6; NAN for what cannot be shown. */
+/* Returns the fraction of a value: 0 at first_value, 1 at last_value, limited to +-1e6; NAN if it
+ * cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
 
-/* Layout that figure_draw will use in a rectangle, for cursors and for callers that keep ranges
- * and gutters steady. */
+/* Layout that figure_draw() uses in a rectangle, for cursors and for callers that keep ranges and
+ * widths steady. */
 struct figure_layout {
     const struct charset *charset;
+    /* Parts that fit. */
     bool frame, x_labels, y_labels;
-    int gutter;                   /* width of the y labels */
-    int left, top, columns, rows; /* [cell] the plot, in the rectangle */
+    int gutter;                   /* Width [column] of the y labels. */
+    int left, top, columns, rows; /* [cell] position of the plot in the rectangle, and its size */
     struct scale x, y;
-    struct ticks x_ticks, y_ticks; /* positions in displayed numbers (value / factor) */
-    bool x_decades, y_decades;     /* ticks are powers of ten */
-    size_t hidden; /* values that a log axis does not show: <= 0, or below axis.least */
+    struct ticks x_ticks, y_ticks; /* Ticks, in displayed numbers (value / factor). */
+    bool x_decades, y_decades;     /* Ticks are powers of ten. */
+    /* Number of values that a logarithmic axis does not show: <= 0, or below axis.min. */
+    size_t hidden;
 };
+/* Computes the layout for a rectangle of this size [cell]. */
 void figure_layout(const struct figure *figure, int width, int height,
                    const struct charset *charset, struct figure_layout *layout);
-/* A figure of two panels is drawn as two figures. */
+/* One panel of a figure, as a figure of its own. */
 struct figure_panel {
     struct figure figure;
-    /* [cell] where, in the rectangle; what comes later covers what overlaps */
+    /* [cell] position in the rectangle and size; a later panel covers an earlier one where they
+     * overlap */
     int x, y, width, height;
 };
 #define PANELS_MAX 2
-/* Splits the figure into panels, with labels aligned where panels share an axis, and returns
- * their number. Returns one panel if there is no room for two. */
+/* Splits a figure into panels, with aligned labels if panels share an axis, and returns their
+ * number: one if there is no room for two. */
 int figure_panels(const struct figure *figure, int width, int height, const struct charset *charset,
                   struct figure_panel panel[PANELS_MAX]);
 
-/* Counts the samples of a curve that lie outside of the axes. Samples beyond a window of time
- * are left out on purpose and do not count. */
+/* Samples of a curve outside the axes. Those beyond a window of time are left out on purpose and do
+ * not count. */
 struct curve_outside {
-    size_t count, total; /* samples outside, of all in the window */
-    bool leaves;         /* it was inside before */
-    /* Position at which the curve leaves: t, or x if that is the independent variable; NAN if
-     * unknown. */
+    size_t count, total; /* Number of samples outside, and of all in the window. */
+    bool leaves;         /* It was inside before. */
+    /* Position at which it leaves: t, or x if that is the independent variable; NAN if unknown. */
     double position;
-    double farthest; /* value that lies farthest beyond the frame */
-    bool along_x;    /* the farthest value is one of x */
+    double farthest; /* Value that lies farthest beyond the frame. */
+    bool along_x;    /* `farthest` is a value of x instead of y. */
+    /* `farthest` lies beyond the upper end of its axis. */
     bool is_beyond_upper;
 };
+/* Fills *outside for curve number `curve`. */
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int curve,
                    struct curve_outside *outside);
-/* Finds the cell (relative to the plot) of a point. Returns false if it is outside of the plot. */
+/* Finds the cell of a point, relative to the plot. Returns false if the point is outside. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row);
 
-/* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it
- * fits. */
+/* Draws the figure into a rectangle of a canvas, from 1x1 cells up as well as it fits. Returns
+ * false if out of memory. */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height, const struct charset *charset);
-/* The whole figure as text lines; returns false if out of memory or stopped. */
+/* Appends the figure as lines of text. Returns false if out of memory or cancelled. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *output);
 
-/* ---- pictures, which modules make ---- */
+/* ---- sizes of pictures, which a module draws ---- */
 
-#define PICTURE_MIN 0.03 /* [m] a side of a page, as users choose it */
+/* [m] smallest and largest side of a page that users may choose */
+#define PICTURE_MIN 0.03
 #define PICTURE_MAX 1.0
+/* Points (1/72 inch) per metre. */
 #define POINTS_PER_METRE (72 / 0.0254)
-/* [cell] of a text figure that shows as much: for callers that choose what is drawn */
+/* [cell] width of a text figure that shows as much detail, for callers that choose what is drawn */
 #define PICTURE_COLUMNS 250

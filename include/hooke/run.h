@@ -274,7 +274,7 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
 struct event_record {
     int event;     /* Index in the target's list. */
     int direction; /* 1 for rising, -1 for falling, 0 for touching */
-    int64_t step;  /* Number of the step that follows the event. */
+    int64_t step;  /* Number of steps of the run, including the one in which it happened. */
     double t;      /* Time [s] of the event. */
 };
 

@@ -1,25 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Even sampling behind time stamps that were rounded when they were printed. */
+/* even_times: finds the even sampling times behind time stamps that were rounded when they were
+ * printed. */
 #pragma once
 
 #include <hooke/base/text.h>
 
 struct cancel;
 
+/* Result of the search. */
 struct even_times {
     double first, step; /* [s] sample i was taken at first + i step */
-    double pace;        /* relative standard uncertainty of step: what the rounding leaves open */
-    double resolution;  /* [s] the coarsest rounding of a time stamp, or 0 if none was rounded */
-    bool even;          /* every stamp lies within its rounding of that line */
+    double pace;        /* Relative standard uncertainty of step that the rounding leaves. */
+    double resolution;  /* [s] coarsest rounding of a time stamp, or 0 if none was rounded */
+    bool even;          /* Every stamp is on the line within its rounding. */
 };
 
 /*
- * Finds the line through all n stamps, which may repeat but do not fall. A stamp may be rounded to
- * a number of decimals or to a number of significant digits. Where the stamps are not even, first
- * and step are the first stamp and the mean step. A cancelled search finds that they are not even.
+ * Finds the line through n time stamps t [s], which may repeat but not decrease. A stamp may be
+ * rounded to a number of decimals or to a number of significant digits. If the stamps are not even,
+ * first and step are the first stamp and the mean step; so it is if the search is cancelled
+ * (`cancel` may be NULL).
  *
- * Stamps 1 ms apart of which every 20th row is lost are also those of a step of 1.053 ms, rounded.
- * The values y [n] tell which of the two it is; with NULL, or where noise hides it, the stamps
+ * Stamps 1 ms apart of which every 20th row is missing also fit a step of 1.053 ms, rounded. The
+ * values y [n] decide between the two; if y is NULL, or noise hides the difference, the stamps
  * count as rounded.
  */
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Series of values over time, measured or simulated. */
+/* series: values of one quantity over time, measured or simulated, and the results of measurements
+ * on them. A series owns nothing: its arrays belong to an arena or a run. */
 #pragma once
 
 #include <hooke/base/quantity.h>
@@ -7,83 +8,95 @@
 
 struct cancel;
 
+/* Times and values of one quantity. */
 struct series {
-    const double *t; /* [s] increasing */
-    const double *y; /* SI; no NaN */
+    const double *t; /* [n] times [s], increasing */
+    const double *y; /* [n] values [SI], never NAN */
     size_t n;
-    enum quantity quantity;      /* quantity of y */
-    const struct cancel *cancel; /* ends calculations with it; NULL if nobody can */
-    double pace; /* relative uncertainty that all its times have in common, or 0 if unknown */
+    enum quantity quantity;      /* Quantity of y. */
+    const struct cancel *cancel; /* Flag that stops calculations with it; may be NULL. */
+    /* Relative standard uncertainty that all its times have in common, or 0 if unknown. */
+    double pace;
 };
 
-/* Returns the part [from, to] of a series, which shares the memory of the whole. */
+/* Returns the part from t_begin to t_end [s] of a series; it shares the memory of the whole. */
 struct series series_window(struct series series, double t_begin, double t_end);
-/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN if there are too
- * few samples, or if out of memory. */
+/* Returns the standard deviation of the noise on a smooth motion, from sixth differences, or NAN if
+ * there are too few samples or if out of memory. Work memory is the arena's. */
 double series_noise(const struct series *series, struct arena *arena);
 
-/* ---- what is found in one ---- */
+/* ---- results of measurements on a series ---- */
 
 /* Robust description of a series before any model is fitted. */
 struct overview {
-    /* offset (mid of the robust extremes, or mean over whole periods), extremes */
+    /* Offset (middle of the robust extremes, or mean over whole periods), and extremes. */
     double mean, low, high;
-    double noise;   /* standard deviation of the noise, from differences */
-    double period;  /* [s] refined estimate from the spectrum, or NAN without an oscillation */
-    double periods; /* number of periods in the series, or NAN */
+    double noise;  /* Standard deviation of the noise, from differences. */
+    double period; /* [s] estimate of the period from the spectrum, or NAN without an oscillation */
+    double periods; /* Number of periods in the series, or NAN. */
+    /* An oscillation was found. */
     bool oscillates;
-    char reason[160]; /* the reason why it does not oscillate */
+    char reason[160]; /* Reason why it does not oscillate, or "". */
 };
 
+/* A crossing of a level. */
 struct crossing {
-    double t, uncertainty; /* [s] */
+    double t, uncertainty; /* Time [s] and its standard uncertainty [s]. */
+    /* Upwards. */
     bool rising;
 };
 
+/* A measured period. */
 struct period {
-    struct measured period; /* [s] */
-    double periods;         /* whole periods between first and last crossing used */
-    double first, last;     /* [s] */
+    struct measured period; /* Period [s]. */
+    double periods;         /* Number of periods between the first and the last crossing used. */
+    double first, last;     /* Times [s] of these crossings. */
+    /* Level [SI] whose crossings were used. */
     double level;
-    const char *how;   /* method of the reading, for messages */
-    char warning[160]; /* reason to doubt one period for the whole series, or "" */
+    const char *how;   /* Method of the measurement, for messages; a constant. */
+    char warning[160]; /* Reason to doubt that one period describes the whole series, or "". */
 };
 
+/* A line of a spectrum. */
 struct spectrum_peak {
     struct measured frequency; /* [Hz] */
-    struct measured amplitude; /* as y */
+    struct measured amplitude; /* Amplitude, in the unit of y. */
 };
 
-/* Noise of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all
- * members are 0 for a simulation. */
+/* Noise of an energy m v^2/2 + k y^2/2 that is computed from samples with noise sigma of y and gain
+ * sigma of v. All members are 0 for a simulation. */
 struct energy_noise {
     double floor; /* [J] mean energy that the noise adds: sigma^2 (k + m gain^2)/2 */
     /* [J^1/2] samples of an energy E scatter by spread sqrt(E): 2 sigma sqrt(k) */
     double spread;
 };
 
-/* ---- a series with a mask, on an even grid where its times are one ---- */
+/* ---- samples: a series with a mask, on an even grid of times if its times are even ---- */
 
+/* A series as fits use it; its arrays are the series' or the arena's. */
 struct samples {
+    /* [n] times [s] and values [SI]. */
     const double *t, *y;
     size_t n;
-    double t0, dt; /* [s] where uniform: t = t0 + i dt */
+    double t0, dt; /* [s] if uniform, t = t0 + i dt */
+    /* The times are even. */
     bool uniform;
-    double pace;                 /* relative standard uncertainty that all times have in common */
+    double pace;                 /* Relative standard uncertainty that all times have in common. */
     unsigned char *use;          /* [n] 1 for samples that are fitted, 0 for rejected ones */
-    bool resampled;              /* made of a very uneven series, which no sensor sends */
-    const struct cancel *cancel; /* ends fits; NULL if nobody can */
+    bool resampled;              /* Interpolated from a very uneven series, which is no sensor's. */
+    const struct cancel *cancel; /* Flag that stops fits; may be NULL. */
 };
 
-/* Returns true if a tenth of the steps are far shorter than the mean one, as those of a stiff
- * adaptive run are. */
+/* Returns true if more than a tenth of the steps are shorter than 1/20 of the mean step, as in
+ * stiff adaptive runs. */
 bool series_is_uneven(const struct series *series);
-/* Prepares a series. One that series_is_uneven() is replaced by as many samples on an even grid.
- * Returns false if out of memory. */
+/* Prepares a series; one for which series_is_uneven() is replaced by the same number of samples on
+ * an even grid. Returns false if out of memory or if cancelled. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
-/* Sets samples[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
+/* Sets samples[length] to the values at t0, t0 + dt, … [s], by linear interpolation; beyond the
+ * ends the first or last value. Returns their sum. */
 double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
                         double *samples);
-/* Standard deviation of the noise, from sixth differences; scratch [n]. Returns NAN if there are
- * too few samples. */
+/* Returns the standard deviation of the noise, from the median of sixth differences, which ignores
+ * single spikes, or NAN if there are too few samples. scratch [n] is work memory. */
 double samples_noise(const struct samples *samples, double *scratch);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* figure: ranges, ticks and panels, for whatever draws figures: cells, or a module that makes
- * pictures. */
+/* layout: ranges, ticks and panels of a figure, for code that draws figures: into cells, or as
+ * pictures in a module. Coordinates are fractions of the axes. */
 #pragma once
 
 #include <hooke/base/cancel.h>
@@ -8,34 +8,36 @@
 
 #include <math.h>
 
-/* Returns true if sample i of the curve exists and the figure is not cancelled: the condition of
- * loops over samples. The result of a cancelled loop is dropped. */
+/* Returns true if the curve has sample i and the figure is not cancelled: the condition of loops
+ * over samples. The result of a cancelled loop is discarded. */
 static inline bool curve_goes_on(const struct curve *curve, size_t i)
 {
     return i < curve->n && (i % LOOK_EACH_ROWS != 0 || !cancelled(curve->cancel));
 }
 
+/* Size [byte] of any tick label with its NUL. */
 #define TICK_TEXT_SIZE 48
 
-/* Returns the value of tick i on its axis. */
+/* Returns the number at tick i; `log` if the ticks are powers of ten. */
 double tick_value(const struct ticks *ticks, int i, bool log);
-/* Writes the label of tick i. Returns its length. */
+/* Writes the label of tick i. Returns its length [byte]. */
 int tick_text(const struct ticks *ticks, int i, bool log, char output[TICK_TEXT_SIZE]);
 
-/* Returns into how many parts ticks without labels divide a step: 5 of steps 1, 2.5 and 5, 4 of 2
- * and 4, 3 of 3. */
+/* Returns the number of parts into which small ticks divide a step: 5 for steps of 1, 2.5 and 5, 4
+ * for 2 and 4, 3 for 3 (times a power of ten). */
 int tick_parts(const struct ticks *ticks);
 
-/* Writes the offset that a title subtracts, such as "- 2.2326". Returns its length. */
+/* Writes the offset as an axis title shows it, such as "- 2.2326". Returns its length [byte]. */
 int offset_text(const struct ticks *ticks, char output[TICK_TEXT_SIZE]);
 
+/* Returns the scale of an axis from `first` to `last`. */
 struct scale scale_of(double first, double last, bool log);
 
-/* [axis lengths] Fractions are cut off here, where they are still a whole number of dots. */
+/* Largest magnitude of a fraction [axis lengths]; larger ones are set to it. */
 #define FRACTION_MAX 1e6
 
-/* Returns where a value is along the axis, 0 to 1 from its start to its end, or NAN if the axis
- * cannot show it. */
+/* Returns the position of a value along the axis, 0 at its start and 1 at its end, limited to
+ * FRACTION_MAX; NAN if the axis cannot show it. */
 static inline double fraction_of(const struct scale *scale, double value)
 {
     if (!isfinite(value) || (scale->log && value <= 0))
@@ -47,31 +49,33 @@ static inline double fraction_of(const struct scale *scale, double value)
                                       : fraction;
 }
 
-/* The range of the curves along an axis. */
+/* Range of curves along an axis. */
 struct extent {
-    double low, high; /* low > high if there are no values */
-    size_t hidden;    /* number of values that a logarithmic axis cannot show */
+    double low, high; /* Smallest and largest value; low > high if there are none. */
+    size_t hidden;    /* Number of values that a logarithmic axis cannot show. */
 };
 
-/* Choice of the samples that an extent is taken over. All zeros choose every finite sample. */
+/* Selection of the samples that count for an extent. All zeros select every finite sample. */
 struct extent_window {
-    bool vertical;             /* extent of y instead of x */
-    const double *other_range; /* [2] range on the other axis to which samples belong, or NULL */
-    double min;                /* smallest value that counts, if it is positive */
-    int panel;                 /* panel whose curves are taken, from 1, or 0 for all panels */
-    bool bands, bars;          /* bands and error bars extend the range */
+    bool vertical; /* The extent of y instead of x. */
+    /* [2] range on the other axis in which samples count, or NULL; an end that is NAN is open. */
+    const double *other_range;
+    double min;       /* Smallest value that counts, if > 0. */
+    int panel;        /* Panel whose curves count, from 1, or 0 for all panels. */
+    bool bands, bars; /* Bands, and error bars, extend the range. */
 };
 
-/* Returns what curves hold. An end of the window's other_range that is NAN is open. */
+/* Returns the extent of curves; `window` may select samples. */
 struct extent curves_extent(const struct curve *curve, int curves,
                             const struct extent_window *window);
-/* Returns the extent along an axis that is not fixed, with error bars if those are drawn. */
+/* Returns the extent along an axis that is not fixed, including error bars if `bars`. */
 struct extent axis_extent(const struct figure *figure, bool vertical, bool bars);
-/* Chooses ranges and ticks for layout->columns x rows, of curves that reach that far. */
+/* Chooses ranges and ticks for a plot of layout->columns by layout->rows cells and curves of these
+ * extents. */
 void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x,
                    struct extent y);
-/* Appends the text of the lower frame, at most `available` cells: which curves leave the plot, the
- * figure's note, how many values are hidden. Appends nothing if there is nothing to say. */
+/* Appends the text of the lower frame, at most `available` columns wide: the curves that leave the
+ * plot, the figure's note, the number of hidden values. May append nothing. */
 void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
                  struct buffer *output);
 
@@ -83,16 +87,18 @@ static inline bool curve_drawn(const struct figure *figure, int curve)
 
 /* First exit of a curve through one side of the plot (left, right, bottom, top). */
 struct curve_exit {
+    /* The curve leaves through this side. */
     bool left;
-    double x, y; /* fractions */
+    double x, y; /* Position of the exit, in fractions of the axes. */
 };
 
-/* Finds the exits of a curve, only through bottom and top if it has an independent variable.
+/* Finds the exits of a curve; only through bottom and top if it has an independent variable.
  * Returns true if there is any. */
 bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int curve,
                  struct curve_exit exits[4]);
 
-/* Makes a figure of each panel of a figure. Returns how many. */
+/* Makes a figure of each panel of a figure. Returns their number. */
 int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX]);
-/* Returns true if two planes have more room side by side than one below the other. */
+/* Returns true if two planes have more room side by side than one below the other in a rectangle of
+ * this size [cell]. */
 bool planes_across(const struct figure *figure, int width, int height);

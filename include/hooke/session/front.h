@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * front: callbacks that a front end (batch, prompt, panes, another program) offers to a session,
- * and the lines that it reads from sensors.
+ * front: the callbacks that a front end (batch, prompt, panes, another program) provides to a
+ * session, and the lines that it reads from sensors for the command `collect`.
+ *
+ * A front end fills a struct front and passes it to session_create(); NULL callbacks are never
+ * called.
  */
 #pragma once
 
@@ -13,93 +16,107 @@ struct run;
 struct session;
 struct table;
 
-/* ---- lines as they come, for `collect` ---- */
+/* ---- feed: lines of a sensor, read in a thread of the front end ---- */
 
+/* State of a feed: it continues, or the reason why it has ended. */
 enum feed_end {
     FEED_GOES_ON,
-    FEED_ENDED,     /* the writer has closed the source */
-    FEED_UNPLUGGED, /* the device is gone */
-    FEED_IN_TIME,   /* the time is over for which lines were wanted */
-    FEED_FULL,      /* the number of lines was reached that is wanted, or that a file may have */
-    FEED_FAILED     /* the file cannot be written; the lines in it are complete */
+    FEED_ENDED,     /* The writer has closed the source. */
+    FEED_UNPLUGGED, /* The device is gone. */
+    FEED_IN_TIME,   /* The requested time is over. */
+    FEED_FULL,  /* The requested number of lines, or the largest number in a file, was reached. */
+    FEED_FAILED /* The file cannot be written; the lines in it are complete. */
 };
 
+/* The source that a feed reads, and the file that it writes. */
 struct feed_request {
-    const char *source; /* a device, a pipe, a file that grows, STANDARD_INPUT */
-    int file;           /* descriptor that each complete line is appended to; the feed closes it */
-    long baud;          /* baud rate of a serial line */
-    double t_begin;     /* [s] time at which it begins */
-    uint64_t max;       /* lines */
-    bool safe;          /* devices are refused */
+    const char *source; /* Path of a device, a pipe or a growing file, or STANDARD_INPUT. */
+    int file;           /* Descriptor to which complete lines are appended; the feed closes it. */
+    long baud;          /* Baud rate of a serial line. */
+    double t_begin;     /* Time [s] of the recording at which the feed begins. */
+    uint64_t max;       /* Largest number of lines. */
+    bool safe;          /* Devices are refused (option --safe). */
 };
 
+/* The progress of a feed. */
 struct feed_look {
     enum feed_end end;
-    uint64_t lines, bytes; /* lines in the file, bytes that came */
-    double now;            /* [s] */
-    double first, last;    /* [s] arrival of the first and the last line; NAN before any came */
-    uint64_t unwritten;    /* lines that came but could not be written to the file */
-    char failure[80];      /* reason for FEED_FAILED or FEED_UNPLUGGED; empty if it hung up */
+    uint64_t lines, bytes; /* Number of lines in the file, and of bytes received. */
+    double now;            /* Current time [s] of the recording. */
+    double first, last;    /* Arrival times [s] of the first and the last line; NAN before any. */
+    uint64_t unwritten;    /* Number of lines received that could not be written to the file. */
+    char failure[80];      /* Reason of FEED_FAILED or FEED_UNPLUGGED; "" if the device hung up. */
 };
 
-struct feed; /* private to the front end, which reads in a thread of its own */
+struct feed; /* private to the front end, which reads it in a thread */
 
+/* Functions of the front end that read feeds; called by the thread of the session. */
 struct feed_access {
+    /* Opens a source and begins to read. Returns NULL with `error` set. */
     struct feed *(*open)(const struct feed_request *request, struct error *error);
+    /* Fills *look with the current progress. */
     void (*look)(struct feed *feed, struct feed_look *look);
-    void (*pause)(struct feed *feed, bool pause); /* drops the lines that come during a pause */
-    /* Ends the feed at the first line that comes after `end` [s], or never if that is HUGE_VAL. */
+    /* Begins or ends a pause, during which lines are dropped. */
+    void (*pause)(struct feed *feed, bool pause);
+    /* Ends the feed at the first line that arrives after `end` [s], or never if that is HUGE_VAL.
+     */
     void (*limit)(struct feed *feed, double end);
-    /* Restores the device's settings and fills *look with all that came. */
+    /* Ends and frees the feed, restores the device's settings and fills *look with the final
+     * progress. */
     void (*close)(struct feed *feed, struct feed_look *look);
-    /* Clears a Ctrl-C that has ended the collecting, so that it ends nothing else. */
+    /* Clears a Ctrl-C that has ended the collecting, so that it stops nothing else. */
     void (*heeded)(void);
 };
 
+/* Changes of the front end by the user: open panes, close them, or redraw the screen. */
 enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
 
-/* The front end as the session sees it. Every callback may be NULL. */
+/* A front end as the session sees it, copied by session_create(). Every callback may be NULL;
+ * unless stated otherwise its first argument is `context`. */
 struct front {
-    /* true if a person types: prefixes of names are accepted, and long runs are asked about instead
-     * of refused */
+    /* A person types: prefixes of names are accepted, and the user is asked about long runs, which
+     * are otherwise refused. */
     bool interactive;
-    bool utf8, color;  /* true if the output can show them */
-    int width, height; /* [cell] size of the output; 0 means 80x24 */
-    bool input;        /* true if standard input is free for data: no commands come from there */
-    const struct feed_access *feed; /* NULL if the front end reads no sensors */
+    bool utf8, color;  /* The output can show UTF-8, and colours. */
+    int width, height; /* [cell] size of the output; 0 stands for 80x24 */
+    bool input;        /* Standard input is free for data: no commands come from there. */
+    const struct feed_access *feed; /* NULL if the front end reads no sensors. */
+    /* Flag that Ctrl-C sets; may be NULL. */
     const struct cancel *cancel;
     void *context;
+    /* Asks the user a question. Returns true for yes. */
     bool (*confirm)(void *context, const char *question);
-    /* Shows progress between slices. fraction: < 0 if it is unknown, > 1 to erase what was shown;
-     * run: NULL in a study. */
+    /* Shows progress between slices: a fraction, < 0 if it is unknown, > 1 to erase what was shown;
+     * `run` is NULL in a study. */
     void (*progress)(void *context, const struct run *run, double fraction);
+    /* Clears the screen. */
     void (*clear)(void *context);
-    /* Is called after each line, also of a file, when the session can be saved. */
+    /* Called after each line, also of a file, when the session can be saved. */
     void (*executed)(void *context);
-    /*
-     * Live runs. `watched` is true if a person watches a screen of panes. Then run and continue
-     * advance in slices of at most 10 ms and call `slice` between them: it polls the terminal,
-     * executes typed lines (command_exec() may be called again from inside; commands that would
-     * disturb the run are refused) and draws. It returns at `deadline` [clock_ns] or earlier; false
-     * means pause.
-     */
+    /* A person watches panes. Then run and continue are live runs: they advance in slices of at
+     * most 10 ms and call slice() between them. */
     bool watched;
+    /* Polls the terminal, executes typed lines (by command_exec(), which may be called again;
+     * commands that would disturb the run are refused) and draws. Returns at `deadline` [clock_ns]
+     * or earlier; false asks for a pause. */
     bool (*slice)(void *context, struct session *session, int64_t deadline);
-    /* Draws the screen into a file, as ncurses would show it (in batch with width x height). */
+    /* Writes the screen, as ncurses would show it, to a file (in batch with width x height).
+     * Returns false with `error` set. */
     bool (*screenshot)(void *context, const struct session *session, const char *path,
                        struct write_policy policy, struct error *error);
-    /* Appends the screen as lines of text, for `screenshot` without a file. */
+    /* Appends the screen as lines of text, for `screenshot` without a file. Returns false with
+     * `error` set. */
     bool (*screen)(void *context, const struct session *session, struct buffer *text,
                    struct error *error);
-    /* Takes the table of `export -`, which is written to the output if this is NULL. Returns false
-     * if out of memory. */
+    /* Receives the table of `export -`, which is written to the output if this is NULL. Returns
+     * false if out of memory. */
     bool (*table)(void *context, const struct table *table);
-    /* Sets the ends [s] of the time axis on the screen. Returns false if it has none. */
+    /* Sets span to the ends [s] of the time axis on the screen. Returns false if it has none. */
     bool (*time_shown)(void *context, const struct session *session, double span[2]);
-    /* Shows a figure of width x height cells as pixels; if it is NULL, only checks that this is
-     * possible. Returns false with the reason in `error`. */
+    /* Shows a figure of width x height cells as pixels; if `figure` is NULL, only checks that this
+     * is possible. Returns false with the reason in `error`. */
     bool (*pixels)(const struct front *front, const struct figure *figure, int width, int height,
                    struct error *error);
-    /* Changes the front end itself. Returns false with the reason if this is not possible. */
+    /* Changes the front end. Returns false with the reason in `error`. */
     bool (*change)(void *context, enum front_change change, struct error *error);
 };

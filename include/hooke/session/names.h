@@ -1,83 +1,95 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of everything that expressions may use: parameters, variables, observables and others. */
+/* names: the names that expressions may use (parameters, state variables, observables, results,
+ * settings, …), in the scope of a session. */
 #pragma once
 
 #include <hooke/session.h>
 
 struct observable;
 
-/* ---- what a scene has, by name ---- */
+/* ---- parameters, variables and observables of a scene, by name ---- */
 
-/* Appends the scene's lines as typed, each after `prefix`. */
+/* Appends the typed lines of a scene, each preceded by `prefix`. */
 void scene_lines(const struct scene *scene, const char *prefix, struct buffer *text);
-/* The same, each before `end`, in an order in which they can be typed: a line may use one that was
- * typed after it, where it has taken the place of another. */
+/* Appends the typed lines, each followed by `end`, in an order in which they can be typed again: a
+ * line may use a later one, if that replaced an earlier line. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);
-/* "atol y = 0.1 mm", of one variable; the absolute tolerances that were given, as scene_script().
- */
+/* Append "atol y = 0.1 mm", the absolute tolerance of one variable; and those of all variables that
+ * are set, each followed by `end`. */
 void atol_describe(const struct scene *scene, int variable, struct buffer *text);
 void atol_script(const struct scene *scene, const char *end, struct buffer *text);
-/* Returns the index of a variable, or -1 if there is none; y' is vy of a typed model. */
+/* Returns the index of a state variable, or -1 if there is none; y' is the velocity of y. */
 int model_variable(const struct model *model, struct text name);
-/* Returns the index of an observation of a typed model, or -1 if there is none. */
+/* Returns the index of an observed quantity of a typed model, or -1 if there is none. */
 int model_observation(const struct model *model, struct text name);
-/* the first with such a parameter, derived quantity or variable */
+/* Returns the first built-in model with a parameter, derived quantity or variable of this name, or
+ * NULL. */
 const struct model *model_with(struct text name);
+/* Returns the quantity of an observable in scenes of this model. */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
-/* Returns NULL if there is none. In a typed model `y` is no other name of the first coordinate. */
+/* Returns the observable of this name, or NULL if there is none. In a typed model `y` is not
+ * another name of the first coordinate. */
 const struct observable *model_observable(const struct model *model, struct text name);
-/* as far as the model decides it */
+/* Returns true if scenes of this model can have the observable. */
 bool model_offers(const struct model *model, const struct observable *observable);
-/* Adds a hint if the name belongs to another model; returns false if it does not. */
+/* Adds a hint to `error` and returns true if the name belongs to another model than the scene's. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
-/* Finds a scene of the user's own by its name; returns NULL if there is none. */
+/* Returns the user's scene with this name, or NULL if there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
-/* Returns the parameter that is the start of a variable, such as y0 of y, or NULL if there is none.
- * x, y, z, q and u stand for the first variable if no variable is called so. */
+/* Returns the parameter that is the initial value of a variable, such as y0 of y, or NULL if there
+ * is none. If no variable is called x, y, z, q or u, these stand for the first variable. */
 const char *start_of(const struct session *session, struct text name);
-/* value: what it was to become, as `= 5 cm`, or nothing. False, always. */
+/* Sets an error about an unknown parameter `name`; `value` is the text that followed it, such as "=
+ * 5 cm", or empty. Always returns false. */
 bool unknown_parameter(const struct session *session, struct text name, struct text value,
                        struct error *error);
 
 /* ---- names in expressions ---- */
 
-/* The scene of a run that goes on, with what was changed on the way. */
+/* The scene of a live run with all changes made so far, found from its journal on demand. */
 struct in_force {
     const struct run_slot *slot;
-    bool known; /* `scene` is there, as of this end of its journal */
+    bool known; /* `scene` is valid for the journal that ends at `last`. */
     const struct request *last;
     struct scene scene;
 };
 
+/* A scope of names; set `session`, the rest is zero by default. It must outlive the scope that
+ * names_scope() makes from it. */
 struct names {
     const struct session *session;
-    struct in_force *in_force; /* owner of the parameters; NULL for those of the set-up */
-    /* state and observables are known although there is no run yet: it is about to start */
+    struct in_force *in_force; /* Source of the parameters, or NULL for those of the set-up. */
+    /* State variables and observables are known although there is no run yet: it is about to start.
+     */
     bool expects_run;
-    /* Excludes variables and results, so that the meaning is the same when a saved session is read
-     * again. */
+    /* Variables and results of the user are excluded, so that the meaning is the same when a saved
+     * session is read. */
     bool saved_only;
-    /* T and A may name the newest period and amplitude. Not where an unknown name has a meaning of
-     * its own, such as a parameter of a fit. */
+    /* T and A may stand for the newest period and amplitude. Not where unknown names have a
+     * meaning, such as parameters of a fit. */
     bool letters;
-    const struct run *run; /* owner of state and observables; NULL for the current run */
+    const struct run *run; /* Source of state and observables; NULL stands for the current run. */
 };
 
+/* Returns the scope, which refers to *names. */
 struct expr_scope names_scope(const struct names *names);
-/* Returns the index of the scene's parameter, or derived quantity, in a slot of that scope, or -1
- * if the slot is something else. */
+/* Returns the index of a parameter, or of a derived quantity if *derived becomes true, for a slot
+ * of such a scope; -1 if the slot is something else. */
 int names_of_scene(int slot, bool *derived);
-/* Called after a failed compilation: explains what has to be done first if the unknown name is that
- * of something that does not exist yet. Always returns false. */
+/* Improves the error of a failed compilation: if the unknown name is that of something that does
+ * not exist yet, tells what has to be done first. Always returns false. */
 bool names_explain(const struct session *session, struct error *error);
-/* Finds value, uncertainty and quantity of one name; returns false if it is unknown. */
+/* Finds value, uncertainty and quantity of a name. Returns false if it is unknown. */
 bool names_value(const struct session *session, struct text name, struct named_value *value);
 /* Returns the quantity of a name in a scope made by names_scope(), or QUANTITY_OTHER if it is
  * unknown. */
 enum quantity name_quantity(const struct expr_scope *scope, struct text name);
-/* Everything that can be named: offers candidates for completion and help. */
+/* Calls offer() for every name with a short description, for completion and help. */
 void names_each(const struct session *session,
                 void (*offer)(void *context, const char *name, const char *brief), void *context);
+/* Returns true if the name has a meaning already, other than a variable of the user, and sets *kind
+ * to the kind of it: "parameter", "setting", … */
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
-/* Looks only at the scene: a parameter, a derived quantity, a variable or an observation. */
+/* Does the same for names of a scene alone: parameters, derived quantities, state variables,
+ * observed quantities. */
 bool scene_has_name(const struct scene *scene, struct text name, const char **kind);

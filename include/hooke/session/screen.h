@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Content of the screen: changed by commands only, drawn by the view layer. */
+/* screen: what the screen of a session shows: layout, ranges, cursors, the lines of the log.
+ * Changed by commands only, and drawn by the view layer. */
 #pragma once
 
 #include <hooke/base/catalog.h>
 #include <hooke/base/limit.h>
 #include <hooke/base/quantity.h>
 
+/* Arrangement of the panes; the rows of layout_catalog describe them. */
 enum layout {
     LAYOUT_TRIO,
     LAYOUT_DUO,
@@ -16,92 +18,105 @@ enum layout {
     LAYOUT_LOG
 };
 
-extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
+/* Layouts, struct layout_row at the index of the enum. */
+extern const struct catalog layout_catalog;
 
+/* A layout. */
 struct layout_row {
     struct row row;
-    int width, height;   /* [cell] of a screen that has room for it */
-    enum layout smaller; /* drawn on another one */
+    int width, height;   /* [cell] smallest screen with room for it */
+    enum layout smaller; /* Layout that is drawn on a smaller screen. */
 };
 
+/* Returns the row of a layout. */
 static inline const struct layout_row *layout_row(enum layout layout)
 {
     return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
 }
 
-/* Returns the layout that a screen of that size can show. */
+/* Returns the layout that is drawn on a screen of this size [cell]. */
 enum layout layout_drawn(enum layout layout, int width, int height);
 
+/* Points to which cursors snap: zero crossings, peaks, samples, or none. */
 enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
 
-extern const struct catalog snap_catalog; /* struct row at the enum's place */
+/* Names of the points, struct row at the index of the enum. */
+extern const struct catalog snap_catalog;
 
+/* The two cursors A and B on the time plot, or a point on the portrait. */
 struct cursors {
-    bool shown;      /* the two cursors stand on the plot */
-    bool plane;      /* instead of them a point stands on the portrait: */
-    double point[2]; /* SI, of the variables across and up */
-    bool on_data;    /* they stand on the recording, else on the current run */
-    int active;      /* 0: A, 1: B */
-    bool locked;     /* both move together */
+    bool shown;      /* The two cursors are on the plot. */
+    bool plane;      /* A point is on the portrait instead. */
+    double point[2]; /* Values [SI] of the horizontal and vertical variable at that point. */
+    bool on_data;    /* They are on the recording, else on the current run. */
+    int active;      /* Cursor that keys move, 0 for A, 1 for B. */
+    bool locked;     /* Both move together. */
     struct {
         bool set;
-        double t, t_uncertainty, y; /* [s] [s] SI */
-        int crossing;               /* number of the up-crossing; 0 if it is not at one */
-        double amplitude;           /* amplitude of the motion there; NAN if not known */
+        double t, t_uncertainty, y; /* Time [s], its uncertainty [s], and value [SI]. */
+        int crossing;               /* Number of the up-crossing, 0 if it is not at one. */
+        double amplitude;           /* Amplitude of the motion there, NAN if unknown. */
     } cursor[2];
     enum snap snap;
-    double periods; /* number of periods between A and B; NAN if not known */
-    /* name of what the cursors stand on, such as "run 2" or "data swing3" */
+    double periods; /* Number of periods between A and B, NAN if unknown. */
+    /* Name of the run or recording on which they are: "run 2", "data swing3". */
     char subject[LIMIT_NAME + 16];
-    size_t samples;         /* it had then */
-    enum quantity quantity; /* quantity of y */
+    size_t samples;         /* Number of its samples when they were placed. */
+    enum quantity quantity; /* Quantity of y. */
 };
 
+/* Largest number of trajectories of a portrait. */
 #define LIMIT_STARTS 16
-#define STARTS_VARIABLES 7 /* Largest number of variables of a scene that has a portrait. */
+/* Largest number of variables of a scene that has a portrait. */
+#define STARTS_VARIABLES 7
 
+/* Content of the panes. */
 struct view {
     enum layout layout;
-    /* Pane of plot_catalog that commands and zooming act on; NULL for the position. */
+    /* Pane (row of plot_catalog) on which commands and zooming act; NULL for the position. */
     const struct row *focus;
-    bool full;         /* the focused pane alone */
-    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN for automatic */
-    double window;     /* [s] of time shown; 0 for automatic */
-    double trail;      /* periods of the phase trail; HUGE_VAL for all */
-    int scroll;        /* rows the log is scrolled up */
-    bool reading;      /* the log has the whole screen */
-    int found;         /* line that was found last, from the newest */
-    char wanted[LIMIT_NAME + 1]; /* text that was searched for */
-    /* topic of help that was shown by the last line; NULL if there is none */
+    bool full; /* The focused pane fills the screen. */
+    /* Fixed ranges of the focused pane (time [s], values [SI]); NAN for automatic. */
+    double x[2], y[2];
+    double window;               /* [s] span of the time axis; 0 for automatic */
+    double trail;                /* Number of periods of the phase plot; HUGE_VAL for all. */
+    int scroll;                  /* Number of rows by which the log is scrolled up. */
+    bool reading;                /* The log fills the screen. */
+    int found;                   /* Line that was found last, counted from the newest. */
+    char wanted[LIMIT_NAME + 1]; /* Text that was searched for. */
+    /* Topic of help that the last line has shown, or NULL. */
     const char *recipe;
-    bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
-    /* numbers of the runs drawn besides the present one; those that are gone are passed over */
+    /* The live view fills the plot, then begins a new page; otherwise it scrolls by cells. */
+    bool paging;
+    /* [overlays] numbers of the runs drawn beside the current one; those that do not exist are
+     * ignored. */
     int overlay[LIMIT_OVERLAY];
     int overlays;
     struct cursors cursors;
-    /* [starts] where trajectories of the portrait begin, of scenes with start_n variables, SI */
+    /* [starts] states [SI] at which trajectories of the portrait begin, for scenes with start_n
+     * variables. */
     double start[LIMIT_STARTS][STARTS_VARIABLES];
     int starts, start_n;
 };
 
-/* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
+/* The last lines of output, for the log pane: a ring whose oldest line is `first`. */
 struct log {
-    /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    /* [LIMIT_LOG] lines without newline and control characters; allocated with the first line. */
     char **line;
     int first, count;
-    uint64_t said; /* lines, also those that are gone */
+    uint64_t said; /* Number of lines so far, including those that were dropped. */
 };
 
-/* one or more lines; without memory they are dropped */
+/* Adds one or more lines; they are dropped if out of memory. */
 void log_add(struct log *log, struct text text);
-const char *log_line(const struct log *log, int i); /* i = 0: the newest */
-/*
- * The row of a line that begins at byte *offset, as it stands in a pane of that width [cell]: whole
- * words, unless one is longer than a row. *indent [cell] goes before it; 0 in the first row.
- * *offset is then where the next row begins: line.len after the last.
- */
+/* Returns line i, counted from the newest (i = 0), or NULL if there is none. */
+const char *log_line(const struct log *log, int i);
+/* Returns the row of a line that begins at byte *offset, as it is shown in a pane of `width`
+ * [cell]: whole words, unless one is longer than a row. Sets *indent to the number of blanks before
+ * it, 0 in the first row, and moves *offset to the next row: line.len after the last. */
 struct text log_row(struct text line, size_t *offset, int width, int *indent);
-int log_rows(struct text line, int width); /* number of rows that the line takes, at least 1 */
+int log_rows(struct text line, int width); /* Returns the number of rows of a line, at least 1. */
 /* Returns the number of rows of the newest `lines` lines. */
 int log_rows_newest(const struct log *log, int lines, int width);
+/* Frees all lines. */
 void log_clear(struct log *log);

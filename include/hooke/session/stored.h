@@ -1,79 +1,96 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Content that a session file keeps of the parts of modules. */
+/* stored: the content of a session file, by which the module `resume` saves a session as it
+ * changes, and the functions that it provides to other modules for their parts of a session. */
 #pragma once
 
 #include <hooke/base/fields.h>
 #include <hooke/session.h>
 
-/* lists of equilibria, orbits and branches together */
+/* largest number of stored results: a list of equilibria, orbits and branches */
 #define STORE_FOUND (1 + LIMIT_ORBITS + LIMIT_BRANCHES)
 
-/* Content of a file for a session; all zeros if there is nothing yet. */
+/* Content of the file of a session so far, so that only changes are appended; all zeros for an
+ * empty file. */
 struct stored {
+    /* [runs] stored runs. */
     struct stored_run *run;
     int runs, run_capacity;
-    uint64_t recording[LIMIT_RECORDINGS]; /* sums */
+    uint64_t recording[LIMIT_RECORDINGS]; /* [recordings] checksums of their files. */
     int recordings;
-    uint64_t found_id[STORE_FOUND]; /* [found] identifiers of the results that the file has */
+    uint64_t found_id[STORE_FOUND]; /* [found] identifiers of the stored results. */
     int found;
-    uint64_t content;     /* its checksum; 0 if there is none */
-    size_t entries, text; /* entries and bytes of session->history */
-    uint64_t said;        /* lines of session->log */
-    uint64_t state;       /* sum of the last S */
-    uint64_t bytes;       /* written */
-    int left_out;         /* runs whose rows found no room */
-    struct buffer record; /* the last one, of which `sent` bytes are written */
+    uint64_t content;     /* Checksum of the stored content of a file, or 0. */
+    size_t entries, text; /* Numbers of stored entries and bytes of session->history. */
+    uint64_t said;        /* Number of stored lines of session->log. */
+    uint64_t state;       /* Checksum of the last RECORD_STATE. */
+    uint64_t bytes;       /* Number of bytes written. */
+    int left_out;         /* Number of runs whose rows were left out for want of room. */
+    struct buffer record; /* Record that is being written, of which `sent` bytes are in the file. */
     size_t sent;
-    bool unfinished; /* saving was stopped; the next call continues where this one ended */
+    bool unfinished; /* Saving was interrupted; the next call continues where this one ended. */
 };
 
+/* Kinds of records in a session file; a letter in the head of each record. */
 enum record_kind {
+    /* Content of another file. */
     RECORD_BYTES = 'D',
+    /* A run without its rows. */
     RECORD_RUN = 'R',
+    /* Rows of a run. */
     RECORD_ROWS = 'W',
+    /* Entries of the history. */
     RECORD_LINES = 'L',
+    /* Lines of the log pane. */
     RECORD_SAID = 'T',
+    /* A result of a study. */
     RECORD_FOUND = 'B',
+    /* All other state of the session. */
     RECORD_STATE = 'S',
 };
 
-/* An array of a session, or of a module's part of one: a field for each element. */
+/* Describes an array in a session or a module's part of one, which is stored as a field for each
+ * element. */
 struct store_array {
+    /* Name of the field. */
     const char *name;
-    size_t offset, item;        /* offset of the array, bytes of an element */
-    size_t count;               /* offset of the int */
-    int max;                    /* 0 if the array is allocated */
-    const struct field *member; /* [members] of an element that are kept; others are 0 */
+    /* Offset of the array (or of the pointer to it), and size [byte] of an element. */
+    size_t offset, item;
+    size_t count; /* Offset of the int that counts the elements. */
+    int max;      /* Largest number of elements, or 0 if the array is allocated. */
+    /* [members] fields of an element that are stored; others are 0 after reading. */
+    const struct field *member;
     size_t members;
-    /* Returns true if an element that was read is valid in a session, beyond what its fields check;
-     * or NULL. */
+    /* Returns true if an element that was read is valid in a session, beyond the checks of its
+     * fields; or NULL. */
     bool (*sound)(const void *item);
 };
+/* Initialiser for the member `array` of struct `owner`, counted by its member `counted`. */
 #define STORE_ARRAY(name, owner, array, counted, limit, members, sound)                            \
     {                                                                                              \
         name, offsetof(owner, array), sizeof *((owner *)0)->array, offsetof(owner, counted),       \
             limit, members, COUNT_OF(members), sound                                               \
     }
 
-/* Functions that the module for saved sessions provides for the parts of others. */
-struct reader; /* hooke/session/read.h */
+/* Functions that the module `resume` provides to other modules. */
+struct reader; /* <hooke/session/read.h> */
 struct store_tools {
-    /* Append fields to a record. `owner` is what the array's offsets count from. */
+    /* Append an array, or a scene, as fields to a record; the array's offsets refer to `owner`. */
     void (*put_array)(const struct store_array *array, const void *owner, struct buffer *output);
     void (*put_scene)(const struct scene *scene, const char *name, struct buffer *output);
-    /* Adds a line to what is told of the reading. */
+    /* Adds a remark for the user on what was read. */
     void (*note)(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
-    /* Reads an array into `owner`, which stays unchanged if one of its elements cannot be read. */
+    /* Reads an array into `owner`, which is unchanged if an element cannot be read. */
     void (*array)(struct reader *reader, const struct store_array *array, void *owner);
-    /* Reads a scene and where the file has its parameters; places may be NULL. */
+    /* Reads a scene, and the indices of its parameters in the file into *places, which may be NULL.
+     * Returns false with `error` set. */
     bool (*scene)(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error);
-    /* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has
-     * them. */
+    /* Moves the items of an array [PARAM_MAX], at most 8 bytes each, from their indices in the file
+     * to those of the program. */
     void (*move)(const struct field_places *places, void *array, size_t item);
-    /* Finds the bytes that the file has under that sum. */
+    /* Finds the content of another file by its checksum. Returns false if it is not stored. */
     bool (*bytes)(const struct reader *reader, uint64_t sum, struct text *content);
 };
-/* Returns the tools; only for functions of struct module_store, which the module that has them
+/* Returns the functions. Only for functions of struct module_store, which the module `resume`
  * calls. */
 const struct store_tools *store_tools(void);
