@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command ensemble: many paths of the scene with noise, and their statistics. */
+/* The command ensemble: follows many paths of the scene with noise, and replies their
+ * statistics. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include "modules/noise/setup.h" /* also needed for the rows */
@@ -9,7 +10,7 @@
 
 enum { ENSEMBLE_INTERVALS = 200, ENSEMBLE_SHOWN = 4 };
 
-/* All about an ensemble that is being answered. */
+/* The ensemble of one command with all that the reply needs. */
 struct answer {
     const struct noise_setup *setup;
     struct path_request request;
@@ -22,9 +23,9 @@ struct answer {
     double half_step;
 };
 
-/* ---- what a heat bath says of the end ---- */
+/* ---- checks at the end of the paths ---- */
 
-/* The mean of a variable over the paths at their end. */
+/* Returns the mean of a variable over the paths that reach the end. */
 static struct measured mean_at_end(const struct answer *answer, int variable, double *scratch)
 {
     size_t count = 0;
@@ -35,8 +36,8 @@ static struct measured mean_at_end(const struct answer *answer, int variable, do
     return noise_mean_of(scratch, count);
 }
 
-/* The means of m v^2 and, where there may be an equilibrium, of -(y - <y>) F at the end, over
- * coordinates, too. */
+/* Computes the means at the end, over paths and coordinates, of m v^2 and, if an equilibrium is
+ * possible, of -(y - <y>) F, which are kT in equilibrium. */
 static void find_temperature(struct answer *answer, double *scratch)
 {
     const struct noise_forcing *forcing = &answer->setup->forcing;
@@ -95,7 +96,7 @@ static void find_half_step(struct answer *answer, double *scratch)
     }
 }
 
-/* ---- what is kept and said ---- */
+/* ---- text and records ---- */
 
 static enum quantity row_quantity(const void *row)
 {
@@ -118,7 +119,7 @@ static const struct result_column of_row[] = {
 };
 static const struct result_columns row_columns = RESULT_COLUMNS(of_row, struct ensemble_row);
 
-/* Puts a table of a few rows, for people. */
+/* Appends a table of a few rows, evenly spaced in time. */
 static void put_rows(const struct answer *answer, struct arena *arena, struct buffer *text)
 {
     struct text_table table = {.arena = arena, .gap = 3};
@@ -135,7 +136,7 @@ static void put_rows(const struct answer *answer, struct arena *arena, struct bu
     text_table_put(&table, text);
 }
 
-/* Writes how the bath and the step affect the end. */
+/* Appends the temperatures and the effect of half the step at the end. */
 static void put_end(const struct answer *answer, struct buffer *text)
 {
     const enum quantity energy = noise_energy_quantity(answer->setup);
@@ -151,6 +152,7 @@ static void put_end(const struct answer *answer, struct buffer *text)
             100 * answer->half_step);
 }
 
+/* Replies the text. */
 static void say_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
 {
     const struct path_grid *grid = &answer->request.grid;
@@ -166,6 +168,7 @@ static void say_ensemble(const struct answer *answer, struct arena *arena, struc
     put_end(answer, text);
 }
 
+/* Adds the record `ensemble`. */
 static void reply_ensemble(const struct answer *answer, struct reply *reply)
 {
     reply_begin(reply, "ensemble");
@@ -189,7 +192,8 @@ static void reply_ensemble(const struct answer *answer, struct reply *reply)
 
 /* ---- the command ---- */
 
-/* Follows the paths and finds what is said of them. */
+/* Follows the paths and computes their statistics. Returns false with *error if all diverge, if out
+ * of memory or cancelled. */
 static bool make_answer(struct session *session, const struct arguments *args,
                         struct answer *answer, struct error *error)
 {
@@ -215,6 +219,8 @@ static bool make_answer(struct session *session, const struct arguments *args,
     return true;
 }
 
+/* Reads the remaining arguments, follows the paths, replies and stores the table. Returns false
+ * with *error. */
 static bool answer_ensemble(struct session *session, const struct arguments *args,
                             struct answer *answer, struct reply *reply, struct error *error)
 {
@@ -256,6 +262,7 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
     return true;
 }
 
+/* Follows an ensemble and frees it. */
 HANDLER(ensemble)
 {
     struct answer answer = {.setup = noise_setup_read(session, args, error)};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The figures of the module, of the tables that are kept: a path, and the band of an ensemble. */
+/* The figures of the module, drawn from the stored tables: a path, and an ensemble with its
+ * band. */
 #include "modules/noise/plots.h"
 
 #include <hooke/plot/drawing.h>
@@ -16,7 +17,7 @@ bool noise_ensemble_known(const struct session *session)
     return drawing_stored(session, "ensemble") != NULL;
 }
 
-/* Returns what the means of an ensemble are of. */
+/* Returns the name of the quantity whose mean an ensemble has. */
 static const char *observed_name(const struct table *table)
 {
     for (int i = 0; i < table->keys; i++)
@@ -25,7 +26,8 @@ static const char *observed_name(const struct table *table)
     return table->column[1].name;
 }
 
-/* Draws the first column over its whole time; of an ensemble that is the mean, with a band. */
+/* Makes the figure of the first column over time; of an ensemble that is the mean, with its
+ * standard deviation as a band. Returns false with d->error if there is no table. */
 static bool draw_table(struct drawing *d, bool ensemble, struct figure *figure)
 {
     const char *command = ensemble ? "ensemble" : "langevin";

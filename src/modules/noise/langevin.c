@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command langevin: one path of the scene with noise. */
+/* The command langevin: follows one path of the scene with noise. */
 #include "modules/noise/setup.h" /* also needed for the rows */
 
 #ifndef COMMAND_ROWS
@@ -9,15 +9,16 @@
 
 enum { PATH_INTERVALS = 1000, SHOWN_VARIABLES = 6 };
 
-/* A path of so many steps is not followed again with half the step, unasked. */
+/* Paths of more steps are not followed again with half the step. */
 static const int64_t steps_checked = 100000;
 
-/* The columns of a path, and where they stand. */
+/* Columns of the table of a path. */
 struct path_table {
     int n;
     double *column[LIMIT_VARIABLES + 1]; /* [rows] t and the variables */
 };
 
+/* Stores one recorded state in the table; `context` is the struct path_table. */
 static void keep_row(void *context, size_t row, double t, const double *y)
 {
     struct path_table *table = context;
@@ -26,7 +27,7 @@ static void keep_row(void *context, size_t row, double t, const double *y)
         table->column[i + 1][row] = y[i];
 }
 
-/* Names, units and values of the path. */
+/* Makes a table with columns for t and all variables. Returns false if out of memory. */
 static bool make_table(const struct system *system, size_t rows, struct arena *arena,
                        struct path_table *path, struct table *table)
 {
@@ -68,7 +69,7 @@ static void say_path(const struct noise_setup *setup, const struct path_grid *gr
                       SHOWN_QUANTITY(distance[i], system_variable(system, i).quantity, 2));
 }
 
-/* Reads the grid of the path. */
+/* Reads the number of rows and sets up the path. Returns false with *error. */
 static bool read_request(struct session *session, const struct arguments *args,
                          const struct noise_setup *setup, struct path_request *request,
                          struct error *error)
@@ -89,7 +90,8 @@ static bool read_request(struct session *session, const struct arguments *args,
                             (double)grid->steps, error);
 }
 
-/* Follows the path into a table of that arena, which is kept if all goes well. */
+/* Follows the path, stores it as a table and replies. Returns false with *error if it diverges or
+ * if cancelled. */
 static bool answer_path(struct session *session, const struct noise_setup *setup,
                         const struct path_request *request, struct arena *arena,
                         struct reply *reply, struct error *error)
@@ -118,6 +120,7 @@ static bool answer_path(struct session *session, const struct noise_setup *setup
     return true;
 }
 
+/* Follows one path, with memory of an arena that the stored table takes over. */
 HANDLER(langevin)
 {
     const struct noise_setup *setup = noise_setup_read(session, args, error);

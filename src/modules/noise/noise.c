@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module noise: scenes in a heat bath or with noise of a stated strength. */
+/* The module noise: scenes in a heat bath or with noise of a stated strength. Its commands are
+ * langevin, ensemble and noiseorder. */
 #include "modules/noise/compute/forcing.h"
 
 #include <hooke/module.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command noiseorder: strong and weak orders of the methods for the scene, measured. */
+/* The command noiseorder: measures strong and weak orders of the methods for the scene. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/noise/setup.h" /* also needed for the rows */
@@ -15,6 +15,7 @@ struct order_row {
     struct order_level level;
 };
 
+/* Adds a cell with an order and its uncertainty. */
 static void put_order(struct text_table *table, struct measured order)
 {
     struct buffer text = {0};
@@ -62,7 +63,7 @@ static const struct result_column of_order[] = {
 
 static const struct result_columns noiseorder_columns = RESULT_COLUMNS(of_order, struct order_row);
 
-/* The methods that were named, else all that the scene can have. Returns how many. */
+/* Finds the methods that were named, or all that suit the scene. Returns their number. */
 static int choose_methods(const struct arguments *args, const struct noise_setup *setup,
                           const struct noise_method *method[ORDER_METHODS])
 {
@@ -119,7 +120,7 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
         noise_keep_table(setup, 0, "noiseorder", NULL, &kept, &file, reply);
 }
 
-/* Reads how many paths and steps; refuses what cannot be. */
+/* Reads the numbers of paths and levels. Returns false with *error if they are out of range. */
 static bool read_request(const struct arguments *args, const struct noise_setup *setup,
                          struct orders_request *request, struct error *error)
 {
@@ -137,6 +138,7 @@ static bool read_request(const struct arguments *args, const struct noise_setup 
     return true;
 }
 
+/* Measures each method in turn, after its steps and its cost have been checked. */
 HANDLER(noiseorder)
 {
     const struct noise_setup *setup = noise_setup_read(session, args, error);

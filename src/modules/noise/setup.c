@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Builds a scene with noise from the arguments of a command. */
+/* Reads scenes with noise from the arguments of a command, and writes them as text, records and
+ * keys of tables. */
 #include "modules/noise/setup.h"
 
 #include "modules/noise/compute/random.h"
@@ -8,12 +9,12 @@
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 
-/* [byte] An ensemble, or the Wiener path of an order, may take no more. */
+/* [byte] Largest memory of an ensemble or of the Wiener paths of an order. */
 static const double bytes_max = 512.0 * 1024 * 1024;
 /* [J/K] Exact by the definition of the kelvin. */
 static const double boltzmann_constant = 1.380649e-23;
 
-/* Returns the value of a key, NAN where it was not given. */
+/* Returns the value of an argument, or NAN if it was not given. */
 static double setup_value(const struct arguments *args, const char *name)
 {
     const struct argument_value *given = argument_value(args, name);
@@ -26,6 +27,7 @@ int64_t noise_integer(const struct arguments *args, const char *name, int64_t na
     return isnan(value) ? natural : (int64_t)value;
 }
 
+/* Reads temperature, damping and strengths. Returns false with *error. */
 static bool read_request(const struct arguments *args, struct noise_request *request,
                          struct error *error)
 {
@@ -87,7 +89,7 @@ static int shown_count(const double *value, int count)
     return 1;
 }
 
-/* Appends one value, or all of them where they differ. */
+/* Appends "NAME = VALUE" with one value, or with all if they differ. */
 static void put_values(struct buffer *text, const char *name, const double *value, int count,
                        enum quantity quantity)
 {
@@ -136,6 +138,7 @@ void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *
     reply_int(reply, "seed", (int64_t)setup->seed);
 }
 
+/* Adds a key with a value in its unit. */
 static void add_quantity(struct keys *keys, const char *name, double value, enum quantity quantity)
 {
     struct buffer text = {0};
@@ -199,7 +202,7 @@ void noise_setup_warn(const struct noise_setup *setup, struct reply *reply)
                              "does not reach the temperature");
 }
 
-/* Returns the time of a step [s], as a few of them take. */
+/* Returns the time that a step takes [s], measured with a few of them. */
 static double step_seconds(const struct noise_setup *setup)
 {
     enum { STEPS_TIMED = 200 };
@@ -243,13 +246,14 @@ bool noise_column(struct session *session, const struct arguments *args,
     *column = (struct path_column){.observable = chosen.observable, .variable = chosen.variable};
     if (!chosen.observable)
         return true;
+    /* observables that depend on the steps of a run, not only on its state */
     static const unsigned of_the_way = NEED_EXACT | NEED_WORK | NEED_RATIO;
     if ((chosen.observable->needs & of_the_way) ||
         !observable_defined(chosen.observable, system, false))
         return error_at(error, subject->where, "%s cannot be computed for a state with noise",
                         chosen.observable->row.name);
     const struct run_settings run_settings = session_run_settings(session);
-    /* A run at its start, for what observables ask of one. */
+    /* a run at its start, as observables are functions of runs */
     column->run =
         run_create(&session->setup.scene, session->setup.method, &run_settings, setup->span, error);
     return column->run != NULL;

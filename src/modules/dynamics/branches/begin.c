@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The first point of a branch. */
+/* The first point of a branch (branch_begin). */
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
 
-#define SAME_SOLUTION_DISTANCE 1e-6 /* distance below which the solution found is the start */
-/* distance from the start beyond which it is another solution */
+#define SAME_SOLUTION_DISTANCE 1e-6 /* distance below which a solution is the start itself */
+/* Distance from the start beyond which a solution belongs to another branch. */
 #define START_DISTANCE_MAX 0.3
 /* Distance from a crossing at which a branch begins beside it, where the range is 1. */
 #define NEIGHBOUR_PARAM_STEP 0.005
 
-/* Finds the first place if the start is a special point. At a fold another unknown is held fixed;
- * at a crossing the walk begins beside it, and passes it on one side. */
+/* Finds the first place if the start is a special point, at which the curve cannot be corrected at
+ * a fixed parameter. At a fold another unknown is held fixed; at a crossing the walk begins beside
+ * it. Returns false if none is found. */
 static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
                              const double *u, int side, struct curve_place *first)
 {
@@ -36,6 +37,8 @@ static bool begin_at_special(const struct branch_request *r, struct solution_cur
     return false;
 }
 
+/* Returns true with *error if no branch can pass through the start: orbits on which the equations
+ * jump, equilibria of driven scenes. */
 static bool cannot_begin(const struct branch_request *r, struct solution_curve *path,
                          struct error *error)
 {

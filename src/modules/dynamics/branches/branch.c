@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A branch, step by step, with its special points. */
+/* Follows a branch of equilibria or periodic orbits step by step, with its special points
+ * (branch_follow). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +8,7 @@
 
 #include "modules/dynamics/branches/walk.h"
 #define FIRST_STEP_LENGTH 0.01 /* arclength of the first step, in units of the range */
-#define STEP_LENGTH_MAX 0.05
+#define STEP_LENGTH_MAX 0.05   /* longest step, in units of the range */
 #define STEP_MIN_FRACTION 1e-7 /* shortest step as a part of the longest */
 /* Shorter steps, relative to the longest, are not halved to separate pairs of special points. */
 #define UNRESOLVED_STEP_FRACTION 1e-4
@@ -18,7 +19,7 @@
 #define DRIVE_PERIOD_GROWTH_MAX 100 /* the same of a drive that stops within the range */
 /* Part of the parameter in a tangent that does not change it. */
 #define VERTICAL_TANGENT_PARAM 1e-7
-#define VERTICAL_STEPS_MAX 12 /* so many of these in a row */
+#define VERTICAL_STEPS_MAX 12 /* steps of this kind in a row that end the branch */
 /* The parameter hardly changes along a tangent with a smaller part of it. */
 #define NEARLY_VERTICAL_TANGENT_PARAM 1e-4
 #define BRANCH_POINTS_DEFAULT 1000
@@ -29,6 +30,7 @@
 
 /* ---- the walk ---- */
 
+/* Returns true if a step turns little and has converged quickly. */
 static bool good_step(const struct curve_problem *problem, const struct curve_place *current,
                       const struct curve_place *next)
 {
@@ -38,8 +40,8 @@ static bool good_step(const struct curve_problem *problem, const struct curve_pl
     return cosine >= STEP_TURN_COSINE_MIN && next->corrections <= 5;
 }
 
-/* As long as the parameter changes by no more than `longest` of its range, and the state by three
- * times that of its size. */
+/* Returns the longest step at a place: the parameter changes by at most `longest` of its range, the
+ * state by at most three times that part of its size. */
 static double longest_at(const struct branch_walk *w, const struct curve_place *point,
                          double longest)
 {
@@ -67,13 +69,15 @@ bool curve_next(const struct curve_problem *problem, const struct curve_place *p
     return false;
 }
 
-/* A drive whose frequency is the parameter, in a range with 0. */
+/* Returns true if the parameter changes the drive's period and its range contains 0, where the
+ * drive may stop. */
 static bool drive_stops(const struct branch_walk *w)
 {
     return w->path->kind == SOLUTION_RESPONSE && !(w->path->orbit.drive > 0) &&
            w->request->low <= 0 && w->request->high >= 0;
 }
 
+/* Returns true if the period has grown so much that it seems to be unbounded. */
 static bool too_slow(struct branch_walk *w, const struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT && !drive_stops(w))
@@ -87,7 +91,8 @@ static bool too_slow(struct branch_walk *w, const struct curve_place *point)
            fabs(point->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM;
 }
 
-/* Neither the parameter nor what differences do along the way changes: of conservative motion. */
+/* Returns true if solutions change at a constant parameter, as in a family of orbits of
+ * conservative motion. */
 static bool in_family(const struct branch_walk *w, const struct curve_place *point)
 {
     const struct solution *s = &w->branch->point[w->branch->count - 1].solution;
@@ -97,7 +102,8 @@ static bool in_family(const struct branch_walk *w, const struct curve_place *poi
     return one && fabs(point->tangent[w->path->problem->n]) < VERTICAL_TANGENT_PARAM;
 }
 
-/* Cuts orbits that differences grow along too much into more segments. */
+/* Cuts orbits along which differences grow too much into more segments. Returns false if that
+ * fails. */
 static bool orbit_segments_refine(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
@@ -113,7 +119,8 @@ static bool orbit_segments_refine(struct branch_walk *w, struct curve_place *poi
     return true;
 }
 
-/* Not where the parameter tells no direction. */
+/* Redistributes the time of an autonomous orbit over its segments, unless the parameter hardly
+ * changes. */
 static void stretch(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT ||
@@ -124,12 +131,14 @@ static void stretch(struct branch_walk *w, struct curve_place *point)
     w->bends = false;
 }
 
+/* Stores the reason of the end of the walk. */
 static void branch_end_set(struct branch_walk *w, const char *why)
 {
     snprintf(w->end, 96, "%s", why);
 }
 
-/* As far as a period's beginning, its length and the parameter show it. */
+/* Returns the distance of two places by the first state, the period and the parameter, whose
+ * indices are a_last and b_last: the numbers of segments may differ. */
 static double apart(const struct branch_walk *w, const struct curve_place *a, int a_last,
                     const struct curve_place *b, int b_last)
 {
@@ -153,7 +162,7 @@ static bool comes_back(struct branch_walk *w, const struct curve_place *point,
     return w->away && (far < step / 2 || last_distance + far < detour * step);
 }
 
-/* The extent of the last orbit in units of natural sizes, relative to the largest so far. */
+/* Returns the extent of the last orbit, in natural sizes, relative to the largest so far. */
 static double extent(const struct branch_walk *w)
 {
     const struct branch *b = w->branch;
@@ -168,6 +177,7 @@ static double extent(const struct branch_walk *w)
     return last / largest;
 }
 
+/* Ends the walk at its last point, which is labelled as an end. Returns true. */
 static bool end_there(struct branch_walk *w, const char *why)
 {
     w->branch->point[w->branch->count - 1].special = SPECIAL_END;
@@ -175,8 +185,8 @@ static bool end_there(struct branch_walk *w, const char *why)
     return true;
 }
 
-/* Ends the walk at its last point. If cancelled, this point is labelled as an end, so that the
- * branch can be continued there, unless it is already a special point. */
+/* Ends the walk at its last point, without a label. If cancelled, that point is labelled as an end,
+ * so that the branch can be continued there, unless it is a special point. Returns true. */
 static bool fails_there(struct branch_walk *w, const char *why)
 {
     const bool stopped = cancelled(w->request->cancel);
@@ -200,8 +210,8 @@ static void forget_turns(struct branch_walk *w)
     }
 }
 
-/* A fold behind which the parameter stands still to the branch's end is a turn of rounding (as on
- * the way to a homoclinic orbit). Towards the first point: by -1. */
+/* Unmarks folds near one end of a branch, the first point (direction 1) or the last (-1), from
+ * which on the parameter is constant but for rounding, as near a homoclinic orbit. */
 static void forget_last_turns(struct branch *b, int direction)
 {
     const bool still = b->kind == SOLUTION_EQUILIBRIUM;
@@ -219,7 +229,7 @@ static void forget_last_turns(struct branch *b, int direction)
 /* Unmarks special points that the last step of a closed branch has found again beyond its start. */
 static void unmark_repeats(struct branch_walk *w)
 {
-    static const double same = 1e-6; /* natural sizes, and parts of the range */
+    static const double same = 1e-6; /* largest distance, in natural sizes and parts of the range */
     struct branch *b = w->branch;
     const double psize = w->request->high - w->request->low;
     for (int i = 1; i < b->count; i++)
@@ -272,6 +282,7 @@ static void branch_progress_report(struct branch_walk *w, const struct curve_pla
         r->progress(r->context, w->told);
 }
 
+/* Returns true if the equations jump along the orbit. */
 static bool jumps(struct branch_walk *w, const struct solution *s)
 {
     struct vector_field *field = &w->path->field;
@@ -343,7 +354,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                                                                   : "it shrinks to an equilibrium");
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
-        if (leaves) { /* Special points between the edge and this place are not wanted. */
+        if (leaves) { /* special points before the edge are recorded first */
             struct solution reference;
             const bool seen = solutions_seen(w->path, &next, &reference);
             if (!walk_record_specials(w, &next, seen ? &reference : NULL))
@@ -371,7 +382,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
         if (!leaves && (!walk_record_specials(w, &next, &solution) ||
                         (w->bends && !walk_record_pairs(w, &w->previous, &point, index, &next))))
             return false;
-        if (cancelled(w->request->cancel)) /* one of these may not have been found */
+        if (cancelled(w->request->cancel)) /* special points may be missing */
             return fails_there(w, "");
         if (!branch_append(w->branch, w->path, &next, leaves ? SPECIAL_END : SPECIAL_NONE,
                            &solution))

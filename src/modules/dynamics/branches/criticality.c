@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The first Lyapunov coefficient from differences of the symbolic Jacobian in the directions that
- * it needs. */
+/* The first Lyapunov coefficient of a Hopf point, from differences of the Jacobian in the
+ * directions that it needs. */
 #include <math.h>
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
 
-/* (A - i im) x = b as a real system of twice the size. */
+/* Solves (A - i im) x = b, written as a real system of twice the size; x [2 n] is b on entry.
+ * Returns false if it is singular. */
 static bool solve_shifted(int n, const double *a, double im, double *x)
 {
     double m[4 * FIELD_VARIABLES * FIELD_VARIABLES];
@@ -23,13 +24,14 @@ static bool solve_shifted(int n, const double *a, double im, double *x)
 
 /* ---- derivatives of second and third order along directions ---- */
 
+/* The state at which derivatives are taken, and the step of their differences. */
 struct taylor {
     struct vector_field *field;
     const double *state;
     double step; /* relative to natural sizes */
 };
 
-/* J at the state moved by `step` along u, times v. */
+/* Computes the Jacobian at the state moved by `step` along u, times v. */
 static void moved(const struct taylor *t, const double *u, double step, const double *v,
                   double *result)
 {
@@ -45,6 +47,7 @@ static void moved(const struct taylor *t, const double *u, double step, const do
     }
 }
 
+/* Returns the step along u that moves some variable by t->step of its natural size. */
 static double step_along(const struct taylor *t, const double *u)
 {
     double most = 0;
@@ -53,7 +56,7 @@ static double step_along(const struct taylor *t, const double *u)
     return most > 0 ? t->step / most : 1;
 }
 
-/* B(u, v), of fourth order in the step. */
+/* Computes the second derivative B(u, v) by differences of fourth order. */
 static void second(const struct taylor *t, const double *u, const double *v, double *result)
 {
     const double h = step_along(t, u);
@@ -67,7 +70,7 @@ static void second(const struct taylor *t, const double *u, const double *v, dou
             (12 * h);
 }
 
-/* C(u, u, v), likewise. */
+/* Computes the third derivative C(u, u, v) by differences of fourth order. */
 static void third(const struct taylor *t, const double *u, const double *v, double *result)
 {
     const double h = step_along(t, u);
@@ -87,7 +90,7 @@ static void transpose(int n, const double *a, double *b)
             b[j * n + i] = a[i * n + j];
 }
 
-/* Re <p, x + i y>, p conjugated. */
+/* Returns the real part of <p + i q, x + i y>, the first factor conjugated. */
 static double real_product(int n, const double *p, const double *q, const double *x,
                            const double *y)
 {
@@ -97,7 +100,8 @@ static double real_product(int n, const double *p, const double *q, const double
     return sum;
 }
 
-/* p with A^T p = -i omega p and <p, a + i b> = 1. */
+/* Computes the adjoint eigenvector p + i q with A^T (p + i q) = -i omega (p + i q) and <p + i q, a
+ * + i b> = 1. Returns false if it is not found. */
 static bool adjoint(int n, const double *jacobian, double omega, const double *a, const double *b,
                     double *p, double *q)
 {
@@ -119,6 +123,7 @@ static bool adjoint(int n, const double *jacobian, double omega, const double *a
     return square > 0;
 }
 
+/* Returns the coefficient with the step of *t, or NAN if eigenvectors are not found. */
 static double coefficient(const struct taylor *t, double omega)
 {
     const int n = t->field->n;
@@ -184,7 +189,8 @@ static double coefficient(const struct taylor *t, double omega)
 /* Values of two steps agree if they differ by less than this part. */
 #define VALUES_AGREE_RELATIVE 0.03
 
-/* The largest natural size, as a multiple of those that the motion has to do with. */
+/* Returns the largest natural size, relative to the sizes of the variables that the eigenvector
+ * moves. */
 static double room_for_steps(struct vector_field *field, const double *state, double omega)
 {
     const struct taylor one = {field, state, 1};
@@ -198,6 +204,7 @@ static double room_for_steps(struct vector_field *field, const double *state, do
     return largest / fmin(step_along(&one, a), step_along(&one, b));
 }
 
+/* The step is increased where the difference is lost in rounding. */
 double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
                             double *error)
 {

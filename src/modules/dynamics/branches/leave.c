@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The beginning of the branch that leaves a special point. */
+/* The beginning of the branch that leaves a special point (solutions_leave). */
 #include <math.h>
 #include <string.h>
 
@@ -9,9 +9,11 @@
 
 #define DIFFERENCE_STEP_UNITS 1e-6 /* step of a difference, in the unknowns' units */
 
+/* Distances from the special point that are tried, in units of the curve. */
 static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
 
-/* A place at one of those distances; what is found must not be the branch that was left. */
+/* Finds a place of the other branch at one of these distances along `direction`. Returns false if
+ * none is found. */
 static bool step_aside(struct solution_curve *path, const double *u, const double *direction,
                        struct curve_place *first)
 {
@@ -63,6 +65,7 @@ bool solutions_along(struct solution_curve *path, const struct branch_point *spe
     return true;
 }
 
+/* Computes the Jacobian in units of sizes. */
 static bool scaled_jacobian(struct vector_field *field, const double *state, double *jacobian)
 {
     const int n = field->n;
@@ -73,6 +76,8 @@ static bool scaled_jacobian(struct vector_field *field, const double *state, dou
     return true;
 }
 
+/* Returns the angular frequency of the eigenvalue pair nearest to the imaginary axis [1/s], or 0 if
+ * there is none. */
 static double frequency(const struct solution *s)
 {
     double best = HUGE_VAL, omega = 0;
@@ -84,7 +89,8 @@ static double frequency(const struct solution *s)
     return omega;
 }
 
-/* A small ellipse in the plane of the eigenvectors. */
+/* Finds an orbit born at a Hopf point: a small ellipse in the plane of the eigenvector,
+ * corrected. */
 static bool leave_hopf(struct solution_curve *path, const struct scene *scene, int param,
                        double psize, const struct solution *hopf, const struct cancel *cancel,
                        struct curve_place *first, struct error *error)
@@ -113,7 +119,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
             u[k * field.n + i] = hopf->state[i] / path->field.size[i];
         }
     vector_normalise(path->problem->n + 1, direction);
-    /* the phase: across the orbit, which moves along -im */
+    /* the phase is fixed in the plane across the orbit, which moves along -im */
     memcpy(path->orbit.reference, u, sizeof path->orbit.reference);
     for (int i = 0; i < field.n; i++)
         path->orbit.normal[i] = -im[i];
@@ -124,7 +130,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
 }
 
-/* Twice the period, along the eigenvector of the multiplier -1. */
+/* Finds an orbit of twice the period, along the eigenvector of the multiplier -1. */
 static bool leave_doubling(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct solution *doubling,
                            const struct cancel *cancel, struct curve_place *first,
@@ -155,12 +161,15 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
     return error_set(error, ERROR_COMMAND, "no orbit of twice the period was found there");
 }
 
+/* Ends the curve and sets *error. Returns false. */
 static bool leave_nothing(struct solution_curve *path, struct error *error)
 {
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
 }
 
+/* Finds a place of the other branch at a branch point, along the second null vector of the
+ * Jacobian. */
 static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct branch_point *special, int side,
                            const struct cancel *cancel, struct curve_place *first,

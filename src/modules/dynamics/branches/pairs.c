@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Special points that come in pairs within a step: a test passes 0 and comes back. */
+/* Special points that come in pairs within a step, where a test passes 0 and comes back: steps are
+ * shortened to separate them (step_is_resolved), and the minimum of a test is searched
+ * (walk_record_pairs). */
 #include <math.h>
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
 
-/* Shares of a step of equilibria at which tests are looked at, too. */
+/* Shares of a step along equilibria at which tests are evaluated as well. */
 static const double inner_share[] = {0.2, 0.4, 0.6, 0.8};
 enum { MINIMUM_STEPS_MAX = 16 };
-/* A minimum that is predicted at more than this part of the least value found is above 0. */
+/* A minimum whose predicted value exceeds this part of the least value found does not reach 0. */
 static const double minimum_part = 0.5;
-/* Relative to its bracket: a minimum is looked for no nearer to the least value found. */
+/* Smallest distance, relative to the bracket, of a new sample from the least one. */
 static const double nearest_part = 0.1;
-/* Relative to the distance of both ends: a bracket this narrow has no two zeros that matter. */
+/* A bracket narrower than this, relative to the distance of both ends, is given up. */
 static const double bracket_min = 1e-7;
 
 bool step_is_resolved(struct branch_walk *w, const struct curve_place *current,
@@ -43,24 +45,27 @@ bool step_is_resolved(struct branch_walk *w, const struct curve_place *current,
 
 /* ---- the least value of a test ---- */
 
-/* A place, how far along it is, and how far its test is on the side where it was. */
+/* A place, its arclength, and its test times the sign that the test has around it. */
 struct test_sample {
     struct curve_place place;
     double position, value;
 };
 
+/* Search for the minimum of a test times its sign. */
 struct test_minimum {
     struct branch_walk *walk;
     int test, sign;
     struct test_sample *low, *middle, *high, *fresh; /* four samples that change places */
 };
 
+/* Returns the test at a place times the sign that it has around the minimum. */
 static double value_at(const struct test_minimum *m, const struct curve_place *point)
 {
     return m->sign * point->test[m->test];
 }
 
-/* The vertex of the parabola through three samples, and its value there. */
+/* Returns the position of the vertex of the parabola through three samples, and sets *value to its
+ * value there. */
 static double parabola_vertex(const struct test_minimum *m, double *value)
 {
     const double h = m->high->position - m->middle->position,
@@ -73,8 +78,8 @@ static double parabola_vertex(const struct test_minimum *m, double *value)
     return m->middle->position + shift;
 }
 
-/* Puts a sample between the others. Returns false if no solution was found there or if the test has
- * no value. */
+/* Computes the sample m->fresh at a position. Returns false if no solution is found there or if the
+ * test has no value. */
 static bool sample_at(const struct test_minimum *m, double position)
 {
     const bool is_before = position < m->middle->position;
@@ -100,6 +105,7 @@ static double next_sample(const struct test_minimum *m, double vertex)
     return vertex;
 }
 
+/* Replaces one of the three samples by the fresh one, so that the least one stays in the middle. */
 static void narrow(struct test_minimum *m)
 {
     struct test_sample *fresh = m->fresh, **side;
@@ -116,8 +122,8 @@ static void narrow(struct test_minimum *m)
     }
 }
 
-/* Looks for a place where the test has the other sign, in `fresh`, between `low` or `middle` and
- * `middle` or `high`. */
+/* Searches a place where the test has the other sign, which becomes m->fresh. Returns false if
+ * there is none. */
 static bool find_other_sign(struct test_minimum *m)
 {
     const double length = m->high->position - m->low->position;
@@ -137,6 +143,8 @@ static bool find_other_sign(struct test_minimum *m)
 
 /* ---- pairs ---- */
 
+/* Records a special point and moves it to position *index of the branch, which is advanced. Returns
+ * false if out of memory. */
 static bool record_at(struct branch_walk *w, const struct found_special *f, int *index)
 {
     struct branch *b = w->branch;
@@ -148,7 +156,7 @@ static bool record_at(struct branch_walk *w, const struct found_special *f, int 
     const struct branch_point point = b->point[count];
     memmove(&b->point[*index + 1], &b->point[*index], (size_t)(count - *index) * sizeof *b->point);
     b->point[(*index)++] = point;
-    w->fold_at = 0; /* It counts points that have moved. */
+    w->fold_at = 0; /* the index is invalid, since points have moved */
     return true;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ranges of the parameters of a branch, and where a branch leaves them. */
+/* Ranges of the parameters of a branch, and the place where a curve leaves them. */
 #include "modules/dynamics/branches/walk.h"
 
 /* Returns the index of parameter `axis` among the unknowns. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Special points of a branch: where tests change their signs between two places. */
+/* Special points of a branch: located where tests change their signs between two places, and
+ * recorded. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #define SAME_POINT_RANGE_FRACTION 1e-6
 /* An eigenvalue is 0 if it is smaller than this part of the frequency. */
 #define ZERO_EIGENVALUE_RELATIVE 1e-6
-/* A test is 0 if it is smaller than this part of its largest value so far. */
+/* A test counts as 0 if it is smaller than this part of its largest value so far. */
 #define ZERO_TEST_RELATIVE 1e-8
 /* A point within this part of the range from an edge is on the edge. */
 #define RANGE_EDGE_FRACTION 1e-9
@@ -46,12 +47,13 @@ bool branch_append(struct branch *b, const struct solution_curve *path,
 
 /* ---- special points between two places ---- */
 
+/* Returns true if a test at a place is 0 but for rounding. */
 static bool is_test_zero(const struct branch_walk *w, const struct curve_place *p, int test)
 {
     if (test > 0)
         return fabs(p->test[test]) <= ZERO_TEST_RELATIVE * w->largest[test];
-    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
-     */
+    /* test 0 is the parameter's part of the tangent, which is rounding if the parameter is
+     * constant */
     return fabs(p->test[test]) <= CURVE_LEVEL ||
            (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
 }
@@ -65,7 +67,8 @@ bool is_in_range(const struct branch_request *r, double *param)
     return true;
 }
 
-/* A fold of orbits that lies so flat that it is not located is at the better of both places. */
+/* Locates the zero of a test. A fold of orbits that is too flat to be located is put at the better
+ * of both places. Returns false if it is not found. */
 static bool locate(const struct branch_walk *w, const struct curve_place *previous,
                    const struct curve_place *next, int test, struct found_special *f)
 {
@@ -131,6 +134,8 @@ int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
     return passes;
 }
 
+/* Locates the zeros of all tests between their last known places and `next`, and appends special
+ * points to found [*count]. */
 static void locate_all(struct branch_walk *w, const struct curve_place *next,
                        struct found_special *found, int *count)
 {
@@ -148,7 +153,8 @@ static void locate_all(struct branch_walk *w, const struct curve_place *next,
     }
 }
 
-/* A branch that is followed through a crossing turns back there, or doubles; it is a crossing. */
+/* Removes folds and Neimark-Sacker points at the same place as a branch point. Where two branches
+ * cross, those tests may be 0, too. n is the number of unknowns. */
 static void leave_doubles_out(struct found_special *found, int *count, int n)
 {
     for (int i = 0; i < *count; i++)
@@ -162,6 +168,7 @@ static void leave_doubles_out(struct found_special *found, int *count, int n)
             }
 }
 
+/* Compares two special points by their distance, for qsort(). */
 static int by_distance(const void *a, const void *b)
 {
     const struct found_special *x = a, *y = b;
@@ -251,8 +258,9 @@ bool walk_record_specials(struct branch_walk *w, const struct curve_place *next,
     return true;
 }
 
-/* ---- tests go on ---- */
+/* ---- signs of the tests along a walk ---- */
 
+/* Returns true if a test has a certain sign at a place. */
 static bool is_signed(const struct branch_walk *w, const struct curve_place *point, int test)
 {
     return isfinite(point->test[test]) && point->test[test] != 0 && !is_test_zero(w, point, test);
@@ -263,7 +271,7 @@ void walk_start(struct branch_walk *w, const struct curve_place *point)
     const int n = w->path->problem->n;
     struct curve_place *opposite = w->behinds == n ? &w->opposite : NULL;
     w->fold_at = 0;
-    if (opposite) { /* seen from the other side */
+    if (opposite) { /* converted to the direction of this walk */
         for (int i = 0; i <= n; i++)
             opposite->tangent[i] = -opposite->tangent[i];
         opposite->test[EQUILIBRIUM_FOLD] *= -1;
@@ -297,6 +305,6 @@ void walk_go_on(struct branch_walk *w, const struct curve_place *point)
         if (is_signed(w, point, k))
             w->any[k] = true;
         else
-            w->known[k].test[k] = sign; /* there is none, if there was none */
+            w->known[k].test[k] = sign; /* the test keeps the sign that it had */
     }
 }

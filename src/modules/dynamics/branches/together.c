@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Special points that no test shows by its sign: eigenvalues or multipliers that pass together, as
- * those of equal parts of a scene and of symmetric ones do, or one soon after the other. How many
- * of them grow is counted; where it changes by more than the special points found say, smaller
- * pieces are looked at, and in the end how fast those that pass grow, together.
- */
+/* Special points that no test shows by its sign: eigenvalues or multipliers that become critical
+ * together, as those of symmetric scenes do, or one soon after the other. The number of them that
+ * grow is counted; where it changes by more than the special points found explain, shorter parts of
+ * the chord are examined, and in the end the sum of the rates of those that pass. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,12 +12,12 @@
 /* A rate above this part of the largest eigenvalue, or of a multiplier's logarithm, has a certain
  * sign. */
 #define CERTAIN_RATE_RELATIVE 1e-5
-#define HALVINGS_BEFORE_COMMON 4 /* halvings after which those that are left may pass together */
-#define HALVINGS_MAX 14
+#define HALVINGS_BEFORE_COMMON 4 /* halvings after which the remaining ones may pass together */
+#define HALVINGS_MAX 14          /* largest number of halvings of a chord */
 /* Eigenvalues farther from passing than this, in the units of CERTAIN_RATE_RELATIVE, do not pass
  * together. */
 #define AT_ONCE 1e-7
-#define COMPLEX_PAIR_IMAG_MIN 1e-5 /* imaginary part of one that is complex */
+#define COMPLEX_PAIR_IMAG_MIN 1e-5 /* imaginary part above which an eigenvalue is complex */
 
 /* Returns the growth of a difference: a rate [1/s], or the logarithm of a multiplier. */
 static double growth(const struct solution *s, int k)
@@ -28,6 +26,7 @@ static double growth(const struct solution *s, int k)
                                            : log(hypot(s->value[k].re, s->value[k].im));
 }
 
+/* Returns the largest eigenvalue, or 1 for multipliers. */
 static double unit_of(const struct solution *s)
 {
     double most = DBL_MIN;
@@ -49,7 +48,7 @@ int walk_grows(struct branch_walk *w, const struct solution *s)
     return count;
 }
 
-/* The places of those nearest to passing. */
+/* Finds the indices place [count] of the eigenvalues that are nearest to becoming critical. */
 static void nearest(const struct solution *s, int count, int *place)
 {
     bool taken[DYNAMICS_VARIABLES] = {false};
@@ -62,12 +61,14 @@ static void nearest(const struct solution *s, int count, int *place)
     }
 }
 
+/* A part of a branch between two places. */
 struct chord_piece {
     struct branch_walk *w;
     const struct curve_place *a, *b;
-    int count; /* that pass */
+    int count; /* number of eigenvalues that pass between them */
 };
 
+/* Finds the place and solution at a share of the chord. Returns false if there is none. */
 static bool place_at(const struct chord_piece *p, double share, struct curve_place *point,
                      struct solution *s)
 {
@@ -75,7 +76,8 @@ static bool place_at(const struct chord_piece *p, double share, struct curve_pla
            solutions_at(p->w->path, point, false, s) && s->values >= p->count;
 }
 
-/* The sum of the rates of those that pass, which is smooth where they meet. */
+/* Returns the sum of the rates of the eigenvalues that pass, a smooth function even where they
+ * meet; NAN if unknown. `context` is a struct chord_piece. */
 static double rate_sum(void *context, const struct curve_place *point)
 {
     const struct chord_piece *p = context;
@@ -90,6 +92,7 @@ static double rate_sum(void *context, const struct curve_place *point)
     return sum;
 }
 
+/* Returns the kind of special point at which `count` eigenvalues with these indices pass. */
 static enum special special_kind_of(const struct solution *s, double unit, int count,
                                     const int *place)
 {
@@ -105,7 +108,8 @@ static enum special special_kind_of(const struct solution *s, double unit, int c
     return is_map && turned ? SPECIAL_DOUBLING : SPECIAL_CROSSING;
 }
 
-/* Its memory is no part of between(), which goes HALVINGS_MAX deep. */
+/* Locates a special point at which all of p->count eigenvalues pass together. Returns false if they
+ * do not. Not inlined, since chord_specials_find() is recursive and needs a small stack frame. */
 static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
                                                     struct found_special *found)
 {
@@ -122,6 +126,8 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
     return true;
 }
 
+/* Finds a place near the middle of the chord at which the number of growing eigenvalues is certain.
+ * Returns false if there is none. */
 static __attribute__((noinline)) bool middle_of(const struct chord_piece *p,
                                                 struct curve_place *point, int *grows)
 {
@@ -133,6 +139,8 @@ static __attribute__((noinline)) bool middle_of(const struct chord_piece *p,
     return false;
 }
 
+/* Finds the special points between two places at which a_grows and b_grows eigenvalues grow, by
+ * halving the chord. Appends them to found [*count]. */
 static void chord_specials_find(struct branch_walk *w, const struct curve_place *a, int a_grows,
                                 const struct curve_place *b, int b_grows, int depth,
                                 struct found_special *found, int *count)
@@ -158,6 +166,7 @@ static void chord_specials_find(struct branch_walk *w, const struct curve_place 
     chord_specials_find(w, &middle, grows, b, b_grows, depth + 1, found, count);
 }
 
+/* Returns true if the same special point was recorded since w->sure. */
 static bool is_known(const struct branch_walk *w, const struct found_special *f)
 {
     const struct branch *b = w->branch;

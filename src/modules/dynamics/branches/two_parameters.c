@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Folds, Hopf points, period doublings and Neimark-Sacker points as curves in two parameters: the
- * equations of the solution, and one more that says that it is such a point; the unknowns are those
- * of the solution, the first parameter among them, and the second one (Govaerts 2000, 4 and 8).
- * Derivatives of that equation are differences: they only lead to the point, which is as exact as
- * the equations are.
- */
+/* Folds, Hopf points, period doublings and Neimark-Sacker points as curves in two parameters
+ * (special_follow): the equations of the solution and one more, the condition, which is 0 at such a
+ * point; unknowns are those of the solution, with the first parameter, and the second parameter
+ * (Govaerts 2000, 4 and 8). Derivatives of the condition are differences; they only guide Newton's
+ * method, so that the points are as accurate as the equations. */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -19,21 +17,22 @@
 /* Weight of the second parameter in the sum of both, which then has no special direction. */
 #define SECOND_PARAM_WEIGHT 0.618
 #define CONDITION_REUSE_DISTANCE 1e-4 /* farther away the condition of an orbit is derived anew */
-#define FIRST_STEP_LENGTH 0.01
+#define FIRST_STEP_LENGTH 0.01        /* arclength of the first step and of the longest one */
 #define STEP_LENGTH_MAX 0.05
 /* Cosine of an orbit's phase to the reference, below which the reference is renewed. */
 #define PHASE_COSINE_MIN 0.9
 #define CURVE_POINTS_DEFAULT 1000
 
+/* A curve of special points. */
 struct special_curve {
     struct solution_curve base;
     enum special kind;
-    int second; /* index of the second parameter among the unknowns */
-    double qsize;
+    int second;                                /* index of the second parameter in the scene */
+    double qsize;                              /* unit of the second parameter: its range */
     double point[CURVE_MAX], slope[CURVE_MAX]; /* derivatives of the condition at `point` */
     /* derivatives of the equations by the second parameter */
     double by_second[CURVE_MAX];
-    bool derived;
+    bool derived; /* these derivatives are known */
     /* The tangent of a fold at a fixed second parameter, or the direction along the fold. */
     double tangent[CURVE_MAX];
     struct curve_problem problem;
@@ -41,6 +40,7 @@ struct special_curve {
 
 /* ---- the condition ---- */
 
+/* Copies the derivatives of the first n equations by the first n unknowns. */
 static void square_part(const struct special_curve *c, int n, double *square)
 {
     const int all = c->base.problem->n + 1;
@@ -70,7 +70,7 @@ static double condition(const struct special_curve *c)
     }
 }
 
-/* Equations and condition there, f [n + 1]. */
+/* Computes the equations and the condition, f [n + 1]. Returns false if one cannot be evaluated. */
 static bool evaluate_condition(struct special_curve *c, const double *u, double *f)
 {
     const int n = c->base.problem->n;
@@ -81,6 +81,7 @@ static bool evaluate_condition(struct special_curve *c, const double *u, double 
     return isfinite(f[n]);
 }
 
+/* Returns true if the derivatives of an orbit's condition were computed near enough. */
 static bool is_fresh(const struct special_curve *c, const double *u)
 {
     return c->derived && c->base.kind != SOLUTION_EQUILIBRIUM &&
@@ -114,6 +115,8 @@ static bool derive(struct special_curve *c, const double *u)
     return true;
 }
 
+/* Computes equations, condition and their derivatives. Returns false if that fails or if
+ * cancelled. */
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct special_curve *c = context;
@@ -132,7 +135,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
 
 /* ---- points of codimension two ---- */
 
-/* The pair whose sum is nearest to 0: its product. */
+/* Returns the product of the two eigenvalues whose sum is nearest to 0: omega squared for a Hopf
+ * point, negative for a saddle. */
 static double pair_product(int n, const struct eigenvalue *v)
 {
     double best = HUGE_VAL, product = NAN;
@@ -189,6 +193,8 @@ static void test_orbit_fold(void *context, const double *u, const double *jacobi
     value[0] = (side[1] - side[0]) / (2 * FOLD_DIFFERENCE_UNITS);
 }
 
+/* Computes the tests for Bogdanov-Takens and generalised Hopf points along Hopf points, for cusps
+ * and Bogdanov-Takens points along folds of equilibria. */
 static void special_curve_test(void *context, const double *u, const double *jacobian,
                                const double *tangent, double *value)
 {
@@ -225,6 +231,7 @@ static void special_curve_test(void *context, const double *u, const double *jac
     value[1] = n > 1 ? products_of_others(n, s.value) : NAN;
 }
 
+/* Returns the kind of special point at which a test is 0. */
 static enum special special_of(const struct special_curve *c, int test)
 {
     static const enum special hopf[] = {SPECIAL_DOUBLE, SPECIAL_BAUTIN},
@@ -233,22 +240,26 @@ static enum special special_of(const struct special_curve *c, int test)
     return (c->kind == SPECIAL_HOPF ? hopf : fold)[test];
 }
 
-/* ---- where it begins ---- */
+/* ---- the start of the curve ---- */
 
+/* Makes the residuals of the solution accurate to rounding. */
 static void special_curve_aim(void *context, bool fine)
 {
     struct special_curve *c = context;
-    (void)fine; /* differences want all digits */
+    (void)fine; /* differences need all digits */
     if (c->base.problem->aim)
         c->base.problem->aim(c->base.problem->context, true);
 }
 
+/* Frees what the curve holds. */
 static void special_curve_end(struct special_curve *c)
 {
     solutions_end(&c->base);
     free(c->problem.work);
 }
 
+/* Sets up the curve and finds its first place, with a tangent towards growing (side 1) or falling
+ * values. Returns false with *error. */
 static bool begin_curve_side(struct special_curve *c, const struct branch_request *r, int side,
                              struct curve_place *first, struct error *error)
 {
@@ -281,7 +292,7 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
                                : error_memory(error);
     }
     u[all] = now / c->qsize;
-    for (int k = 0; k < 2; k++) { /* towards either parameter: one of them is not across */
+    for (int k = 0; k < 2; k++) { /* the curve may be normal to one of the parameters */
         double direction[CURVE_MAX] = {0};
         direction[k == 0 ? all : n] = side;
         if (curve_correct(&c->problem, u, direction, true, first))
@@ -293,18 +304,21 @@ static bool begin_curve_side(struct special_curve *c, const struct branch_reques
 
 /* ---- the walk ---- */
 
+/* A walk along such a curve in one direction. */
 struct special_walk {
     const struct branch_request *request;
     struct special_curve *curve;
     struct branch *branch;
-    char *end; /* [96] */
+    char *end; /* [96] takes the reason of the end */
 };
 
+/* Stores the reason of the end of the walk. */
 static void special_walk_end_set(struct special_walk *w, const char *why)
 {
     snprintf(w->end, 96, "%s", why);
 }
 
+/* Appends a point. Returns false if out of memory or if its solution is not found again. */
 static bool record(struct special_walk *w, const struct curve_place *point, enum special special)
 {
     struct special_curve *c = w->curve;
@@ -317,7 +331,8 @@ static bool record(struct special_walk *w, const struct curve_place *point, enum
     return branch_append(w->branch, &c->base, point, special, &s);
 }
 
-/* Returns false if out of memory, if a solution is not found again, or if the curve ends there. */
+/* Records the special points between two places. Returns false if out of memory, if a solution is
+ * not found again, or if the curve ends there. */
 static bool record_specials(struct special_walk *w, const struct curve_place *current,
                             const struct curve_place *next)
 {
@@ -342,7 +357,9 @@ static bool record_specials(struct special_walk *w, const struct curve_place *cu
     return true;
 }
 
-/* Differences that grow too much along the orbit: it is cut anew, as far as there is room. */
+/* Prepares the next step along orbits: renews the reference of the phase, and cuts segments along
+ * which differences grow too much, if there is room. `upright` is the cosine of
+ * orbit_curve_upright(). Returns false if that fails. */
 static bool prepare_curve_side(struct special_walk *w, struct curve_place *point, double upright)
 {
     struct special_curve *c = w->curve;
@@ -369,6 +386,7 @@ static bool prepare_curve_side(struct special_walk *w, struct curve_place *point
     return curve_correct(&c->problem, u, direction, false, point);
 }
 
+/* Follows the curve from its first place until it ends, and stores the reason. */
 static void special_walk_follow(struct special_walk *w, struct curve_place point)
 {
     const struct branch_request *r = w->request;
@@ -424,7 +442,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
         kind != SPECIAL_TORUS)
         return error_set(error, ERROR_COMMAND,
                          "a curve in two parameters must begin at an LP, HB, PD or NS point");
-    struct special_curve *curve = malloc(sizeof *curve); /* too much for a stack */
+    struct special_curve *curve = malloc(sizeof *curve); /* too large for a stack */
     for (int side = curve ? -1 : 2; side <= 1; side += 2) {
         struct curve_place first;
         if (r->forward && side < 0)

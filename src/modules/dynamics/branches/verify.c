@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Verification of special points by runs on both sides. The solution is moved a little along the
- * eigenvector in question, and the run's distance from it, projected on the left eigenvector, must
- * grow or shrink as the eigenvalue or multiplier predicts. Solutions must also exist, or not exist,
- * as the label says.
- */
+/* Verification of special points by runs on both sides (branch_verify). The solution is displaced a
+ * little along the eigenvector in question, and the run's distance from it, projected on the left
+ * eigenvector, must grow or shrink as the eigenvalue or multiplier predicts. Solutions must also
+ * exist, or not exist, as the label says. */
 #include <float.h>
 #include <math.h>
 
@@ -14,30 +12,33 @@
 #include "modules/dynamics/branches/walk.h"
 #include "modules/dynamics/orbits/solutions.h"
 
-/* distance of the sides from a special point, as a part of the range */
+/* Distance of the sides from a special point, as a part of the range. */
 #define SIDE_DISTANCE_FRACTION 1e-3
-/* Equilibria are tried at this number of distances, each a quarter of the previous one, */
+/* Number of distances, each a quarter of the previous one, at which equilibria are examined; orbits
+ * cost more. */
 #define NEARER_EQUILIBRIA 9
-#define NEARER_ORBITS 3                 /* and orbits, each of which takes runs, at fewer. */
+#define NEARER_ORBITS 3
 #define SIDE_DISTANCE_MAX_FRACTION 0.07 /* farthest distance, if nothing can be decided nearer */
 #define SAME_LABEL_RELATIVE 1e-9        /* two labels within this part are at one value */
 #define FOLD_ARM_LENGTH 0.01            /* arclength from a fold along both its arms */
 #define PARAM_ROUNDING_RELATIVE 1e-9    /* relative, of the parameter */
 #define RANGE_ROUNDING 1e-13            /* A change below this part of the range does not count. */
-/* largest displacement of a run's start, in natural sizes, */
+/* Largest displacement of a run's start, in natural sizes, and relative to the distance from the
+ * special point. */
 #define START_SHIFT_SIZES 1e-6
-#define MOVED_PART 1e-3 /* and as a part of the distance from the special point */
-#define RETRY_DISTANCE_FACTOR 0.7
+#define MOVED_PART 1e-3
+#define RETRY_DISTANCE_FACTOR 0.7 /* preference for the growing one of two similar eigenvalues */
 #define RATES_AGREE_RELATIVE 0.05 /* relative, of rates */
-/* largest difference between the growth of two opposite displacements, as a part of both */
+/* Largest difference between the growth of two opposite displacements, relative to both. */
 #define ASYMMETRY_MAX_FRACTION 0.3
 #define GROWTH_NEGLIGIBLE 1e-6 /* growth below which a run does not grow */
-/* largest logarithm of the growth in any other direction during a run */
+/* Largest logarithm of the growth in any other direction during a run. */
 #define OTHER_GROWTH_LOG_MAX 5
 #define RUN_FAST_TIMES_MAX 50 /* times of the fastest motion that a run lasts at most */
 
-/* Returns the index of the eigenvalue that the label is about: the one nearest to where it passes,
- * and of two at about the same distance the one that grows. Returns -1 if there is none. */
+/* Returns the index of the eigenvalue or multiplier that the label is about: the one nearest to
+ * where it becomes critical, and of two at about the same distance the one that grows. Returns -1
+ * if there is none. */
 static int critical(const struct branch_point *special, const struct solution *s)
 {
     const bool map = s->kind != SOLUTION_EQUILIBRIUM,
@@ -64,12 +65,14 @@ static int critical(const struct branch_point *special, const struct solution *s
     return best;
 }
 
-/* [1/s] or, over a period, of its logarithm */
+/* Returns the growth rate [1/s] of an eigenvalue, or of a multiplier as its logarithm per
+ * period. */
 static double rate_of(const struct solution *s, struct eigenvalue v)
 {
     return s->kind == SOLUTION_EQUILIBRIUM ? v.re : log(hypot(v.re, v.im)) / s->period;
 }
 
+/* Copies the matrix whose eigenvectors are needed: the Jacobian, or the map over a period. */
 static void matrix_of(struct solution_curve *path, double *a)
 {
     const int n = path->field.n, all = path->problem->n + 1;
@@ -82,6 +85,8 @@ static void matrix_of(struct solution_curve *path, double *a)
             a[i * n + j] = path->work->jacobian[i * all + j];
 }
 
+/* Returns how long [s] a run has to be to show the growth of this eigenvalue without others
+ * dominating. */
 static double time_of(const struct solution *s, struct eigenvalue v)
 {
     double fastest = 0, growth = DBL_MIN;
@@ -95,8 +100,9 @@ static double time_of(const struct solution *s, struct eigenvalue v)
                 OTHER_GROWTH_LOG_MAX / growth);
 }
 
-/* Returns the rate at which runs leave or near the solution along that eigenvector, or NAN if a run
- * fails or if what is not linear decides, as where rates are smaller than differences. */
+/* Returns the rate [1/s] at which runs leave the solution along the eigenvector of v, negative if
+ * they approach it. `distance` is that from the special point. Returns NAN if a run fails or if
+ * nonlinear terms dominate. */
 static double rate_of_run(struct solution_curve *path, const struct solution *s,
                           struct eigenvalue v, double distance)
 {
@@ -144,6 +150,7 @@ struct side {
     bool found, agrees;
 };
 
+/* Examines a point of a branch: compares the growth of a run with that of the eigenvalue. */
 static struct side side_at(struct solution_curve *path, const struct branch_point *special,
                            const struct curve_place *point, double distance)
 {
@@ -162,6 +169,8 @@ static struct side side_at(struct solution_curve *path, const struct branch_poin
     return side;
 }
 
+/* Examines the branch on one side (sign 1 or -1) of a special point, at arclength `arm` from a
+ * fold, or where the parameter differs by side_distance. */
 static struct side look_at_side(const struct branch_request *r, const struct branch_point *special,
                                 double arm, double side_distance, int sign)
 {
@@ -187,8 +196,8 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
     return side;
 }
 
-/* Returns true if the branch has no solution at this parameter, beyond a fold, as near as its arms
- * are. */
+/* Returns true if there is no solution at this parameter, beyond a fold, within twice the arclength
+ * of its arms. */
 static bool is_empty(const struct branch_request *r, const struct branch_point *special,
                      double param, double arm)
 {
@@ -252,6 +261,8 @@ static enum branch_verdict growth_verdict(const struct side *left, const struct 
     return (left->rate > 0) == (right->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
 }
 
+/* Returns the verdict on a fold: both arms must be on one side of it, with different stability, and
+ * the other side empty. */
 static enum branch_verdict confirm_fold(const struct branch_request *r,
                                         const struct branch_point *special, double arm)
 {
@@ -269,7 +280,8 @@ static enum branch_verdict confirm_fold(const struct branch_request *r,
                                                                                 : verdict;
 }
 
-/* `side_distance` is the distance in the parameter, as a part of its range. */
+/* Returns the verdict on a special point from both sides at a distance in the parameter, as a part
+ * of its range. */
 static enum branch_verdict confirm(const struct branch_request *r,
                                    const struct branch_point *special, double side_distance)
 {
@@ -291,11 +303,10 @@ static enum branch_verdict confirm(const struct branch_request *r,
                : verdict;
 }
 
-/*
- * Looks at several distances. A label is confirmed at one; what contradicts it has to do so at two,
- * as one probe may fail: other special points are near, or something else grows faster. Nearer ones
- * come first: what is farther away is asked only if nothing could be decided.
- */
+/* Returns the verdict from several distances. One confirmation is enough; a contradiction must
+ * occur at two distances, as one probe may fail because of other special points or faster growth.
+ * Nearer distances come first; those beyond the first, up to `farthest`, are tried only if nothing
+ * was decided. */
 static enum branch_verdict confirm_anywhere(const struct branch_request *r,
                                             const struct branch_point *special, double farthest)
 {
@@ -341,7 +352,8 @@ const char *branch_contradiction(int verdict)
     }
 }
 
-/* Not beyond the next special point. */
+/* Returns the largest distance at which the point number `place` is examined, a quarter of that to
+ * the next special point. */
 static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
 {
     const double here = branch->point[place].solution.param[0];

@@ -29,6 +29,7 @@
 
 /* Stores the reason why the exponent is not determined. Returns true, since that is a result. */
 static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
+/* The text is cut off if it is longer than found->reason. */
 static bool leave(struct series_exponent *found, const char *format, ...)
 {
     va_list args;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strength of the noise: from the damping of the scene and a temperature, or as stated. */
+/* Binds a scene with its noise (noise_forcing_bind): damping, and strength of the noise from a
+ * temperature or as stated. */
 #include "modules/noise/compute/forcing.h"
 
 #include <stdlib.h>
@@ -7,7 +8,7 @@
 
 /* Relative difference of two dampings that are the same but for rounding. */
 static const double damping_tolerance = 1e-9;
-/* States at which damping is looked at, besides the start. */
+/* Number of states at which the damping is examined. */
 enum { DAMPING_PROBES = 4 };
 
 /* Fills y [n] with the start, its position moved by `shift` natural sizes and its velocity set to
@@ -68,6 +69,8 @@ static bool has_other_drag(const struct system *system, const double *gamma)
     return false;
 }
 
+/* Sets the damping of each velocity: the scene's own or the stated one. Returns false with *error
+ * if a temperature needs a damping that does not exist. */
 static bool bind_damping(const struct noise_request *request, struct noise_forcing *forcing,
                          struct error *error)
 {
@@ -96,6 +99,8 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
     return true;
 }
 
+/* Sets the strength of the noise on each variable, by the fluctuation-dissipation theorem if a
+ * temperature is given. Returns false with *error if the number of stated strengths is wrong. */
 static bool bind_strength(const struct noise_request *request, struct noise_forcing *forcing,
                           struct error *error)
 {

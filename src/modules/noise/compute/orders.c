@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps of several sizes on the same Wiener paths. */
+/* Measures strong and weak orders: steps of several sizes are compared on the same Wiener paths. */
 #include "modules/noise/compute/orders.h"
 
 #include "modules/noise/compute/random.h"
@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Data that the threads share. */
 struct orders_work {
     const struct orders_request *request;
     const struct noise_method *method;
@@ -19,6 +20,7 @@ struct orders_work {
     double *increment;     /* [threads][fine steps][count] */
 };
 
+/* Returns the number of steps of the largest size. */
 static int64_t largest_steps(const struct orders_request *request)
 {
     const double steps = ceil(request->span / request->dt - 1e-9);
@@ -37,7 +39,7 @@ double noise_orders_steps(const struct orders_request *request)
     return 2 * ldexp((double)largest_steps(request), request->levels + 1) * (double)request->paths;
 }
 
-/* Increments [fine][count] of a Wiener path, each of variance h. */
+/* Fills in the increments [fine][count] of a Wiener path, each of variance h. */
 static void fill_increments(const struct orders_work *work, int64_t path, int64_t fine, double h,
                             double *increment)
 {
@@ -50,8 +52,8 @@ static void fill_increments(const struct orders_work *work, int64_t path, int64_
         increment[i] *= root;
 }
 
-/* Steps along the path, `together` increments at a time, in one of its two directions. y [n] is NAN
- * where that diverges. */
+/* Follows the path with steps of `together` increments each, or its mirror image (sign -1), to the
+ * end y [n], whose first variable is NAN if the path diverges. */
 static void follow_increments(const struct orders_work *work, const double *increment,
                               int64_t together, double h, int sign, double *y)
 {
@@ -74,7 +76,8 @@ static void follow_increments(const struct orders_work *work, const double *incr
     }
 }
 
-/* Adds what two neighbouring step sizes differ by at the end. */
+/* Adds the differences at the end between two successive step sizes: of states (strong), of squares
+ * (weak). */
 static void add_differences(const struct system *system, const double *coarse, const double *fine,
                             double *strong, double *weak)
 {
@@ -85,7 +88,8 @@ static void add_differences(const struct system *system, const double *coarse, c
     }
 }
 
-/* A path and its mirror image, which halves the noise that is odd in the path. */
+/* Measures one path and its mirror image, which cancels statistical errors that are odd in the
+ * path. `context` is the struct orders_work. */
 static void measure_one(void *context, int thread, int64_t path)
 {
     struct orders_work *work = context;
@@ -109,11 +113,9 @@ static void measure_one(void *context, int thread, int64_t path)
     }
 }
 
-/*
- * The order that the two finest levels show which are not hidden by chance, within three standard
- * errors of 0, or by rounding. Its uncertainty is that of chance and the change since the two
- * levels before, which goes to 0 with dt.
- */
+/* Returns the order from the two finest levels whose differences are significant, more than three
+ * standard errors and above rounding. Its uncertainty combines chance with the change since the
+ * previous two levels. NAN if fewer than three levels are significant. */
 static struct measured find_order(const struct order_level *level, int levels, bool strong)
 {
     enum { LEVELS_LEAST = 3 };
@@ -137,10 +139,9 @@ static struct measured find_order(const struct order_level *level, int levels, b
     return (struct measured){order[n - 1], hypot(chance, order[n - 1] - order[n - 2])};
 }
 
-/*
- * The mean of half the sum of squares at the end with this many steps. A step of a linear scene is
- * affine: y' = M y + N dW + c(t), so that mean and covariance follow without chance.
- */
+/* Returns the mean of the sum of squares at the end with this many steps, without chance: a step of
+ * a linear scene is affine, y' = M y + N dW + c(t), so that mean and covariance can be
+ * propagated. */
 static double linear_moment(const struct orders_work *work, int64_t steps)
 {
     const struct noise_forcing *forcing = work->request->forcing;
@@ -172,6 +173,7 @@ static double linear_moment(const struct orders_work *work, int64_t steps)
     return 2 * sum; /* accounts for a path and its mirror image */
 }
 
+/* Replaces the weak differences of a linear scene by exact ones. */
 static void find_linear_weak(const struct orders_work *work, struct method_orders *orders)
 {
     double coarse = linear_moment(work, work->steps);
@@ -183,6 +185,7 @@ static void find_linear_weak(const struct orders_work *work, struct method_order
     orders->weak_is_exact = true;
 }
 
+/* Computes the levels and orders from the sums over all paths. */
 static void summarise(const struct orders_work *work, struct method_orders *orders)
 {
     const struct orders_request *request = work->request;

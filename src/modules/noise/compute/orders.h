@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strong and weak orders of a method for a scene, measured. */
+/* Strong and weak orders of a method for a scene, measured from steps of several sizes on the same
+ * Wiener paths. */
 #pragma once
 
 #include "modules/noise/compute/paths.h"
 
 enum { ORDER_LEVELS_MAX = 12 };
 
+/* A measurement of orders. */
 struct orders_request {
     const struct noise_forcing *forcing;
     double span, dt; /* [s] dt: the largest step, which is halved `levels` times */
@@ -25,6 +27,7 @@ struct order_level {
     struct measured strong, weak;
 };
 
+/* The measured orders of one method. */
 struct method_orders {
     const struct noise_method *method;
     struct order_level level[ORDER_LEVELS_MAX];
@@ -35,11 +38,12 @@ struct method_orders {
     bool weak_is_exact; /* the scene is linear: weak errors are free of chance */
 };
 
+/* Returns the memory that a measurement takes [byte]. */
 double noise_orders_bytes(const struct orders_request *request, int threads);
-/* Steps that all paths of a method take together. */
+/* Returns the number of steps that all paths of a method take together. */
 double noise_orders_steps(const struct orders_request *request);
-/* Returns false with `error` filled if out of memory, cancelled, or a path diverged. The same bytes
- * for any number of threads. */
+/* Measures the orders of a method. Returns false with *error if out of memory, cancelled, or if a
+ * path diverged. The result does not depend on the number of threads. */
 bool noise_orders_measure(const struct orders_request *request, const struct noise_method *method,
                           struct parallel parallel, struct method_orders *orders,
                           struct error *error);

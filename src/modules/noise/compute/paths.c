@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Following paths of a scene with noise, side by side. */
+/* Follows paths of a scene with noise, and computes statistics of many. */
 #include "modules/noise/compute/paths.h"
 
 #include "modules/noise/compute/random.h"
@@ -14,8 +14,8 @@
 
 /* ---- steps and rows ---- */
 
-/* Refuses a step that makes a linear scene grow more than it does itself, by this factor at the
- * end. */
+/* Returns false with *error if the step makes a linear scene grow by 10 % more over the whole path
+ * than the scene does itself. */
 static bool check_growth(const struct noise_forcing *forcing, const struct noise_method *method,
                          const struct path_grid *grid, struct error *error)
 {
@@ -59,7 +59,7 @@ bool noise_path_grid_make(const struct noise_forcing *forcing, const struct nois
     const int64_t rows = steps < (int64_t)intervals ? steps : (int64_t)intervals;
     *grid = (struct path_grid){.t0 = forcing->system.t0, .span = span};
     grid->steps = steps;
-    /* Rows are evenly spaced where up to half of them less makes them so. */
+    /* The stride is increased, up to twice, if rows are then evenly spaced to the end. */
     const int64_t least = (steps + rows - 1) / rows;
     for (grid->stride = least; steps % grid->stride != 0;)
         if (++grid->stride > 2 * least) {
@@ -124,11 +124,13 @@ int64_t noise_path_follow(const struct path_request *request, uint64_t path, dou
 
 /* ---- the same path with half the step ---- */
 
-/* One of them: the middle of each increment is that of a Brownian bridge (Levy 1939). */
+/* Follows a path with half steps: each increment is divided by a Brownian bridge (Levy 1939).
+ * Returns false if it diverges or if cancelled. */
 static bool follow_halves(const struct path_request *request, uint64_t path, double *y)
 {
     enum { LOOK_EACH_STEPS = 1024 };
-    static const uint64_t bridge_paths = (uint64_t)1 << 31; /* their normal numbers are others */
+    static const uint64_t bridge_paths = (uint64_t)1
+                                         << 31; /* numbers of paths that no ensemble uses */
     const struct noise_forcing *forcing = request->forcing;
     const struct path_grid *grid = &request->grid;
     const double root = sqrt(grid->h), half = grid->h / 2;
@@ -169,19 +171,22 @@ bool noise_path_half_step(const struct path_request *request, const double *end,
     return true;
 }
 
-/* ---- many ---- */
+/* ---- ensembles ---- */
 
+/* Data that the threads share. */
 struct ensemble_work {
     const struct path_request *request;
     const struct path_column *column;
     struct ensemble *ensemble;
 };
 
+/* One path of an ensemble, as context of keep_row(). */
 struct ensemble_path {
     struct ensemble_work *work;
     int64_t path;
 };
 
+/* Stores the value of the column at one row. */
 static void keep_row(void *context, size_t row, double t, const double *y)
 {
     const struct ensemble_path *path = context;
@@ -190,6 +195,8 @@ static void keep_row(void *context, size_t row, double t, const double *y)
         noise_path_value(path->work->request->forcing, path->work->column, t, y);
 }
 
+/* Follows path number `index`; `context` is the struct ensemble_work. Values after a divergence are
+ * NAN. */
 static void follow_one(void *context, int thread, int64_t index)
 {
     (void)thread;

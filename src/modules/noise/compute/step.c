@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of each method for additive noise, and the growth that a step makes. */
+/* The methods for additive noise, one step of each, and the growth that a step causes. */
 #include "modules/noise/compute/forcing.h"
 
 #include <hooke/base/catalog.h>
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* dydt [n] without noise, with the damping that was stated. */
+/* Computes the rates dydt [n] without noise, with the stated damping. */
 static void find_slope(const struct noise_forcing *forcing, double t, const double *y, double *dydt)
 {
     system_derivative(&forcing->system, t, y, dydt);
@@ -47,7 +47,8 @@ static void step_heun(struct noise_stepper *stepper, double t, double *y, const 
         y[forcing->first + i] += forcing->strength[i] * noise[i];
 }
 
-/* Accelerations [count] of all forces but linear damping, which BAOAB solves exactly. */
+/* Computes the accelerations a [count] of all forces but linear damping, which BAOAB solves
+ * exactly. */
 static void find_force(const struct noise_forcing *forcing, double t, const double *y, double *a)
 {
     if (!forcing->other_drag) {
@@ -59,8 +60,8 @@ static void find_force(const struct noise_forcing *forcing, double t, const doub
         a[i] += (forcing->gamma[i] - forcing->extra[i]) * y[forcing->first + i];
 }
 
-/* The flow of these forces over half a step at a fixed position: by the midpoint rule where they
- * depend on velocity, exact elsewhere. */
+/* Changes the velocities by these forces over half a step at fixed positions: exactly, or by the
+ * midpoint rule if the forces depend on velocity. */
 static void kick_half(struct noise_stepper *stepper, double t, double *y)
 {
     const struct noise_forcing *forcing = stepper->forcing;
@@ -134,7 +135,7 @@ void noise_stepper_begin(struct noise_stepper *stepper, const struct noise_forci
     for (int i = 0; i < forcing->count && method->needs_velocity; i++) {
         const double gamma = forcing->gamma[i];
         stepper->keep[i] = fixed_exp(-gamma * h);
-        /* The variance of the noise over the step, of one that a Wiener increment has: h. */
+        /* exact variance of the noise over the step; noise[] has variance h */
         const double variance = gamma == 0 ? h : -fixed_expm1(-2 * gamma * h) / (2 * gamma);
         stepper->kick[i] = forcing->strength[i] * sqrt(variance / h);
     }
