@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Documents that do not compute by themselves: a scene for XPPAUT, equations as LaTeX. */
+/* Writes documents that are not programs: scenes for XPPAUT, and equations as LaTeX. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/documents/documents.h"
@@ -10,6 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
+/* Gives name i of the program the text of the buffer, which is freed. Returns false with an error
+ * if out of memory. */
 static bool renamed(struct scene_program *p, int i, struct buffer *name)
 {
     p->name[i] = name->failed ? NULL : arena_text(p->arena, buffer_text(name));
@@ -19,7 +21,8 @@ static bool renamed(struct scene_program *p, int i, struct buffer *name)
 
 /* ---- XPPAUT ---- */
 
-/* XPPAUT does not tell c from C. */
+/* Gives other names to those that XPPAUT reserves, or that differ from others only in case, which
+ * it ignores. Returns false with an error if out of memory. */
 static bool tell_apart(struct scene_program *p)
 {
     static const char *const own[] = {"t", "pi", "sum", "delay", "shift", "int", "ran", "normal"};
@@ -37,6 +40,7 @@ static bool tell_apart(struct scene_program *p)
     return true;
 }
 
+/* Returns XPPAUT's word for the method, or for the nearest one that it has. */
 static const char *xpp_method(const struct scene_program *p)
 {
     struct runge_kutta table;
@@ -47,6 +51,7 @@ static const char *xpp_method(const struct scene_program *p)
     return method_runge_kutta(p->method, &table) && table.stages == 1 ? "euler" : "rungekutta";
 }
 
+/* Appends a line such as "par k=4", for name i. */
 static void put_assigned(struct scene_program *p, const char *word, int i, double value)
 {
     buffer_format(p->output, "%s %s=", word, p->name[i]);
@@ -54,6 +59,7 @@ static void put_assigned(struct scene_program *p, const char *word, int i, doubl
     buffer_char(p->output, '\n');
 }
 
+/* Appends observed quantities and right-hand sides. */
 static void put_xpp_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -110,7 +116,7 @@ bool program_xpp(struct scene_program *p)
 
 /* ---- LaTeX ---- */
 
-/* "k3" as k_{3}, "omega" as the letter, "length" upright. */
+/* Appends a name as a symbol: "k3" as k_{3}, "omega" as the Greek letter, "length" upright. */
 static void put_symbol(struct buffer *output, const char *name)
 {
     static const char *const greek[] = {
@@ -135,6 +141,8 @@ static void put_symbol(struct buffer *output, const char *name)
     buffer_char(output, '}');
 }
 
+/* Makes the symbols of all names; velocities are positions with a dot. Returns false with an error
+ * if out of memory. */
 static bool tex_names(struct scene_program *p)
 {
     const int half = program_n(p) / 2;
@@ -153,6 +161,7 @@ static bool tex_names(struct scene_program *p)
     return true;
 }
 
+/* Appends "symbol = value unit". */
 static void put_measured(struct scene_program *p, const char *symbol, double value,
                          const char *unit)
 {
@@ -165,6 +174,7 @@ static void put_measured(struct scene_program *p, const char *symbol, double val
     buffer_free(&text);
 }
 
+/* Appends the equations and the observed quantities. */
 static void put_tex_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -187,6 +197,7 @@ static void put_tex_equations(struct scene_program *p)
     buffer_put(p->output, TEXT("\\end{align*}\n"));
 }
 
+/* Appends the values of the parameters that are used, and of the initial state. */
 static void put_tex_values(struct scene_program *p)
 {
     const struct written *w = &p->written;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The present scene with its method as a program of its own, which a student can read: the force,
- * the step, the loop. In C it takes steps of one size with hooke's order of operations. What hooke
- * does beyond a step (pieces at switches, events) is not written, and such a scene is refused.
- */
+/* The module programs: writes the session's scene with its method as a program that students can
+ * read: the force, the step, the loop. In C fixed steps have hooke's order of operations. Scenes
+ * that need more than steps (division at switches, events) are refused. */
 #include "modules/programs/program.h"
 
 #include <hooke/base/cancel.h>
@@ -15,7 +13,8 @@
 
 /* ---- names ---- */
 
-/* Makes a name that the program does not use itself, and no other of the scene has. */
+/* Appends the name, with underscores if the program uses it itself, so that no other name of the
+ * scene is the same. */
 static void put_free_name(struct scene_program *p, const char *own, struct buffer *name)
 {
     const struct written *w = &p->written;
@@ -28,7 +27,7 @@ static void put_free_name(struct scene_program *p, const char *own, struct buffe
     }
 }
 
-/* Appends "(t, y, v)". */
+/* Appends the arguments of a function of the state, "(t, y, v)". */
 static void put_arguments(const struct scene_program *p, struct buffer *output)
 {
     for (int i = 0; i <= program_n(p); i++)
@@ -36,7 +35,8 @@ static void put_arguments(const struct scene_program *p, struct buffer *output)
     buffer_char(output, ')');
 }
 
-/* Chooses the names. An observed quantity is a function in Octave, and its name a call. */
+/* Chooses all names in the language; an observed quantity is a function in Octave, and its name a
+ * call. Returns false with an error if out of memory. */
 static bool make_names(struct scene_program *p)
 {
     struct written *w = &p->written;
@@ -67,7 +67,8 @@ void program_expr(struct scene_program *p, const struct expr *expr)
         p->output->failed = true;
 }
 
-/* The right side of an equation, to which drag whose flow is known does not belong. */
+/* Appends the right-hand side of a row. Drag that a splitting solves exactly is left out, and dry
+ * friction is added by a function. */
 static void put_row(struct scene_program *p, int row)
 {
     const struct written *w = &p->written;
@@ -89,6 +90,7 @@ static void put_row(struct scene_program *p, int row)
     buffer_format(p->output, ", %s)", program_state(p, program_n(p) / 2));
 }
 
+/* Appends the derivatives of all variables in the form of the language. */
 static void put_rates(struct scene_program *p)
 {
     const int n = program_n(p), positions = n - p->written.rows;
@@ -131,7 +133,7 @@ static void put_rates(struct scene_program *p)
     buffer_put(p->output, octave ? TEXT(");") : TEXT(""));
 }
 
-/* A line for a quantity that is observed, above those of the others that read it. */
+/* Appends the definition of an observed quantity, followed by those that read it. */
 static void put_observed(struct scene_program *p, int i)
 {
     const char *const name = p->name[i];
@@ -153,6 +155,7 @@ const char *program_take_text(struct scene_program *p)
     return text ? text : "";
 }
 
+/* Makes the texts p->rates and p->observed. Returns false if out of memory. */
 static bool make_formulas(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -166,6 +169,7 @@ static bool make_formulas(struct scene_program *p)
     return !p->output->failed;
 }
 
+/* Appends a label, a value and its unit. */
 static void put_name_and_unit(struct buffer *output, const char *label, double value,
                               const char *unit)
 {
@@ -202,6 +206,8 @@ void program_title(struct scene_program *p, const char *prefix)
 
 /* ---- what is refused ---- */
 
+/* Returns true unless the session has events that stop runs or execute commands; otherwise sets an
+ * error. */
 static bool refuse_events(struct scene_program *p)
 {
     const struct events *events = p->session->setup.events;
@@ -214,6 +220,8 @@ static bool refuse_events(struct scene_program *p)
     return true;
 }
 
+/* Returns true if adaptive steps of the method can be written in the language; otherwise sets an
+ * error. */
 static bool refuse_adaptive(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -229,6 +237,8 @@ static bool refuse_adaptive(struct scene_program *p)
                       "possible are dopri5, tsit5 and bogacki-shampine, and all methods in Python");
 }
 
+/* Returns true if the method and its drag variant can be written as a program; otherwise sets an
+ * error. */
 static bool refuse_method(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -256,6 +266,8 @@ static bool refuse_method(struct scene_program *p)
     return true;
 }
 
+/* Returns true if steps need not be divided at switches, or only in a way that programs can do;
+ * otherwise sets an error. Sets p->turns. */
 static bool refuse_pieces(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
@@ -283,6 +295,8 @@ static bool refuse_pieces(struct scene_program *p)
 
 /* ---- all ---- */
 
+/* Takes method, settings and duration of the session and plans the run. Returns false with an error
+ * if it cannot be run or has too many steps. */
 static bool make_plan(struct scene_program *p)
 {
     const struct setup *setup = &p->session->setup;
@@ -300,6 +314,8 @@ static bool make_plan(struct scene_program *p)
     return error_hint(p->error, "set a shorter duration, or a longer dt");
 }
 
+/* Writes the session's scene in the dialect `kind`, as the module's writer. Returns false with an
+ * error. */
 static bool write(const struct session *session, size_t kind, struct arena *arena,
                   struct buffer *output, struct error *error)
 {

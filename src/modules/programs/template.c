@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs out of templates: c.template, python.template and octave.template, which say how they
- * are read. */
+/* Makes programs from templates: c.template, python.template and octave.template, which explain
+ * their words. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/statement.h>
 #include "modules/programs/program.h"
@@ -15,6 +15,7 @@ TEMPLATE(c)
 TEMPLATE(python)
 TEMPLATE(octave)
 
+/* Returns the text of a language's template. */
 static const char *template_of(enum dialect dialect)
 {
     if (dialect == DIALECT_C)
@@ -24,6 +25,8 @@ static const char *template_of(enum dialect dialect)
 
 /* ---- names ---- */
 
+/* Returns true if the text has that word, followed by next_char, or by no other letter if it is
+ * '\0'. */
 static bool has_word(const char *text, const char *word, size_t len, char next_char)
 {
     for (const char *cursor = text; (cursor = strstr(cursor, word)); cursor++)
@@ -33,7 +36,8 @@ static bool has_word(const char *text, const char *word, size_t len, char next_c
     return false;
 }
 
-/* Names of types, of reentrant functions and of limits in C, and its float and long functions. */
+/* Returns true if the name looks like one of the C library: types, reentrant functions, limits,
+ * float and long functions. */
 static bool is_like_library(const char *name)
 {
     static const char *const ends[] = {"_t", "_r", "_l", "_MAX", "_MIN", "_unlocked"};
@@ -71,6 +75,7 @@ bool program_reads(const struct scene_program *p, int i)
     return program_uses(p, p->name[i], '\0');
 }
 
+/* Splits off the next line. */
 static struct text next_line(const char **rest)
 {
     const size_t len = strcspn(*rest, "\n");
@@ -79,7 +84,8 @@ static struct text next_line(const char **rest)
     return line;
 }
 
-/* Returns true if a word's text is not empty, or if the formulas call the function of that name. */
+/* Returns true if the text of a template's word is not empty or, for a word such as "sqrt(", if the
+ * formulas call that function. */
 static bool word_holds(struct scene_program *p, struct text word)
 {
     struct buffer text = {0}, *output = p->output;
@@ -97,7 +103,7 @@ static bool word_holds(struct scene_program *p, struct text word)
     return any;
 }
 
-/* The words behind <<if, all of which have to hold, those behind a ! not to. */
+/* Returns true if all words after <<if hold, and none of those after a '!'. */
 static bool all_hold(struct scene_program *p, struct text words)
 {
     struct text word;
@@ -110,8 +116,8 @@ static bool all_hold(struct scene_program *p, struct text words)
     return all;
 }
 
-/* Appends a line with its words; one that consists of an empty word is left out, and so is a blank
- * one behind as many of these as the language's style has. */
+/* Appends a line of a template with its words replaced. A line that becomes empty is left out, and
+ * a blank one that follows as many blank ones as the style of the language has. */
 static void put_line(struct scene_program *p, struct text line)
 {
     struct buffer *const output = p->output;
@@ -133,7 +139,7 @@ static void put_line(struct scene_program *p, struct text line)
         buffer_char(output, '\n');
 }
 
-/* Nothing of Python's module may have been needed. */
+/* Removes the import of Python's module math if the program does not use it. */
 static void drop_unused_import(struct buffer *output)
 {
     char *const line = output->data ? strstr(output->data, "import math\n") : NULL;

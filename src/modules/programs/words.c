@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replacements for the words of the templates: numbers, names and formulas of a scene, tables of
- * a method. An empty text removes the lines of a template that use it. */
+/* The words of the templates: numbers, names and formulas of a scene, tables of a method. An empty
+ * text removes the line of a template that consists of it. Functions append to p->output. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "modules/programs/program.h"
@@ -8,11 +8,13 @@
 #include <math.h>
 #include <string.h>
 
+/* Returns the unit of state variable i. */
 static const char *variable_unit(const struct scene_program *p, int i)
 {
     return quantity_unit(p->written.system.model->variable[i].quantity);
 }
 
+/* Appends numbers separated by commas. */
 static void put_list(struct scene_program *p, const double *value, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -23,6 +25,7 @@ static void put_list(struct scene_program *p, const double *value, int count)
 
 /* ---- the scene ---- */
 
+/* Appends the description of the program as a comment. */
 static void put_title(struct scene_program *p)
 {
     const char *comment;
@@ -33,6 +36,7 @@ static void put_title(struct scene_program *p)
     program_title(p, comment);
 }
 
+/* Appends a comment with unit and explanation, if there are any. */
 static void put_comment(struct scene_program *p, const char *unit, const char *brief)
 {
     const bool c = p->dialect == DIALECT_C;
@@ -47,11 +51,13 @@ static void put_comment(struct scene_program *p, const char *unit, const char *b
     buffer_format(p->output, "%s%s", brief, c ? " */" : "");
 }
 
+/* Returns the sign that ends a statement. */
 static const char *statement_terminator(const struct scene_program *p)
 {
     return p->dialect == DIALECT_PYTHON ? "" : ";";
 }
 
+/* Appends the definitions of the parameters that are used. */
 static void put_constants(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -68,24 +74,28 @@ static void put_constants(struct scene_program *p)
     }
 }
 
+/* Appends the names of the state variables. */
 static void put_variables(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++)
         buffer_format(p->output, "%s%s", i ? ", " : "", p->written.name[1 + i]);
 }
 
+/* Appends the heading of the CSV that the program prints. */
 static void program_heading_put(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_format(p->output, "%s%s", i ? "," : "", p->written.name[i]);
 }
 
+/* Appends the format of a row for printf(). */
 static void put_format(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_put(p->output, i ? TEXT(",%.17g") : TEXT("%.17g"));
 }
 
+/* Appends the label of an axis for the first variable. */
 static void put_label(struct scene_program *p)
 {
     const char *unit = variable_unit(p, 0);
@@ -93,6 +103,7 @@ static void put_label(struct scene_program *p)
                   unit[0] ? "]" : "");
 }
 
+/* Appends the initial state. */
 static void program_start_put(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++) {
@@ -106,6 +117,7 @@ static void program_start_put(struct scene_program *p)
     }
 }
 
+/* Appends lines that give the elements of the state their names. */
 static void put_unpack(struct scene_program *p)
 {
     const bool c = p->dialect == DIALECT_C;
@@ -128,12 +140,13 @@ static void put_unpack(struct scene_program *p)
                           : "");
 }
 
+/* Returns true if drag is solved exactly by a function of its own, apart from the other forces. */
 static bool takes_drag_apart(const struct scene_program *p)
 {
     return p->method->splitting && p->written.system.velocity && p->drag == DRAG_EXACT;
 }
 
-/* The functions of Python's module math that the formulas call. */
+/* Appends the functions of Python's module math that the formulas call. */
 static void put_imports(struct scene_program *p)
 {
     static const char *const functions[] = {"acos", "asin", "atan",  "atan2", "ceil", "cos",
@@ -149,6 +162,7 @@ static void put_imports(struct scene_program *p)
 
 /* ---- the run ---- */
 
+/* Appends the absolute tolerances of all variables. */
 static void put_absolute(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
@@ -158,6 +172,7 @@ static void put_absolute(struct scene_program *p)
     put_list(p, value, system->n);
 }
 
+/* Appends the natural sizes of all variables. */
 static void put_sizes(struct scene_program *p)
 {
     put_list(p, p->written.system.scale, program_n(p));
@@ -165,14 +180,16 @@ static void put_sizes(struct scene_program *p)
 
 /* ---- the method ---- */
 
-/* Returns true if the program contains the method's Butcher table; libraries have their own. */
+/* Returns true, and the table, if the program contains the method's Butcher table; libraries have
+ * their own. */
 static bool has_table(const struct scene_program *p, struct runge_kutta *table)
 {
     const bool library = p->plan.adaptive && p->dialect != DIALECT_C;
     return !library && method_runge_kutta(p->method, table) && table->stages > 1;
 }
 
-/* Finds the fraction with the smallest denominator below a million that is this double. */
+/* Finds the fraction with the smallest denominator, below a million, that equals x as a double, by
+ * its continued fraction. Returns false if there is none. */
 static bool fraction_of(double x, long *top, long *bottom)
 {
     long p0 = 0, q0 = 1, p1 = 1, q1 = 0;
@@ -193,7 +210,7 @@ static bool fraction_of(double x, long *top, long *bottom)
     return false;
 }
 
-/* Appends weights as they stand in books, 35/384, where these are the same doubles. */
+/* Appends weights, as fractions such as 35/384 where these are the same doubles. */
 static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
     static const size_t line_max = 64;
@@ -218,6 +235,7 @@ static void put_weights_of(struct scene_program *p, const double *weight, int co
     }
 }
 
+/* Appends the nodes c of the Butcher table. */
 static void put_nodes(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -225,6 +243,7 @@ static void put_nodes(struct scene_program *p)
         put_weights_of(p, table.c, table.stages);
 }
 
+/* Appends the matrix a of the Butcher table, line by line. */
 static void put_matrix(struct scene_program *p)
 {
     static const double zero[64] = {0};
@@ -255,6 +274,7 @@ static void put_matrix(struct scene_program *p)
     }
 }
 
+/* Appends the weights of the Butcher table or of a splitting. */
 static void put_weights(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -267,6 +287,7 @@ static void put_weights(struct scene_program *p)
         put_weights_of(p, weight, count);
 }
 
+/* Appends the weights of the embedded method. */
 static void put_weights_low(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -276,7 +297,7 @@ static void put_weights_low(struct scene_program *p)
 
 /* ---- all ---- */
 
-/* Returns the library function that takes the steps. */
+/* Returns the library function that makes adaptive steps in Python or Octave. */
 static const char *solver(const struct scene_program *p)
 {
     const int order = p->method->order;
@@ -290,7 +311,8 @@ static const char *solver(const struct scene_program *p)
     return order >= 7 ? "DOP853" : "RK45";
 }
 
-/* Appends a word that is a condition or a number. */
+/* Appends a word that is a number, or a condition, which is written if it holds. Returns false if
+ * there is no such word. */
 static bool program_value_put(struct scene_program *p, struct text word)
 {
     const double t0 = p->written.system.t0, t_end = t0 + p->duration, dt = p->settings.dt;
@@ -356,6 +378,7 @@ static bool program_value_put(struct scene_program *p, struct text word)
     return text_is(word, "steps");
 }
 
+/* Appends a word whose text is ready. Returns false if there is no such word. */
 static bool program_text_put(struct scene_program *p, struct text word)
 {
     const bool partial = !p->plan.adaptive && p->plan.partial != 0;

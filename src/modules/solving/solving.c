@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module solving: what solves a scene many times, for modules that do. */
+/* The module solving: solves of scenes that other modules share. It has no commands. */
 #include <hooke/module.h>
 
 const struct module solving_module = {

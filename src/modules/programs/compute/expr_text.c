@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Expressions as text of other languages. Signs are pulled out of products, which changes no bit:
- * -k/m*y is -(k/m*y), and what follows a sum is a - b.
- */
+/* Writes expressions as text of other languages. Signs are moved out of products, which changes no
+ * bit: -k/m*y is written as -(k/m*y), and after a sum as a - b. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,8 +22,8 @@ const struct catalog dialect_catalog = CATALOG("kind of program", dialects);
 
 /* ---- words ---- */
 
-/* Forms of a function in the order of `dialects`, separated by ~; $1, $2, $3 are arguments. An
- * empty form is a call by the function's own name; so are functions without a row. */
+/* Forms of functions, in the order of `dialects` separated by ~, in which $1, $2, $3 are arguments.
+ * An empty form is a call by the function's own name; so are functions without a row. */
 static const struct {
     const char *name, *forms;
 } calls[] = {
@@ -76,30 +74,32 @@ void dialect_number(struct buffer *output, enum dialect dialect, double number)
         buffer_format(output, "10^{%s}", power);
     } else {
         buffer_put(output, text_of(z));
-        /* whole numbers of Python and C know other divisions */
+        /* integers of Python and C are divided by other rules */
         if (whole && digits == len && fabs(number) >= 1e9 && isfinite(number) &&
             (dialect == DIALECT_C || dialect == DIALECT_PYTHON))
             buffer_put(output, TEXT(".0"));
     }
 }
 
-/* ---- pieces ---- */
+/* ---- parts of an expression ---- */
 
+/* Operations by how tightly they bind, loosest first. */
 enum { COMPARISON, SUM, PRODUCT, FACTOR, ATOM };
 
-/* As the graph of a program marks numbers that are 0. */
+/* Ways in which an operand can be 0, which decide about leaving it out as formulas of hooke do. */
 enum zero_kind { NOT_ZERO, NUMBER_ZERO, NAME_ZERO, TERM_ZERO };
 
-/* Text of an operand without the sign that was pulled out. */
+/* An operand as text, without the sign that was moved out. */
 struct piece {
     struct text text;
-    int binds; /* as the operation that is done last */
+    int binds; /* strength with which its last operation binds */
     bool negative;
     enum zero_kind zero;
-    bool number;
+    bool number; /* it is a number, `value` */
     double value;
 };
 
+/* State of writing an expression, as on a stack machine. */
 struct printer {
     struct arena arena;
     enum dialect dialect;
@@ -109,6 +109,7 @@ struct printer {
     struct piece stack[LIMIT_EXPR_DEPTH + 1];
 };
 
+/* Moves a buffer's text to the arena. Returns "" and sets p->failed if out of memory. */
 static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
 {
     const char *text = buffer->failed ? NULL : arena_text(&p->arena, buffer_text(buffer));
@@ -117,7 +118,7 @@ static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
     return text_of(text ? text : "");
 }
 
-/* Writes the operand with its sign, in parentheses if it binds less tightly than `binds`. */
+/* Appends an operand with its sign, in parentheses if it binds less tightly than `binds`. */
 static void put_piece(struct printer *p, struct buffer *output, const struct piece *piece,
                       int binds)
 {
@@ -132,12 +133,14 @@ static void put_piece(struct printer *p, struct buffer *output, const struct pie
     buffer_put(output, !enclosed ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
 }
 
+/* Returns the operand 0 that a product with 0 leaves. */
 static struct piece nothing(void)
 {
     return (struct piece){
         .text = TEXT("0"), .binds = ATOM, .zero = TERM_ZERO, .number = true, .value = 0};
 }
 
+/* Returns a number as an operand. */
 static struct piece number_piece(struct printer *p, double value)
 {
     struct buffer text = {0};
@@ -156,6 +159,7 @@ static struct piece number_piece(struct printer *p, double value)
 
 /* ---- operations ---- */
 
+/* Returns a + b, or a - b if `minus`; operands that are 0 are left out. */
 static struct piece sum_of(struct printer *p, const struct piece *a, struct piece b, bool minus)
 {
     if (b.zero)
@@ -173,6 +177,7 @@ static struct piece sum_of(struct printer *p, const struct piece *a, struct piec
                           .zero = a->zero < b.zero ? a->zero : b.zero};
 }
 
+/* Returns a*b or a/b; a product with 0 is 0. */
 static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool is_quotient)
 {
     if (is_quotient ? a.zero >= NAME_ZERO : a.zero || b.zero)
@@ -200,6 +205,7 @@ static struct piece product_of(struct printer *p, struct piece a, struct piece b
                           .negative = negative};
 }
 
+/* Returns true if the text is a name. */
 static bool text_is_word(struct text text)
 {
     for (size_t i = 0; i < text.len; i++)
@@ -208,7 +214,8 @@ static bool text_is_word(struct text text)
     return text.len > 0;
 }
 
-/* x^n by products where hooke does so and the reader would; by a function elsewhere. */
+/* Returns x^n: in C and Python as a product for small n, as hooke computes it, otherwise by a
+ * function; elsewhere by an operator. */
 static struct piece power_of(struct printer *p, const struct piece *x, const struct piece *n)
 {
     struct buffer text = {0};
@@ -241,6 +248,7 @@ static struct piece power_of(struct printer *p, const struct piece *x, const str
     return (struct piece){.text = printed_text_keep(p, &text), .binds = binds};
 }
 
+/* Returns a comparison, whose value is 1 or 0. */
 static struct piece comparison_of(struct printer *p, enum op_kind kind, const struct piece *a,
                                   const struct piece *b)
 {
@@ -275,6 +283,7 @@ static struct text form_of(struct text name, enum dialect dialect)
     return form;
 }
 
+/* Returns a call of a function in the form that the language has for it. */
 static struct piece call_of(struct printer *p, const struct function *function,
                             const struct piece *operand)
 {
@@ -298,6 +307,7 @@ static struct piece call_of(struct printer *p, const struct function *function,
     return (struct piece){.text = printed_text_keep(p, &text), .binds = ATOM};
 }
 
+/* Returns the result of an operation on its operands. */
 static struct piece operation(struct printer *p, const struct op *op, const struct piece *operand)
 {
     struct piece a = operand[0];

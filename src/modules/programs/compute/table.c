@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows of methods, to be read by others. */
+/* Reads the coefficients of methods from their rows. */
 #include "modules/programs/compute/table.h"
 #include "method/control/adapt_body.h"
 

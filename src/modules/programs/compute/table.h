@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Coefficients of a method, for programs that write the method down. */
+/* Coefficients of methods, for programs that contain the method's steps. */
 #pragma once
 
 #include <hooke/method.h>
 
-/* Runge-Kutta method k_i = f(t + c_i h, y + sum_j (h a_ij) k_j), y' = y + sum_i (h b_i) k_i,
- * over the weights that are not 0. With `fsal` the last stage is at y' and is the first one of
- * the next step. */
+/* A Runge-Kutta method k_i = f(t + c_i h, y + sum_j (h a_ij) k_j), y' = y + sum_i (h b_i) k_i, with
+ * sums over the weights that are not 0. With `fsal` the last stage is at y' and is the first one of
+ * the next step. Arrays are constants. */
 struct runge_kutta {
     int stages;
     bool fsal;
     const double *c, *b; /* [stages] */
     const double *a;     /* a21, a31 a32, ... */
-    const double *b_hat; /* [stages] of the embedded method; NULL if there is none */
-    /* [stages] of a cubic Hermite interpolant's bend, see src/method/step/step.h; NULL if there is
-     * another interpolant, or none */
+    const double *b_hat; /* [stages] weights of the embedded method, or NULL */
+    /* [stages] weights of the bend of a cubic Hermite interpolant, see src/method/step/step.h, or
+     * NULL if the method has another interpolant or none */
     const double *bend;
 };
 
-/* Returns false if the method is not an explicit Runge-Kutta method. */
+/* Fills in the table of an explicit Runge-Kutta method. Returns false for other methods. */
 bool method_runge_kutta(const struct method *method, struct runge_kutta *table);
 
 /*
@@ -29,7 +29,7 @@ bool method_runge_kutta(const struct method *method, struct runge_kutta *table);
  */
 bool method_error_control(const struct method *method, double tol, double *most, int *order);
 
-#define SPLITTING_WEIGHTS 40
+#define SPLITTING_WEIGHTS 40 /* largest number of weights of a splitting */
 
 /* Stores the weights of drifts q += (w h) v and kicks v += (w h) a in turn. Returns their
  * number, or 0 if the method is not a splitting. */

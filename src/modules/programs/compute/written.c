@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The forces of a scene as expressions in one set of names: of the texts of built-in terms and of
- * what was typed. */
+/* Makes the forces of a scene as expressions with one set of names, from the texts of built-in
+ * terms and from what was typed. */
 #include <string.h>
 
 #include "modules/programs/compute/written.h"
@@ -8,6 +8,7 @@
 
 /* ---- names ---- */
 
+/* Finds a velocity by the name of its position with a prime. Returns false if it is none. */
 static bool primed(const struct written *w, struct text name, int *slot)
 {
     const struct model *model = w->system.model;
@@ -22,6 +23,8 @@ static bool primed(const struct written *w, struct text name, int *slot)
     return false;
 }
 
+/* Finds a name other than an observed quantity, for expr_compile(). Returns false if it is
+ * unknown. */
 static bool written_slot_find(const void *context, struct text name, int *slot)
 {
     const struct written *w = context;
@@ -35,6 +38,7 @@ static bool written_slot_find(const void *context, struct text name, int *slot)
     return false;
 }
 
+/* Makes the list of all names. Returns false if out of memory. */
 static bool make_names(struct written *w)
 {
     const struct model *model = w->system.model;
@@ -64,6 +68,7 @@ static bool make_names(struct written *w)
 
 /* ---- expressions of terms ---- */
 
+/* Compiles the text of a built-in term. Returns NULL with an error. */
 static const struct expr *built_in(struct written *w, const char *text, struct error *error)
 {
     const struct expr_scope scope = {.context = w, .find = written_slot_find};
@@ -71,7 +76,8 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
     return expr_compile(text_of(text), &scope, &w->arena, &used, error);
 }
 
-/* Rewrites an expression of a typed scene with the names of this program. */
+/* Copies an expression of a typed scene with the names of this program. Returns NULL with an error
+ * if out of memory. */
 static const struct expr *renamed(struct written *w, const struct typed *typed,
                                   const struct expr *expr, struct error *error)
 {
@@ -96,7 +102,8 @@ static const struct expr *renamed(struct written *w, const struct typed *typed,
     return result;
 }
 
-/* Finds what a term adds to a row; *expr is NULL if it adds nothing. */
+/* Finds the expression that a term adds to a row; *expr is NULL if it adds nothing. Returns false
+ * with an error. */
 static bool term_row(struct written *w, const struct bound_term *term, int row, bool as_typed,
                      const struct expr **expr, struct error *error)
 {
@@ -115,6 +122,7 @@ static bool term_row(struct written *w, const struct bound_term *term, int row, 
 
 /* ---- sums ---- */
 
+/* Returns true if all numbers of the expression are finite. */
 static bool has_numbers(const struct expr *expr)
 {
     for (size_t i = 0; i < expr->count; i++)
@@ -123,6 +131,7 @@ static bool has_numbers(const struct expr *expr)
     return true;
 }
 
+/* Adds an expression to a sum, which is NULL at first. Returns false with an error. */
 static bool sum_add(struct written *w, const struct expr **sum, const struct expr *more,
                     struct error *error)
 {
@@ -132,7 +141,8 @@ static bool sum_add(struct written *w, const struct expr **sum, const struct exp
     return *sum;
 }
 
-/* -friction/m*sign(y') without the sign's part, and without the minus. */
+/* Stores friction/m from the term -friction/m*sign(y'), whose last three operations are the sign,
+ * by removing these and the minus. Returns false with an error if out of memory. */
 static bool take_dry(struct written *w, const struct expr *expr, struct error *error)
 {
     struct expr *force = arena_alloc(&w->arena, sizeof *force);
@@ -150,6 +160,7 @@ static bool take_dry(struct written *w, const struct expr *expr, struct error *e
     return true;
 }
 
+/* Adds all terms of the scene to the sums they belong to. Returns false with an error. */
 static bool add_terms(struct written *w, bool as_typed, struct error *error)
 {
     for (int i = 0; i < w->system.terms; i++) {
@@ -171,7 +182,7 @@ static bool add_terms(struct written *w, bool as_typed, struct error *error)
     return true;
 }
 
-/* force + drag, where there are both or one of them. */
+/* Makes the sums force + drag. Returns false with an error. */
 static bool add_split(struct written *w, struct error *error)
 {
     for (int row = 0; row < w->rows; row++) {
@@ -182,6 +193,7 @@ static bool add_split(struct written *w, struct error *error)
     return true;
 }
 
+/* Makes the expressions of observed quantities. Returns false with an error if out of memory. */
 static bool add_observed(struct written *w, struct error *error)
 {
     const struct typed *typed = w->system.model->typed;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The forces of a scene as text of other languages. */
+/* The forces of a scene as expressions (written_make(), written_free()), and expressions as text of
+ * other languages (expr_text()). */
 #pragma once
 
 #include <hooke/scene/formula.h>
@@ -14,44 +15,47 @@ struct catalog;
  * of expr_value(), but for functions of its own library.
  */
 
+/* Languages and formats in which programs are written. */
 enum dialect { DIALECT_C, DIALECT_PYTHON, DIALECT_OCTAVE, DIALECT_XPP, DIALECT_TEX, DIALECTS };
 
-/* struct row at the enum's place */
+/* their endings and explanations, indexed by enum dialect */
 extern const struct catalog dialect_catalog;
 
-/* A number, in C and Python one that is a double whatever stands beside it. */
+/* Appends a number. In C and Python it is a double in any expression. */
 void dialect_number(struct buffer *output, enum dialect dialect, double number);
-/* Writes an expression; in C "y^3" becomes y*y*y. name [names] replaces each name; zero [names]
- * marks names that are 0, whose products are left out, as programs do; it may be NULL. Returns
- * false if out of memory. */
+/* Appends an expression, in C with "y^3" as y*y*y. name [names] has the text of each name. zero
+ * [names] is true for names that are 0, whose products are left out; it may be NULL. Returns false
+ * if out of memory. */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
                const bool *zero, struct buffer *output);
 /* ---- the forces of a scene ---- */
 
-/*
- * Terms of each acceleration, or of each derivative in a scene of first order, in the order in
- * which hooke adds them, so that the sums have hooke's bits. The names are t, the state [n], the
- * parameters, and the observed quantities.
- */
+/* The terms of each acceleration, or of each derivative in a scene of first order, in the order in
+ * which hooke adds them, so that sums have hooke's bits. The names are t, the state [n], the
+ * parameters, and the observed quantities, in this order. */
 struct written {
-    struct arena arena;
+    struct arena arena; /* memory of all expressions */
     const struct scene *scene;
-    struct system system;
-    int rows, names, params; /* params is the index of the first parameter among the names */
-    const char **name;       /* [names] */
-    bool *zero;              /* [names] parameters that are 0 */
-    /* [rows] NULL: nothing is added. force and drag: without and with velocity, for splittings */
+    struct system system; /* the scene, bound */
+    int rows, names,
+        params; /* numbers of rows and of names; index of the first parameter among the names */
+    const char **name; /* [names] */
+    bool *zero;        /* [names] parameters that are 0 */
+    /* [rows] sum of all terms, of those without and of those with velocity (for splittings); NULL
+     * if there are none */
     const struct expr *all[LIMIT_VARIABLES], *force[LIMIT_VARIABLES], *drag[LIMIT_VARIABLES];
-    const struct expr *split[LIMIT_VARIABLES]; /* force, then drag, as splittings add them */
-    /* Dry friction, which is in none of them; NULL if there is none. */
+    const struct expr *split[LIMIT_VARIABLES]; /* force plus drag, as splittings add them */
+    /* magnitude of dry friction, which is in none of these sums, or NULL */
     const struct expr *dry;
-    int observed;                /* the first name of what is observed */
+    int observed;                /* index of the first observed quantity among the names */
     const struct expr **observe; /* [names - observed] */
-    const struct cancel *cancel; /* Stops the writing; the caller that began it checks it, too. */
+    const struct cancel *cancel; /* stops the writing; the caller checks it, too */
 };
 
-/* The texts of another dialect, a built-in term as the reader knows it: as_typed, else as it is
- * computed. To be given back by written_free(), whatever it returns. */
+/* Makes the expressions of a scene. With `as_typed` built-in terms have the form that readers know,
+ * otherwise the one that is computed. Returns false with an error. written_free() must be called in
+ * any case. */
 bool written_make(struct written *written, const struct scene *scene, bool as_typed,
                   struct error *error);
+/* Frees all expressions. */
 void written_free(struct written *written);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear algebra of small matrices: by the factors of implicit methods, and by GSL. */
+/* Linear algebra of small matrices, by the LU factors of implicit methods and by GSL. */
 #include "modules/solving/compute/algebra.h"
 
 #include "method/step/lu_body.h"
@@ -67,7 +67,8 @@ double matrix_determinant(int n, double *a)
     return ldexp(product, bounded);
 }
 
-/* Eigenvalues, and where `vector` is not NULL the eigenvectors as its columns. */
+/* Computes the eigenvalues and, unless `vector` is NULL, the eigenvectors as its columns. Returns
+ * false if an element is not finite, if out of memory, or without convergence. */
 static bool decompose(int n, const double *matrix, gsl_vector_complex *value,
                       gsl_matrix_complex *vector)
 {
@@ -132,7 +133,8 @@ bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate,
     return ok;
 }
 
-/* The right singular vectors of the two smallest singular values span what a takes nearest to 0. */
+/* The right singular vectors of the two smallest singular values span the space that a maps nearly
+ * to 0. */
 bool matrix_second_null(int n, const double *a, const double *known, double *vector)
 {
     const size_t size = (size_t)n;

@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear algebra of small real matrices, row-major. */
+/* Linear algebra of small real matrices, which are arrays [rows][columns], row-major. */
 #pragma once
 
 #include <hooke/base/numeric.h>
 
-#define MATRIX_MAX 64 /* rows at most of what is factored */
+#define MATRIX_MAX 64 /* largest number of rows of a matrix that is factored */
 
+/* Returns the Euclidean length of x [n]. */
 double vector_length(int n, const double *x);
-/* Makes x [n] of length 1; returns false if it has no length, or an infinite one. */
+/* Divides x [n] by its length. Returns false if that is 0 or infinite. */
 bool vector_normalise(int n, double *x);
 
-/* Solves a [n][n] x = b: a is spoilt, b becomes x. Returns false if a is singular, or if x is not
- * finite. */
+/* Solves a x = b for a [n][n]: a is overwritten, b becomes x. Returns false if a is singular or x
+ * is not finite. */
 bool matrix_solve(int n, double *a, double *b);
-/* Returns the determinant of a, which is spoilt, as a number whose sign and zeros are right: its
- * size is kept in the range of numbers. NAN if an element is not finite. */
+/* Returns the determinant of a [n][n], which is overwritten. Its size is limited to the range of
+ * doubles, but sign and zeros are right. NAN if an element is not finite. */
 double matrix_determinant(int n, double *a);
 
 /* Computes the [n] eigenvalues of a matrix. Returns false if an element is not finite, out of
  * memory, or without convergence. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value);
-/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`; false
- * as matrix_eigenvalues(). */
+/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`.
+ * Returns false as matrix_eigenvalues() does. */
 bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate, double *re,
                         double *im);
-/* Finds the vector of length 1 across `known`, both [n], that a [n - 1][n] takes nearest to 0, as
- * it takes `known`. Returns false if an element is not finite, or out of memory. */
+/* Finds the second null vector of a nearly singular matrix a [n - 1][n]: of length 1, orthogonal to
+ * the null vector `known` [n]. Returns false if an element is not finite or if out of memory. */
 bool matrix_second_null(int n, const double *a, const double *known, double *vector);

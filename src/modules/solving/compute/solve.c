@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A solve without recording, and its errors on the common grid. */
+/* Solves of a scene without recording, with states sampled on the common grid. */
 #include <hooke/base/cancel.h>
 #include "modules/solving/compute/solve.h"
 
@@ -12,6 +12,7 @@ static bool is_adaptive(const struct method *method, const struct run_settings *
     return settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
 }
 
+/* Returns the kernel for plain fixed steps, or NULL if there is none. */
 static march_function *march_of(const struct system *system, const struct method *method,
                                 const struct run_settings *settings)
 {
@@ -88,19 +89,22 @@ enum stop solver_stop(enum step_status status)
 
 /* ---- the common grid ---- */
 
+/* Samples states at the grid times that a solve passes. */
 struct sampler {
     struct solver *solver;
-    double *grid; /* NULL if nobody asks */
-    int next;     /* the grid time to come */
+    double *grid; /* [STUDY_TIMES][n], or NULL if no states are wanted */
+    int next;     /* index of the next grid time */
 };
 
+/* Returns grid time k [s]. */
 static double grid_time(const struct solver *solver, int k)
 {
     return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
 }
 
-/* A multistep method without an output of its own leaves the grid time out: an interpolation would
- * be the error. */
+/* Samples a grid time inside a step: by dense output, or by a shorter step from its begin. A
+ * multistep method without dense output leaves NAN, as the error of an interpolation would
+ * dominate. */
 static void sample_inside(const struct solver *s, const double *y_begin, double t_begin, double h,
                           double t, double *y)
 {
@@ -124,8 +128,8 @@ static void sample_inside(const struct solver *s, const double *y_begin, double 
             y[i] = NAN;
 }
 
-/* All times inside the step, a variable after the other: each is prepared once. The same bits as by
- * method_dense(). */
+/* Samples all grid times inside a step with dense output, variable by variable, as the polynomial
+ * of each is prepared once. Gives the bits of method_dense(). */
 static void sample_whole(struct sampler *sampler, double t_begin, double h, double tolerance)
 {
     const struct solver *s = sampler->solver;
@@ -143,7 +147,8 @@ static void sample_whole(struct sampler *sampler, double t_begin, double h, doub
     sampler->next = end;
 }
 
-/* Samples the step of h that began at `t_begin` in the state `y_begin`. */
+/* Samples all grid times up to the end of a step of h [s], which began at `t_begin` in the state
+ * `y_begin`. */
 static void sample(struct sampler *sampler, const double *y_begin, double t_begin, double h)
 {
     struct solver *s = sampler->solver;
@@ -163,12 +168,13 @@ static void sample(struct sampler *sampler, const double *y_begin, double t_begi
     }
 }
 
+/* Returns true if the limit of the cost is exceeded. */
 static bool spent(const struct solver *s)
 {
     return s->max > 0 && (solver_cost(s) > s->max || s->steps > s->max);
 }
 
-/* One step more; with a grid, sampled. */
+/* Makes one step, adaptive with a controller, and samples it if a grid is wanted. */
 static enum step_status solver_step(struct solver *s, struct controller *controller, double end,
                                     struct sampler *sampler)
 {
@@ -184,6 +190,7 @@ static enum step_status solver_step(struct solver *s, struct controller *control
     return status;
 }
 
+/* Solves with adaptive steps to the end. Returns why it stopped. */
 static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
                               const struct cancel *cancel)
 {
@@ -204,10 +211,10 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
     return STOP_END;
 }
 
-#define ROW_DOUBLES 1024 /* Numbers of the states that a kernel leaves behind in one call. */
+#define ROW_DOUBLES 1024 /* size of the states that a kernel stores in one call [double] */
 
-/* Runs a kernel. `each` is the number of steps between two grid times, all of which are ends of
- * steps, or 0 without a grid. */
+/* Makes `steps` steps by a kernel. `each` is the number of steps between two grid times, all of
+ * which are ends of steps, or 0 without a grid. Returns why it stopped. */
 static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
                             const struct cancel *cancel)
 {
@@ -233,13 +240,14 @@ static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struc
     return STOP_END;
 }
 
+/* Solves with fixed steps and a last, shorter one. Returns why it stopped. */
 static enum stop run_fixed(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
 {
     const double ratio = fabs(s->span) / s->dt, t0 = s->system->t0, h = copysign(s->dt, s->span);
     const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
     const int64_t all = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
     const int64_t steps = s->part > 0 && s->part < all ? s->part : all;
-    /* every grid time, by a step's end */
+    /* every grid time is the end of a step */
     const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0;
     const bool bulk = s->kernel && (!sampler->grid || met);
     s->step.h = h;

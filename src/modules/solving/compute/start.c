@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scene that is let start at a given state. */
+/* Changes a scene so that it starts at a given state. */
 #include "modules/solving/compute/start.h"
 
 #include <hooke/base/catalog.h>
@@ -16,8 +16,8 @@ void scene_take_value(struct scene *scene, int i, double value)
     scene->value[i] = value;
 }
 
-/* Returns the derivative of the start of variable i by a parameter, or 0 if the parameter changes
- * anything else. */
+/* Returns the derivative of the initial value of variable i by a parameter, or 0 if the parameter
+ * changes anything else, too. */
 static double start_slope(const struct scene *scene, const struct system *system, int param, int i)
 {
     struct scene other = *scene;
@@ -37,7 +37,8 @@ static double start_slope(const struct scene *scene, const struct system *system
     return (moved.start[i] - system->start[i]) / (other.value[param] - scene->value[param]);
 }
 
-/* Starts a scene at a state, whose own start has no derivatives. */
+/* Lets a scene start at a state where its own start cannot be bound. Returns false with an
+ * error. */
 static bool start_inside(struct scene *scene, const double *state, struct error *error)
 {
     struct scene moved = *scene;

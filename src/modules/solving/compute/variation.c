@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The variational equations as one more system. df/dp is a central difference of the terms that the
- * parameter changes, each term for itself: where these are linear in the parameter it is exact but
- * for rounding, and rounding of the other terms does not come in.
- */
+/* The variational equations as a system. df/dp is a central difference of the terms that the
+ * parameter changes, each by itself: where a term is linear in the parameter this is exact but for
+ * rounding, and rounding of the other terms does not contribute. */
 #include "modules/solving/compute/variation.h"
 
 #include <string.h>
 #include <stdlib.h>
 
-#define DIFFERENCE_STEP 1e-6 /* Step of differences relative to the size. */
-/* Smallest size assumed of a parameter (SI), unless it has to be above 0, and of a variable, as a
- * part of its scale. */
+#define DIFFERENCE_STEP 1e-6 /* step of differences, relative to the size of the variable */
+/* Smallest size assumed for a parameter (SI), unless it must be positive, and for a variable, as a
+ * fraction of its scale. */
 #define PARAMETER_SIZE_MIN 1e-3
-/* Smallest size of a parameter above 0, as a part of its initial value. */
+/* Smallest size assumed for a positive parameter, as a fraction of its default. */
 #define INITIAL_FRACTION_MIN 1e-6
 
+/* Returns the system's term of that row, or NULL if it has none. */
 static const struct bound_term *term_of(const struct system *system, const struct term_row *row)
 {
     for (int i = 0; i < system->terms; i++)
@@ -24,6 +23,7 @@ static const struct bound_term *term_of(const struct system *system, const struc
     return NULL;
 }
 
+/* Lists the terms in which the two systems differ. */
 static void find_changes(const struct system side[2], struct parameter_change *d)
 {
     for (int s = 0; s < 2; s++) {
@@ -44,6 +44,8 @@ static void find_changes(const struct system side[2], struct parameter_change *d
     }
 }
 
+/* Binds the scene on both sides of a parameter's value and finds the changes. Returns false if it
+ * cannot be bound. */
 static bool find_between(const struct scene *scene, int index, struct system side[2],
                          struct parameter_change *d)
 {
@@ -84,7 +86,7 @@ bool direction_find(const struct scene *scene, int index, struct parameter_chang
     return found;
 }
 
-/* df/dp, zero but for the rows that terms add to. */
+/* Computes df/dp for one parameter, the difference of all changed terms. */
 static void slope_by_parameter(const struct variation *v, const struct parameter_change *d,
                                double t, const double *y, double *slope)
 {
@@ -107,7 +109,7 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
         slope[positions + i] = (sum[0][i] - sum[1][i]) / d->apart;
 }
 
-/* Adds df/dy s to the result. */
+/* Adds (df/dy) s to the result. */
 static inline __attribute__((always_inline)) void add_product(int n, const double *jacobian,
                                                               const double *s, double *result)
 {
@@ -119,7 +121,7 @@ static inline __attribute__((always_inline)) void add_product(int n, const doubl
     }
 }
 
-/* S' of one direction. */
+/* Computes S' for one direction. */
 static void variation_rate(const struct variation *v, const struct parameter_change *d, double t,
                            const double *y, const double *jacobian, const double *s, double *result)
 {
@@ -143,6 +145,7 @@ static void variation_rate(const struct variation *v, const struct parameter_cha
  * variation's address.
  */
 
+/* Returns the variation whose address the coefficients of its term hold. */
 static const struct variation *variation_of(const double *c)
 {
     const struct variation *variation;
@@ -152,6 +155,7 @@ static const struct variation *variation_of(const double *c)
 
 #define BASE_MAX (LIMIT_VARIABLES / 2)
 
+/* Adds the derivatives of all variables of the whole system to a. */
 static void variation_add(const double *c, double t, const double *y, double *a)
 {
     const struct variation *v = variation_of(c);
@@ -209,7 +213,8 @@ static const struct term_row variation_row = {
     .add = variation_add,
     .jacobian = variation_jacobian};
 
-/* The system of base and derivatives, whose starts are left to the caller. */
+/* Makes the system of base and derivatives. The initial values of the derivatives are left to the
+ * caller. */
 static void frame(struct variation *v, int directions)
 {
     const struct system *base = &v->base;
