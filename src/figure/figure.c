@@ -87,7 +87,15 @@ static int frame_text(const struct text_sheet *sheet, int x, int end, int y, str
     return x;
 }
 
-/* "title y [1e-6 m]"; with an offset "title y - 2.2326 m [1e-6 m]" */
+/* Appends a word, after a blank if it is not the first; nothing if it is empty. */
+static void put_word(struct buffer *text, const char *word)
+{
+    buffer_put(text, *word && text->len ? TEXT(" ") : TEXT(""));
+    buffer_put(text, text_of(word));
+}
+
+/* Writes the title of an axis to title_text: "title y [1e-6 m]" or, with an offset,
+ * "title y - 2.2326 m [1e-6 m]". An empty title or label is left out. */
 static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title,
                        char *title_text, size_t size)
 {
@@ -96,29 +104,38 @@ static void axis_title(const struct axis *axis, const struct ticks *ticks, const
     char power[16] = "", offset[TICK_TEXT_SIZE] = "";
     struct buffer text = {0};
 
+    buffer_put(&text, text_of(title));
     if (ticks->exponent)
         snprintf(power, sizeof power, "1e%d%s", ticks->exponent, *unit ? " " : "");
     if (ticks->offset != 0)
         offset_text(ticks, offset);
-    if (text_equal(text_of(title), text_of(label))) /* once is enough: "error [m]" */
-        label = "";
-    buffer_format(&text, "%s%s%s", title, *title && *label ? " " : "", label);
+    if (!text_equal(text_of(title), text_of(label))) /* a title that is the label: "error [m]" */
+        put_word(&text, label);
+    put_word(&text, offset);
     if (*offset)
-        buffer_format(&text, "%s%s%s%s", text.len ? " " : "", offset, *unit ? " " : "", unit);
-    if (*power || *unit)
-        buffer_format(&text, "%s[%s%s]", text.len ? " " : "", power, unit);
+        put_word(&text, unit);
+    if (*power || *unit) {
+        put_word(&text, "[");
+        buffer_format(&text, "%s%s]", power, unit);
+    }
     snprintf(title_text, size, "%s", text.len && !text.failed ? text.data : "");
     buffer_free(&text);
 }
 
-static int entry_width(const struct curve *curve, char mark)
-{
-    return text_width(text_of(curve->label)) + (mark ? 2 : 3);
-}
-
+/* Returns true if the legend names the curve: it is drawn and has a label. */
 static bool has_entry(const struct figure *figure, int curve)
 {
     return curve_drawn(figure, curve) && figure->curve[curve].label && *figure->curve[curve].label;
+}
+
+/* Returns the width [cell] of a curve's entry in the legend behind `used` cells: gap, mark, label.
+ */
+static int entry_width(const struct figure *figure, int i, int used)
+{
+    if (!has_entry(figure, i))
+        return 0;
+    return text_width(text_of(figure->curve[i].label)) + (figure_mark(figure, i) ? 2 : 3) +
+           (used ? 2 : 0);
 }
 
 const struct curve *figure_band(const struct figure *figure)
@@ -133,9 +150,7 @@ static int legend_width(const struct figure *figure)
 {
     int width = 0;
     for (int i = 0; i < figure->curves; i++)
-        width += has_entry(figure, i)
-                     ? entry_width(&figure->curve[i], figure_mark(figure, i)) + (width ? 2 : 0)
-                     : 0;
+        width += entry_width(figure, i, width);
     return width;
 }
 
@@ -149,18 +164,16 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
     struct text caption = text_of(figure->caption);
 
     for (; shown < figure->curves; shown++) {
-        const struct curve *curve = &figure->curve[shown];
-        int width = has_entry(figure, shown)
-                        ? entry_width(curve, figure_mark(figure, shown)) + (used ? 2 : 0)
-                        : 0;
+        const int width = entry_width(figure, shown, used);
         if (used + width > available)
             break;
         used += width;
     }
     const struct curve *band = shown < figure->curves ? NULL : figure_band(figure);
-    const int wide = band ? text_width(text_of(band->spread_label)) + 2 + (used ? 2 : 0) : 0;
-    band = used + wide <= available ? band : NULL;
-    used += band ? wide : 0;
+    const int band_width = band ? text_width(text_of(band->spread_label)) + 2 : 0;
+    const int band_end = used + band_width + (band && used ? 2 : 0);
+    band = band_end <= available ? band : NULL;
+    used = band ? band_end : used;
     if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > available)
         caption = TEXT("");
     used += text_width(caption) + (used && caption.len ? 2 : 0);
@@ -200,8 +213,8 @@ static void put_heat_scale(const struct heat *heat, const struct charset *charse
     buffer_format(output, "%.4g [", scale.low / factor);
     for (int i = 0; i < shades; i++)
         buffer_codepoint(output, shade[i]);
-    buffer_format(output, "] %.4g%s%s%s", scale.high / factor, *heat->unit ? " " : "", heat->unit,
-                  scale.log ? ", logarithmic" : "");
+    buffer_format(output, "] %.4g%s%s", scale.high / factor, *heat->unit ? " " : "", heat->unit);
+    buffer_put(output, scale.log ? TEXT(", logarithmic") : TEXT(""));
 }
 
 static void draw_titles(const struct text_sheet *sheet)
@@ -322,45 +335,6 @@ static void draw_labels(const struct text_sheet *sheet)
     }
 }
 
-/* Sets the places of an axis that a cell of the plot shows: [*first, *end), at least one. Returns
- * false if the cell is beyond the map. */
-static bool heat_places(const struct heat_axis *axis, const struct scale *scale, int cell,
-                        int cells, int *first, int *end)
-{
-    const double low = (double)cell / cells, high = (double)(cell + 1) / cells;
-    *first = *end = -1;
-    for (int i = 0; i < axis->count; i++) {
-        const double begin = fraction_of(scale, heat_edge(axis, i)),
-                     finish = fraction_of(scale, heat_edge(axis, i + 1)),
-                     middle = (begin + finish) / 2;
-        const bool covers = begin <= (low + high) / 2 && finish > (low + high) / 2;
-        if (!covers && !(middle >= low && middle < high))
-            continue;
-        *first = *first < 0 ? i : *first;
-        *end = i + 1;
-    }
-    return *first >= 0;
-}
-
-/* Shades of a map, the largest value of the places in each cell. */
-static void draw_heat(const struct text_sheet *sheet)
-{
-    const struct heat *heat = sheet->figure->heat;
-    const struct figure_layout *layout = sheet->layout;
-    const struct heat_scale scale = heat_scale_of(heat);
-    int x0, x1, y0, y1;
-    for (int row = 0; row < layout->rows; row++) {
-        if (!heat_places(&heat->y, &layout->y, layout->rows - 1 - row, layout->rows, &y0, &y1))
-            continue;
-        for (int column = 0; column < layout->columns; column++)
-            if (heat_places(&heat->x, &layout->x, column, layout->columns, &x0, &x1))
-                canvas_put(
-                    sheet->canvas, sheet->x + layout->left + column, sheet->y + layout->top + row,
-                    heat_glyph(heat, &scale, layout->charset, heat_largest(heat, x0, x1, y0, y1)),
-                    STYLE_PLAIN);
-    }
-}
-
 static void draw_curves(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -370,7 +344,7 @@ static void draw_curves(const struct text_sheet *sheet)
     int column, row, lines = 0;
 
     if (figure->heat)
-        draw_heat(sheet);
+        raster_heat(&raster, figure->heat);
     for (int i = 0; i < figure->guides; i++)
         raster_guide(&raster, &figure->guide[i]);
     for (int i = 0; i < figure->curves; i++)

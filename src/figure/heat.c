@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Heat maps: the edges between their points, the scale of their values, and the character that
  * shades each value. */
-#include <hooke/figure.h>
+#include "figure/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -100,4 +100,43 @@ uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
     /* Letters belong to the values -1, 0, 1 ...; all larger values share the last letter. */
     const double last = (double)strlen(heat->letters) - 1;
     return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];
+}
+
+/* Finds the points [*first, *end) of an axis that cell number `cell` of `cells` shows: those whose
+ * middle lies in it, and the one that covers its middle. Returns false if the cell is beyond the
+ * map. */
+static bool points_in_cell(const struct heat_axis *axis, const struct scale *scale, int cell,
+                           int cells, int *first, int *end)
+{
+    const double low = (double)cell / cells, high = (double)(cell + 1) / cells;
+    *first = *end = -1;
+    for (int i = 0; i < axis->count; i++) {
+        const double begin = fraction_of(scale, heat_edge(axis, i)),
+                     finish = fraction_of(scale, heat_edge(axis, i + 1)),
+                     middle = (begin + finish) / 2;
+        const bool covers = begin <= (low + high) / 2 && finish > (low + high) / 2;
+        if (!covers && !(middle >= low && middle < high))
+            continue;
+        *first = *first < 0 ? i : *first;
+        *end = i + 1;
+    }
+    return *first >= 0;
+}
+
+/* Draws a map: each cell shows the largest value of its points. */
+void raster_heat(const struct raster *raster, const struct heat *heat)
+{
+    const struct figure_layout *layout = raster->layout;
+    const struct heat_scale scale = heat_scale_of(heat);
+    int x0, x1, y0, y1;
+    for (int row = 0; row < layout->rows; row++) {
+        if (!points_in_cell(&heat->y, &layout->y, layout->rows - 1 - row, layout->rows, &y0, &y1))
+            continue;
+        for (int column = 0; column < layout->columns; column++)
+            if (points_in_cell(&heat->x, &layout->x, column, layout->columns, &x0, &x1))
+                canvas_put(
+                    raster->canvas, raster->x + column, raster->y + row,
+                    heat_glyph(heat, &scale, layout->charset, heat_largest(heat, x0, x1, y0, y1)),
+                    STYLE_PLAIN);
+    }
 }

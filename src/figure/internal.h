@@ -52,6 +52,8 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
 /* Draws an arrow on each border of the plot at the position where the curve first leaves through
  * it. */
 void raster_exits(const struct raster *raster, const struct figure *figure, int curve);
+/* Draws the shades or letters of a map into all cells of the plot that it covers. */
+void raster_heat(const struct raster *raster, const struct heat *heat);
 /* Writes a character into a cell of the plot, in the raster's style; cells outside of the plot are
  * ignored. */
 void raster_put(const struct raster *raster, int column, int row, uint32_t codepoint);

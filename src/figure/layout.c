@@ -266,9 +266,10 @@ bool planes_across(const struct figure *figure, int width, int height)
 static bool place_planes(const struct figure *figure, int width, int height,
                          struct figure_panel panel[PANELS_MAX])
 {
-    bool side_by_side = planes_across(figure, width, height);
-    if ((side_by_side ? width / 2 : width) < LABEL_CELLS ||
-        (side_by_side ? height : height / 2) < FRAME_ROWS + 1)
+    const bool side_by_side = planes_across(figure, width, height);
+    const int plane_width = side_by_side ? width / 2 : width;
+    const int plane_height = side_by_side ? height : height / 2;
+    if (plane_width < LABEL_CELLS || plane_height < FRAME_ROWS + 1)
         return false;
     panel[0].width = side_by_side ? width - width / 2 : width;
     panel[0].height = side_by_side ? height : height - height / 2;

@@ -74,11 +74,12 @@ static void axis_value_put(struct buffer *output, const struct axis *axis, doubl
 {
     const struct unit *unit = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
     const struct unit *suited = unit ? unit_display(unit->quantity, fabs(value)) : NULL;
+    const char *const name = axis->unit ? axis->unit : "";
     if (suited)
         buffer_format(output, "%.*g %s", digits, value / suited->factor, suited->row.name);
     else
-        buffer_format(output, "%.*g%s%s", digits, value / axis_factor(axis),
-                      axis->unit && *axis->unit ? " " : "", axis->unit ? axis->unit : "");
+        buffer_format(output, "%.*g%s%s", digits, value / axis_factor(axis), *name ? " " : "",
+                      name);
 }
 
 /* Appends "verlet leaves at 3.2 s, up to 4 cm (7 of 100 samples)". Detail 0 ends after the time, 1

@@ -84,14 +84,23 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
+/* Sets the ends of a window of time; an end that was left open (NAN) becomes infinite. */
+static void window_ends(const struct argument_value *window, double end[2])
+{
+    const double *range = window->item->range;
+    end[0] = isnan(range[0]) ? -HUGE_VAL : range[0];
+    end[1] = isnan(range[1]) ? HUGE_VAL : range[1];
+}
+
 /* Returns the part of a series in the argument's window of time, whose ends may be open (NAN), or
  * all of it if no window was given. */
 static struct series in_window(struct series series, const struct argument_value *window)
 {
-    const double *range = window && window->count ? window->item->range : NULL;
-    return !range ? series
-                  : series_window(series, isnan(range[0]) ? -HUGE_VAL : range[0],
-                                  isnan(range[1]) ? HUGE_VAL : range[1]);
+    double end[2];
+    if (!window || !window->count)
+        return series;
+    window_ends(window, end);
+    return series_window(series, end[0], end[1]);
 }
 
 /* Makes a run the subject. Returns false with an error if fewer than `min` samples are in the
@@ -125,9 +134,9 @@ static bool open_recording(const struct session *session, struct recording *reco
     const double old_window[2] = {recording->window[0], recording->window[1]};
     bool ok = true;
     if (window && window->count) {
-        const double *range = window->item->range;
-        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0],
-                              isnan(range[1]) ? HUGE_VAL : range[1], error);
+        double end[2];
+        window_ends(window, end);
+        ok = recording_window(recording, end[0], end[1], error);
     }
     ok = ok && recording_series(recording, arena, min, &subject->series, error);
     recording->window[0] = old_window[0];

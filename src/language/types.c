@@ -339,9 +339,9 @@ READ_ITEM(read_unit)
 {
     if (!parse_word(parser, stops, item, error))
         return false;
-    return !series_tools()->unit(item->text, parser->arena, &item->unit) ? error_memory(error)
-           : item->unit                                                  ? true
-                        : catalog_unknown(&unit_catalog, item->text, error);
+    if (!series_tools()->unit(item->text, parser->arena, &item->unit))
+        return error_memory(error);
+    return item->unit || catalog_unknown(&unit_catalog, item->text, error);
 }
 
 static void parser_take(struct parser *parser, size_t used)

@@ -154,19 +154,17 @@ static bool add_rows(struct drawing *d, const struct run *run, const struct chos
         t[i] = trace_time(run->trace, rows->row[i]);
     for (int i = 0; i < d->coordinates; i++) {
         double *y = arena_array(d->arena, rows->n + 1, sizeof *y);
-        if (!y)
+        const char *name = d->coordinates > 1 ? drawing_label(d, i) : label;
+        if (!y || !name)
             return error_memory(d->error);
         if (!vertical_values(d, run, i, rows, y))
             return false;
-        d->curve[d->curves] =
-            (struct curve){.label = d->coordinates > 1 ? drawing_label(d, i) : label,
-                           .x = x,
-                           .y = y,
-                           .n = rows->n,
-                           .t = plane ? t : NULL,
-                           .thinned = d->request->follow || thinned};
-        if (!d->curve[d->curves++].label)
-            return error_memory(d->error);
+        d->curve[d->curves++] = (struct curve){.label = name,
+                                               .x = x,
+                                               .y = y,
+                                               .n = rows->n,
+                                               .t = plane ? t : NULL,
+                                               .thinned = d->request->follow || thinned};
     }
     return true;
 }
@@ -307,7 +305,8 @@ const char *drawing_y_label(const struct drawing *d, int panel)
         if (d->coordinates > 1 && d->curve[i].panel != panel)
             continue;
         const char *const next = d->request->next ? "next " : "";
-        buffer_format(&text, "%s%s%s", text.len ? ", " : "", next, name ? name : "");
+        buffer_format(&text, "%s%s", text.len ? ", " : "", next);
+        buffer_put(&text, text_of(name));
     }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));

@@ -17,8 +17,8 @@ void run_record_init(struct run_record *record, const struct session *session,
         .run = run,
         .number = run->number,
         .method = run->method->row.name,
-        .dt = run->plan.adaptive ? NAN : run->settings.dt,
-        .tol = run->plan.adaptive ? run->settings.tol : NAN,
+        .dt = NAN,
+        .tol = NAN,
         .y = NAN,
         .v = NAN,
         .rest = run_rest(run),
@@ -29,6 +29,10 @@ void run_record_init(struct run_record *record, const struct session *session,
         .cost = run->cost,
         .data = run_data_distance(run, session_recording(session)),
         .status = stop_name(run->stop)};
+    if (run->plan.adaptive)
+        record->tol = run->settings.tol;
+    else
+        record->dt = run->settings.dt;
 }
 
 static bool is_mechanical(const void *row) /* second order, but not all forces have a potential */

@@ -173,8 +173,10 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
             numbers &= is_number_status(real_parse(as, &value[i]));
         numbers &= !one->quoted;
     }
-    *(numbers ? (const void **)&column->value : (const void **)&column->text) =
-        numbers ? (const void *)value : (const void *)text;
+    if (numbers)
+        column->value = value;
+    else
+        column->text = text;
     return true;
 }
 

@@ -53,7 +53,10 @@ void cell_quantity(struct text_table *table, double value, enum quantity quantit
 
 void cell_error(struct text_table *table, double value)
 {
-    cell_format(table, isfinite(value) ? value == 0 ? "0" : "%.1e" : "-", value);
+    if (isfinite(value))
+        cell_format(table, value == 0 ? "0" : "%.1e", value);
+    else
+        cell_text(table, "-");
 }
 
 void cell_count(struct text_table *table, int64_t value)

@@ -107,9 +107,10 @@ bool history_append(const char *line, struct error *error)
             saved = error_set(&why, ERROR_IO, "%s", strerror(errno));
     }
     buffer_free(&text);
-    if (!saved)
-        error_set(error, ERROR_IO, "the history cannot be saved%s%.200s: %s", path ? " in " : "",
-                  path ? path : "", path ? why.text : "HOME is not set");
+    if (!path)
+        error_set(error, ERROR_IO, "the history cannot be saved: HOME is not set");
+    else if (!saved)
+        error_set(error, ERROR_IO, "the history cannot be saved in %.200s: %s", path, why.text);
     else if (!locked)
         error_set(error, ERROR_IO, "another program has locked %.200s; lines are added anyway",
                   path);

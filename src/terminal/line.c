@@ -106,15 +106,20 @@ static char *word_breaks(void)
 
 /* ---- names of files ---- */
 
+/* Returns true if a backslash before `next` escapes it, inside of `quote` (0 for none). */
+static bool is_escaped(char next, char quote)
+{
+    if (quote == '\'')
+        return false;
+    return quote == '"' ? next == '"' || next == '\\' : next == ' ';
+}
+
 /* Appends the name that was typed, without its quotes and backslashes. */
 static void put_plain(struct text typed, char quote, struct buffer *name)
 {
     for (size_t i = quote ? 1 : 0; i < typed.len; i++) {
         const char next = i + 1 < typed.len ? typed.data[i + 1] : '\0';
-        const bool escapes = typed.data[i] == '\\' && (quote == '"'    ? next == '"' || next == '\\'
-                                                       : quote == '\'' ? false
-                                                                       : next == ' ');
-        i += escapes;
+        i += typed.data[i] == '\\' && is_escaped(next, quote);
         buffer_char(name, typed.data[i]);
     }
 }

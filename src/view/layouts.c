@@ -150,20 +150,19 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PLOT_POSITION;
+    enum plot_kind *const main_column = lefts ? left : right;
     if (session_charset(session)->words) { /* screen readers read line by line */
-        const bool offered = plot_offered(session, view_focus(view));
-        placed[0] = (struct placed_pane){.pane = offered ? view_focus(view)
-                                                 : lefts ? left[0]
-                                                         : right[0],
-                                         .area = area};
+        if (plot_offered(session, view_focus(view)))
+            *main_column = view_focus(view);
+        placed[0] = (struct placed_pane){.pane = *main_column, .area = area};
         return 1;
     }
     /* The focused plot is always shown. */
     if (plot_offered(session, view_focus(view)) && !panes_include(left, lefts, view_focus(view)) &&
         !panes_include(right, rights, view_focus(view)))
-        *(lefts ? left : right) = view_focus(view);
+        *main_column = view_focus(view);
     if (!lefts || !rights) {
-        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, placed);
+        int n = stack_column(area, a, main_column, lefts + rights, placed);
         for (int i = 0; i < n && a->numbered; i++)
             placed[i].number = i + 1;
         return n;

@@ -30,8 +30,9 @@ static void put_energy(struct buffer *output, const struct run *run, double ener
         quantity,
         fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
     const double factor = unit ? unit->factor : 1;
-    buffer_format(output, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin", energy / factor,
-                  unit ? " " : "", unit ? unit->row.name : "");
+    buffer_format(output, "%s=%#.4g", run->system.energy ? "E" : "Ekin", energy / factor);
+    if (unit)
+        buffer_format(output, " %s", unit->row.name);
 }
 
 /* Appends "dE/E0=-3.1e-6", the relative error of the energy or, where drag or a drive changes the

@@ -20,7 +20,8 @@ static double planned_end(const struct run *run)
 {
     const double span =
         run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
-    return span > 0 ? run->system.t0 + (run->t < run->system.t0 ? -span : span) : NAN;
+    const double direction = run->t < run->system.t0 ? -1 : 1;
+    return span > 0 ? run->system.t0 + direction * span : NAN;
 }
 
 /* Lists the indices of the runs to draw: the current run, then its overlays with the same model.
@@ -62,6 +63,11 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
     const struct session *session = screen->session;
     const struct view *view = &session->view;
     const struct run *run = session_run(session);
+    int pages = LIVE_WINDOW_PARTS;
+    if (!view->paging)
+        pages = larger(width, 1);
+    else if (session_grows(session, session_recording(session)))
+        pages = PAGES_COLLECTED;
     struct figure_request request = {
         .kind = pane,
         .run = runs,
@@ -76,9 +82,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         .running = session->live.state == LIVE_RUNNING,
         .stored_band = session->live.state != LIVE_RUNNING,
         .span = view->window,
-        .pages = !view->paging                                        ? larger(width, 1)
-                 : session_grows(session, session_recording(session)) ? PAGES_COLLECTED
-                                                                      : LIVE_WINDOW_PARTS,
+        .pages = pages,
         .t_end = run && run_in_progress(session) ? planned_end(run) : NAN,
     };
     if (view_has_time_range(view)) {

@@ -141,11 +141,13 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
                   with_unit(raw[0].mean, raw[0].unit).text);
         return error_hint(error, "check that it was moved and that the column is right");
     }
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
+        const char *const name = raw[i].unit ? raw[i].unit->row.name : "";
         if (raw[i].scatter > READING_SCATTER_MAX * apart)
             reply_warning(reply, "it was not at rest: the readings at %s scatter by %.2g%s%s",
-                          with_unit(truth[i], unit[i]).text, raw[i].scatter, raw[i].unit ? " " : "",
-                          raw[i].unit ? raw[i].unit->row.name : "");
+                          with_unit(truth[i], unit[i]).text, raw[i].scatter, *name ? " " : "",
+                          name);
+    }
     if (!calibration_make(value, units, &c, error))
         return false;
     calibration_keep(session, &c, reply);

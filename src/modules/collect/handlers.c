@@ -28,6 +28,11 @@ static double value_given(const struct arguments *args, const char *name, double
     return has_argument(args, name) ? argument_value(args, name)->item->value.value : otherwise;
 }
 
+static const struct unit *unit_given(const struct arguments *args, const char *name)
+{
+    return has_argument(args, name) ? argument_value(args, name)->item->unit : NULL;
+}
+
 /* ---- arguments ---- */
 
 /* Appends the options as a statement has them: those of `load`, or all. */
@@ -79,20 +84,17 @@ static const char *free_name(const struct arguments *args, const char *source)
 /* Reads the options of a collection. Returns false with an error. */
 static bool read_wishes(const struct arguments *args, struct collection *c, struct error *error)
 {
-    const struct item *unit =
-        has_argument(args, "unit") ? argument_value(args, "unit")->item : NULL;
-    const struct item *tunit =
-        has_argument(args, "tunit") ? argument_value(args, "tunit")->item : NULL;
     const struct argument_value *decimal = argument_value(args, "decimal"),
                                 *sep = argument_value(args, "sep");
-    c->options =
-        (struct load_options){.time = argument_text(args, "t"),
-                              .value = argument_text(args, "y"),
-                              .unit = unit ? unit->unit : NULL,
-                              .time_unit = tunit ? tunit->unit : NULL,
-                              .rate = value_given(args, "rate", 0),
-                              .decimal = decimal->count ? decimal_letters[decimal->item->index] : 0,
-                              .separator = sep->count ? separator_letters[sep->item->index] : 0};
+    c->options = (struct load_options){.time = argument_text(args, "t"),
+                                       .value = argument_text(args, "y"),
+                                       .unit = unit_given(args, "unit"),
+                                       .time_unit = unit_given(args, "tunit"),
+                                       .rate = value_given(args, "rate", 0)};
+    if (decimal->count)
+        c->options.decimal = decimal_letters[decimal->item->index];
+    if (sep->count)
+        c->options.separator = separator_letters[sep->item->index];
     c->length = value_given(args, "for", HUGE_VAL);
     c->pretrigger = value_given(args, "before", 0);
     c->baud = (long)value_given(args, "baud", BAUD_DEFAULT);
@@ -349,7 +351,8 @@ HANDLER(collect)
         return false;
     if (continues && !go_on_after(&c, session_recording(session)))
         return error_set(error, ERROR_IO, "its file no longer exists");
-    const struct text source = argument_text(anew ? again : args, "SOURCE");
+    const struct arguments *const wishes = anew ? again : args;
+    const struct text source = argument_text(wishes, "SOURCE");
     const bool input = text_is(source, "-");
     if (source.len == 0)
         return error_set(error, ERROR_COMMAND,
@@ -363,9 +366,10 @@ HANDLER(collect)
     else
         c.calibration = previous ? previous->calibration : c.calibration;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
-    return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&
-                          collection_start(&c, anew ? again : args, error)
-                    : error_memory(error);
+    if (!c.source)
+        return error_memory(error);
+    return read_wishes(wishes, &c, error) && name_it(&c, args, error) &&
+           collection_start(&c, wishes, error);
 }
 
 /* Stops the collection or the live run that is in progress. */

@@ -51,7 +51,9 @@ static size_t bin_of(uint32_t word)
 static int by_count(const void *a, const void *b)
 {
     const struct bin *x = *(struct bin *const *)a, *y = *(struct bin *const *)b;
-    return x->count != y->count ? (x->count < y->count ? 1 : -1) : (x > y) - (x < y);
+    if (x->count != y->count)
+        return x->count < y->count ? 1 : -1;
+    return (x > y) - (x < y);
 }
 
 /* Returns the mean of a channel of a bin in percent. */

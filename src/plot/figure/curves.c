@@ -175,10 +175,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
                  buckets = 4.0 * (request->columns > 0 ? request->columns : 1);
     const double a_period =
         n * request->period / (request->t_end - request->t_begin) / VISITS_A_PERIOD;
-    const size_t stride =
-        !request->screen
-            ? 1
-            : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MAX));
+    const double stride_period = a_period > 2 ? fmin(a_period / 2, n) : 1;
+    const size_t stride = request->screen ? power_of_two(fmax(stride_period, n / VISITS_MAX)) : 1;
     const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
     const size_t bucket = all ? stride : power_of_two(fmax(n / buckets, (double)stride));
     *rows = (struct chosen_rows){

@@ -257,9 +257,8 @@ static struct axis study_axis(const struct study *s, bool vertical)
     const struct table_column *column =
         vertical ? table_column_named(s->table, s->picture->layer[0].y) : s->x;
     const char *label = vertical ? s->picture->y_label : s->picture->x_label;
-    struct axis axis = {.label = label ? label : column->name,
-                        .unit = column->unit,
-                        .log = vertical ? s->picture->log_y || d->request->log : s->picture->log_x};
+    const bool log = vertical ? s->picture->log_y || d->request->log : s->picture->log_x;
+    struct axis axis = {.label = label ? label : column->name, .unit = column->unit, .log = log};
     const struct extent extent =
         curves_extent(d->curve, d->curves, &(struct extent_window){.vertical = vertical});
     if (!axis.log && extent.low <= extent.high)

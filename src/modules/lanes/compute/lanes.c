@@ -23,9 +23,9 @@ static void lanes_take_memory(struct lanes *lanes, double **where, size_t count)
 
 static int stages_of(const struct method *method)
 {
-    return method->tableau    ? method->tableau->stages
-           : method->implicit ? method->implicit->stages
-                              : 0;
+    if (method->tableau)
+        return method->tableau->stages;
+    return method->implicit ? method->implicit->stages : 0;
 }
 
 /* Divides the memory among the arrays that the method needs; without memory only lanes->used is
@@ -226,9 +226,12 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
         lanes_prepare_steps(lanes);
     if (lanes_march_shape(lanes, count, row))
         return;
-    (method->tableau     ? lanes_march_rk
-     : method->splitting ? lanes_march_split
-                         : lanes_march_implicit)(lanes, count, row);
+    if (method->tableau)
+        lanes_march_rk(lanes, count, row);
+    else if (method->splitting)
+        lanes_march_split(lanes, count, row);
+    else
+        lanes_march_implicit(lanes, count, row);
 }
 
 void lanes_state(const struct lanes *lanes, int lane, double *y)

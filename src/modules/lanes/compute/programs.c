@@ -115,10 +115,11 @@ CLONES static void lane_operations_run(struct lane_operation *i, double *output)
 /* Returns the function that computes a whole array for one of the fixed functions, or NULL. */
 static void (*many_of(double (*one)(double)))(int n, const double *x, double *result)
 {
-    return one == fixed_sin   ? fixed_sines
-           : one == fixed_cos ? fixed_cosines
-           : one == fixed_exp ? fixed_exponentials
-                              : NULL;
+    if (one == fixed_sin)
+        return fixed_sines;
+    if (one == fixed_cos)
+        return fixed_cosines;
+    return one == fixed_exp ? fixed_exponentials : NULL;
 }
 
 /* Knowledge about the value in a slot. */
