@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module resume: sessions that are kept in files as they go, and come back. */
+/* The module resume: sessions that save themselves in files and can be restored. */
 #include "modules/resume/store/reading.h"
 
 #include <hooke/module.h>

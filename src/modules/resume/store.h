@@ -43,22 +43,25 @@
 struct cancel;
 
 #define STORE_HEADER "hooke session 2\n"
-/* [byte] rows of runs beyond it are not kept: those of the oldest run go first */
+/* [byte] largest size of the rows of runs; beyond it those of the oldest runs are left out */
 #define STORE_ROW_BYTES ((size_t)512 << 20)
-/* [byte] recordings that are larger are read from where they were */
+/* [byte] largest size of a recording that is stored; larger ones are read from their files again */
 #define STORE_RECORDING_BYTES ((size_t)64 << 20)
 
+/* A receiver of the bytes that session_store() writes. */
 struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
-    const struct cancel *cancel; /* NULL if nobody stops it */
+    const struct cancel *cancel; /* stops writing, or NULL */
     /* [clock_ns] time after which further rows are left to the next call, or 0 for none */
     int64_t deadline;
 };
 
-void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */
-/* Writes what has changed since the last time; where it is stopped, `unfinished` is set, and what
- * was written does not count yet. Returns false if it cannot be written, or no memory. */
+/* Frees *stored and zeroes it, so that the next session_store() writes everything. */
+void stored_free(struct stored *stored);
+/* Writes what has changed since the last call; *stored remembers what the file has. If it is
+ * stopped, stored->unfinished is set, and what was written does not count until a later call
+ * completes it. Returns false with an error if it cannot be written or if out of memory. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error);
 

@@ -37,6 +37,7 @@ struct written {
     struct arena arena; /* memory of all expressions */
     const struct scene *scene;
     struct system system; /* the scene, bound */
+    /* numbers of rows and of names; index of the first parameter among the names */
     int rows, names,
         params; /* numbers of rows and of names; index of the first parameter among the names */
     const char **name; /* [names] */

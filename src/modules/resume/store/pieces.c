@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes, events, runs and recordings of a session file. */
+/* Restores scenes, events, runs and recordings of a session file. */
 #include <hooke/data.h>
 #include <hooke/result.h>
 #include <hooke/base/file.h>
@@ -15,8 +15,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- scenes and events: made by the commands that made them ---- */
+/* ---- scenes and events: by the commands that made them ---- */
 
+/* Returns the scene, or events, that were made by these commands, or NULL. */
 static struct made *find_made(struct reader *reader, struct text script, bool is_events)
 {
     for (size_t i = 0; i < reader->mades; i++)
@@ -25,7 +26,8 @@ static struct made *find_made(struct reader *reader, struct text script, bool is
     return NULL;
 }
 
-/* The script is copied. */
+/* Remembers a scene or events with a copy of the commands. Without memory they are made again
+ * later. */
 static void add_made(struct reader *reader, const struct buffer *script, struct made made)
 {
     struct made *more =
@@ -55,6 +57,8 @@ void reader_made_events(struct reader *reader, const struct events *events)
     buffer_free(&script);
 }
 
+/* Makes a scene by its commands, or takes one that they have made before. Returns false with an
+ * error. */
 static bool reader_scene_make(struct reader *reader, struct text script, struct scene *scene,
                               struct error *error)
 {
@@ -102,7 +106,7 @@ void reader_move(const struct field_places *places, void *array, size_t item)
     }
 }
 
-/* Names what the file has of a scene and this program has not, once. */
+/* Notes, once each, the parameters of a scene in the file that this program does not have. */
 static void note_unknown(struct reader *reader, struct text names,
                          const struct field_places *places)
 {
@@ -145,6 +149,7 @@ bool reader_scene(struct reader *reader, struct text text, const char *name, str
     return true;
 }
 
+/* Reads the events of a run, *events NULL if it has none. Returns false with an error. */
 static bool read_events(struct reader *reader, struct text text, const struct events **events,
                         struct error *error)
 {
@@ -165,12 +170,13 @@ static bool read_events(struct reader *reader, struct text text, const struct ev
 
 /* ---- runs ---- */
 
+/* Reads a flag, which is unchanged if the field is missing. */
 static void get_flag(struct text text, const char *name, bool *flag)
 {
     fields_get(text, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
 }
 
-/* One thing that was asked of the run. */
+/* Adds one request of the run's journal. Returns false with an error if it is damaged. */
 static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text text,
                       struct error *error)
 {
@@ -188,7 +194,7 @@ static bool add_asked(struct run_slot *slot, const struct field_places *places, 
                : error_set(error, ERROR_IO, "its requests are damaged");
 }
 
-/* All of it, in order. */
+/* Adds all requests of the run's journal, in order. Returns false with an error. */
 static bool add_all_asked(struct run_slot *slot, const struct field_places *places,
                           struct text text, struct error *error)
 {
@@ -199,6 +205,7 @@ static bool add_all_asked(struct run_slot *slot, const struct field_places *plac
     return ok;
 }
 
+/* Everything that a run is restored from. */
 struct run_parts {
     struct text text, state, note;
     struct scene scene;
@@ -208,6 +215,7 @@ struct run_parts {
     int number;
 };
 
+/* Reads scene, events, method and number of a run. Returns false with an error. */
 static bool read_parts(struct reader *reader, const struct read_run *source,
                        struct run_parts *parts, struct error *error)
 {
@@ -230,6 +238,8 @@ static bool read_parts(struct reader *reader, const struct read_run *source,
     return read_events(reader, parts->text, &parts->events, error);
 }
 
+/* Makes the run and adds it to the session. Returns false with an error, and leaves the session
+ * without it. */
 static bool read_run(struct reader *reader, const struct read_run *source, struct run_parts *parts,
                      struct error *why)
 {
@@ -243,7 +253,7 @@ static bool read_run(struct reader *reader, const struct read_run *source, struc
     struct run_slot *slot = session->runs.slot[session->runs.count - 1];
     bool going = false;
     get_flag(parts->text, "going", &going);
-    if (going) /* it was on its way, and can go on */
+    if (going) /* it was advancing, and can be continued */
         run->stop = STOP_CANCELLED;
     journal_release(slot->last);
     slot->last = NULL;
@@ -297,6 +307,7 @@ bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *conten
     return false;
 }
 
+/* Accepts any file name, for folder_open(). */
 static bool any_name(const char *name)
 {
     (void)name;
@@ -337,6 +348,7 @@ static char *put_file(const char *temporary, struct text path, struct text conte
     return NULL;
 }
 
+/* Executes `load` for a path with options. Returns false with an error. */
 static bool reader_recording_load(struct reader *reader, struct text path, struct text options,
                                   struct error *error)
 {
@@ -387,6 +399,7 @@ static bool load_kept(struct reader *reader, struct text text, struct text path,
     return copy && !slot->content.failed ? true : error_memory(error);
 }
 
+/* Restores a recording with its statement, window and other fields. Returns false with an error. */
 static bool read_recording(struct reader *reader, struct text text, struct error *error)
 {
     struct session *session = reader->session;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A session from its file. */
+/* Restores a session from the content of its file. */
 #include <hooke/base/safe_text.h>
 #include <hooke/command.h>
 #include <hooke/module.h>
@@ -26,6 +26,7 @@ void reader_note(struct reader *reader, const char *format, ...)
     buffer_free(&line);
 }
 
+/* Collects the text that commands print, for reader_execute(). */
 static bool restored_text_keep(void *context, struct text text)
 {
     buffer_put(context, text);
@@ -54,8 +55,8 @@ bool reader_execute(struct reader *reader, struct text commands, struct error *e
 
 /* ---- values ---- */
 
-/* Gives the array of `owner` its elements; `made` has room for them, as arrays that are allocated
- * grow: full at every power of two. */
+/* Moves the `count` elements `made` into the array of `owner`; `made` has room for them as
+ * allocated arrays have, a power of two. */
 static void place_elements(const struct store_array *array, char *made, int count, void *owner)
 {
     char *cursor = (char *)owner + array->offset;
@@ -102,6 +103,7 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
                     array->name);
 }
 
+/* Restores a table of results; a damaged one is noted. */
 static void read_table(struct reader *reader, struct text text)
 {
     struct text kind, csv;
@@ -116,6 +118,7 @@ static void read_table(struct reader *reader, struct text text)
     arena_reset(&arena);
 }
 
+/* Restores all tables of results, and which study was the last. */
 static void read_tables(struct reader *reader)
 {
     struct text text = reader->state, name, value;
@@ -135,6 +138,8 @@ static void read_tables(struct reader *reader)
 
 /* ---- what was typed and said ---- */
 
+/* Restores typed lines from a record. Lines that do not follow those read before replace them. A
+ * damaged record is ignored. */
 static void read_lines(struct history *history, struct text section)
 {
     struct text entries, text;
@@ -172,6 +177,7 @@ static void read_lines(struct history *history, struct text section)
     history->count = history->first + count;
 }
 
+/* Returns true if a text of the history lies within what was read. */
 static bool inside(const struct history *history, size_t position, size_t len)
 {
     const size_t offset = position - history->text_first;
@@ -179,6 +185,7 @@ static bool inside(const struct history *history, size_t position, size_t len)
            len <= history->text.len - offset;
 }
 
+/* Restores typed lines and the text of the log pane. Lines from a damaged entry on are dropped. */
 static void read_history(struct reader *reader)
 {
     struct history *history = &reader->session->history;
@@ -209,7 +216,7 @@ static void read_history(struct reader *reader)
 
 /* ---- the whole ---- */
 
-/* The set-up by its commands; each that cannot be executed is named. */
+/* Restores the set-up by its commands; those that cannot be executed are noted. */
 static void read_setup(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -234,13 +241,14 @@ static void read_setup(struct reader *reader)
         reader->places = (struct field_places){.rows = 0};
 }
 
-/* Ends of an axis, or none. */
+/* Returns true for valid ends of an axis, or none (NAN). */
 static bool is_range(const double range[2])
 {
     return (isnan(range[0]) && isnan(range[1])) ||
            (isfinite(range[0]) && isfinite(range[1]) && range[0] < range[1]);
 }
 
+/* Restores what the panes show; a damaged view is noted. */
 static void read_view(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -256,7 +264,8 @@ static void read_view(struct reader *reader)
         reader_note(reader, "the view is left out because it is damaged");
 }
 
-/* Places in lists that are as long as they could be made. */
+/* Corrects the current run, given by its index and id in the file, and other indices and numbers,
+ * for lists that lack what could not be restored. */
 static void session_run_order(struct session *session, int index, uint64_t run_id)
 {
     session->runs.current = index < 0 ? -1 : session->runs.count - 1;
@@ -277,8 +286,8 @@ static void session_run_order(struct session *session, int index, uint64_t run_i
     }
 }
 
-/* Runs and recordings have had their scenes in place of the set-up, and places and numbers change
- * while they are added: what the file has of these is read after that. */
+/* Restores everything. Runs and recordings change the set-up, indices and numbers while they are
+ * added; what the file has of these is read after that. */
 static void read_all(struct reader *reader)
 {
     struct session *session = reader->session;

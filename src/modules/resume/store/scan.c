@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The records of a session file: what is whole counts, whatever is between. */
+/* Finds the valid records of a session file, whatever is between them. */
 #include "modules/resume/store/reading.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* *list has room for one more; returns false if out of memory. */
+/* Makes room in *list for one more item. Returns false if out of memory. */
 static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
 {
     if (count < *capacity)
@@ -19,6 +19,7 @@ static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
     return true;
 }
 
+/* Reads the head of a record. Returns false if there is none, or if its checksum is wrong. */
 static bool read_head(struct text content, struct record_head *head)
 {
     if (content.len < sizeof *head || memcmp(content.data, RECORD_MAGIC, sizeof head->magic) != 0)
@@ -27,7 +28,7 @@ static bool read_head(struct text content, struct record_head *head)
     return head->own == bytes_sum((struct text){content.data, offsetof(struct record_head, own)});
 }
 
-/* Skips to the next record; returns false if there is none. */
+/* Skips to the next valid head. Returns false if there is none. */
 static bool find_record(struct text *content, struct record_head *head)
 {
     while (content->len >= sizeof *head) {
@@ -41,12 +42,14 @@ static bool find_record(struct text *content, struct record_head *head)
     return false;
 }
 
+/* Returns true for kinds of records that this version knows. */
 static bool known(uint32_t kind)
 {
     return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
 }
 
-/* Takes a record. An incomplete one at the end was being written; elsewhere it is damaged. */
+/* Adds a record to the list, or counts it as damaged or of an unknown kind. Returns false if out of
+ * memory. */
 static bool take_record(struct reader *reader, const struct record_head *head, struct text content)
 {
     if (head->sum != bytes_sum(content)) {
@@ -64,6 +67,7 @@ static bool take_record(struct reader *reader, const struct record_head *head, s
     return true;
 }
 
+/* Collects all records. Returns false if out of memory. */
 static bool take_records(struct reader *reader, struct text rest)
 {
     struct record_head head;
@@ -73,7 +77,7 @@ static bool take_records(struct reader *reader, struct text rest)
             return true;
         reader->damaged += rest.data != begin;
         if (head.bytes > rest.len - sizeof head) {
-            /* torn, or its length is a lie that its checksum knows nothing of */
+            /* incomplete, or its length is wrong though the checksum is right */
             rest = text_after(rest, sizeof head);
             continue;
         }
@@ -95,6 +99,7 @@ struct read_run *reader_run(struct reader *reader, uint64_t id)
     return NULL;
 }
 
+/* Returns the run of that id, which is added if it is new, or NULL if out of memory. */
 static struct read_run *read_run_of(struct reader *reader, uint64_t id)
 {
     struct read_run *run = reader_run(reader, id);
@@ -106,7 +111,8 @@ static struct read_run *read_run_of(struct reader *reader, uint64_t id)
     return &reader->run[reader->runs++];
 }
 
-/* They take the place of those from the first on. */
+/* Adds rows to their run, where they replace all rows from their first one on. Returns false if out
+ * of memory. */
 static bool take_rows(struct reader *reader, struct text content)
 {
     struct rows_head head;
@@ -130,6 +136,7 @@ static bool take_rows(struct reader *reader, struct text content)
     return true;
 }
 
+/* Stores the content of a run, of which the last record counts. Returns false if out of memory. */
 static bool take_run(struct reader *reader, struct text content)
 {
     uint64_t id;

@@ -132,6 +132,7 @@ void store_put_events(const struct events *events, struct buffer *output)
 
 /* ---- recordings, lists, results ---- */
 
+/* Appends what a recording is loaded from, and its fields. */
 static void put_loaded(const struct recording_slot *slot, struct buffer *output)
 {
     const struct recording *recording = slot->recording;
@@ -162,6 +163,7 @@ void store_put_array(const struct store_array *array, const void *owner, struct 
     }
 }
 
+/* Appends all tables of results as CSV, and which study was the last. */
 static void put_tables(const struct session *session, struct buffer *output)
 {
     for (int i = 0; i < session->studies.found.count; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A session into records: those of what has changed since the last time. */
+/* Writes a session as records: those of what has changed since the last call. */
 #include <hooke/data.h>
 #include <hooke/base/file.h>
 #include <hooke/base/cancel.h>
@@ -11,20 +11,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS_AT_ONCE ((size_t)1 << 12)
+#define ROWS_AT_ONCE ((size_t)1 << 12)    /* number of rows in a record */
 #define WRITTEN_AT_ONCE ((size_t)1 << 20) /* [byte] */
 
+/* The state of a run in the file. */
 struct stored_run {
     uint64_t id, sum; /* id and checksum of the last R */
     size_t rows;      /* number of rows in the file */
     bool left_out;
 };
 
+/* A call of session_store(). */
 struct output {
     struct stored *stored;
     const struct store_sink *sink;
     struct error *error;
-    bool written; /* something was: an S has to follow */
+    bool written; /* records were written, so that an S has to follow */
 };
 
 /* ---- records ---- */
@@ -36,6 +38,7 @@ static bool stops(struct output *output)
     return output->stored->unfinished;
 }
 
+/* Begins a record in the buffer, with an empty head. */
 static void record_begin(struct output *output)
 {
     static const struct record_head none;
@@ -45,6 +48,7 @@ static void record_begin(struct output *output)
     buffer_put(&stored->record, (struct text){(const char *)&none, sizeof none});
 }
 
+/* Returns the content of the record so far. */
 static struct text content_of(const struct output *output)
 {
     const struct text all = buffer_text(&output->stored->record);
@@ -66,6 +70,7 @@ static bool record_send(struct output *output)
     return true;
 }
 
+/* Fills in the head of the record and writes it. Returns false with an error, or if stopped. */
 static bool record_end(struct output *output, enum record_kind kind)
 {
     struct record_head head = {.magic = RECORD_MAGIC, .kind = kind};
@@ -84,6 +89,7 @@ static bool record_end(struct output *output, enum record_kind kind)
 
 /* ---- runs ---- */
 
+/* Appends the requests of a run's journal. */
 static void put_asked(const struct run_slot *slot, struct buffer *output)
 {
     const struct request **list;
@@ -102,6 +108,7 @@ static void put_asked(const struct run_slot *slot, struct buffer *output)
     free(list);
 }
 
+/* Returns what the file has of the run with that id, or NULL. */
 static struct stored_run *find_run(struct stored *stored, uint64_t id)
 {
     for (int i = 0; i < stored->runs; i++)
@@ -110,6 +117,7 @@ static struct stored_run *find_run(struct stored *stored, uint64_t id)
     return NULL;
 }
 
+/* Adds a run to those that the file has. Returns NULL if out of memory. */
 static struct stored_run *stored_run_add(struct stored *stored, uint64_t id)
 {
     if (stored->runs == stored->run_capacity) {
@@ -124,7 +132,8 @@ static struct stored_run *stored_run_add(struct stored *stored, uint64_t id)
     return &stored->run[stored->runs++];
 }
 
-/* Those from the first one that is not as the file has it. */
+/* Writes the rows of a run from the first one that differs from the file's on. Returns false with
+ * an error, or if stopped. */
 static bool put_rows(struct output *output, struct run *run, struct stored_run *stored_run)
 {
     struct stored *stored = output->stored;
@@ -132,7 +141,7 @@ static bool put_rows(struct output *output, struct run *run, struct stored_run *
     const size_t same = run_rows_stored(run),
                  first = same < stored_run->rows ? same : stored_run->rows;
     stored_run->rows = first;
-    run_set_stored(run, rows); /* those that the file has are as they are from now on */
+    run_set_stored(run, rows); /* changes of rows are noted from now on */
     while (stored_run->rows < rows && !stops(output)) {
         const size_t left = rows - stored_run->rows,
                      count = left < ROWS_AT_ONCE ? left : ROWS_AT_ONCE;
@@ -152,6 +161,8 @@ static bool put_rows(struct output *output, struct run *run, struct stored_run *
     return !stored->unfinished;
 }
 
+/* Writes a run, unless the file has the same, with its rows unless `left_out`. Returns false with
+ * an error, or if stopped. */
 static bool put_run(struct output *output, const struct run_slot *slot, bool left_out, bool going)
 {
     struct stored_run *stored_run = find_run(output->stored, slot->id);
@@ -186,7 +197,8 @@ static bool put_run(struct output *output, const struct run_slot *slot, bool lef
     return record_end(output, RECORD_RUN);
 }
 
-/* Those that were dropped; undo may bring one back, which is then written again. */
+/* Forgets that the file has runs which were dropped. If undo brings one back, it is written
+ * again. */
 static void forget_runs(struct stored *stored, const struct session *session)
 {
     int kept = 0;
@@ -201,7 +213,8 @@ static void forget_runs(struct stored *stored, const struct session *session)
     stored->runs = stored->runs > session->runs.count ? kept : stored->runs;
 }
 
-/* The newest first, as long as there is room for their rows. */
+/* Writes all runs, the newest first, with rows as long as these are not too many. Returns false
+ * with an error, or if stopped. */
 static bool put_runs(struct output *output, const struct session *session)
 {
     size_t all = 0;
@@ -222,6 +235,7 @@ static bool put_runs(struct output *output, const struct session *session)
 
 /* ---- recordings ---- */
 
+/* Returns true if the file has a recording with that checksum. */
 static bool has_recording(const struct stored *stored, uint64_t sum)
 {
     for (int i = 0; i < stored->recordings; i++)
@@ -230,7 +244,8 @@ static bool has_recording(const struct stored *stored, uint64_t sum)
     return false;
 }
 
-/* Those that were dropped, of which there may be as many as are kept. */
+/* Forgets that the file has recordings which were dropped, so that the list has room for all
+ * present ones. */
 static void forget_recordings(struct stored *stored, const struct session *session)
 {
     int kept = 0;
@@ -244,6 +259,7 @@ static void forget_recordings(struct stored *stored, const struct session *sessi
     stored->recordings = kept;
 }
 
+/* Stops the reading of a file when writing is to stop, for file_read_watched(). */
 static bool look_while_reading(void *context, struct text content, size_t offset, uintmax_t size,
                                struct error *error)
 {
@@ -258,6 +274,7 @@ struct bytes_place {
     size_t sum, content;
 };
 
+/* Begins a record of bytes whose checksum is filled in by bytes_end(). */
 static struct bytes_place bytes_begin(struct output *output)
 {
     struct buffer *record = &output->stored->record;
@@ -283,7 +300,8 @@ static uint64_t bytes_end(struct output *output, struct bytes_place place)
     return sum;
 }
 
-/* The bytes of its file as it was loaded, or as it is now; without them it is only named. */
+/* Writes the bytes of a recording's file, as it was loaded or as it is now, unless the file has
+ * them. Without them the recording is only named. Returns false with an error, or if stopped. */
 static bool put_recording(struct output *output, struct recording_slot *slot)
 {
     struct stored *stored = output->stored;
@@ -300,7 +318,7 @@ static bool put_recording(struct output *output, struct recording_slot *slot)
     if (stored->unfinished)
         return false;
     const uint64_t sum = bytes_end(output, place);
-    /* another file by now: that of the recording is gone */
+    /* the file has changed, so that the recording's own bytes are gone */
     const bool wanted = sum != 0 && (slot->sum == 0 || slot->sum == sum);
     const bool there = has_recording(stored, sum);
     if (wanted)
@@ -332,6 +350,7 @@ static bool put_content(struct output *output, const struct session_part *part)
     return record_end(output, RECORD_BYTES);
 }
 
+/* Writes the contents of all modules that have one. Returns false with an error, or if stopped. */
 static bool put_contents(struct output *output, const struct session *session)
 {
     for (int i = 0; i < session->parts->count; i++)
@@ -343,6 +362,7 @@ static bool put_contents(struct output *output, const struct session *session)
 
 /* ---- what was found ---- */
 
+/* Writes large results of a module, one record each. Returns false with an error, or if stopped. */
 static bool put_part(struct output *output, const struct session_part *part)
 {
     struct stored *stored = output->stored;
@@ -363,6 +383,7 @@ static bool put_part(struct output *output, const struct session_part *part)
     return false;
 }
 
+/* Writes the large results of all modules. Returns false with an error, or if stopped. */
 static bool put_found(struct output *output, const struct session *session)
 {
     bool ok = true;
@@ -373,7 +394,8 @@ static bool put_found(struct output *output, const struct session *session)
 
 /* ---- what was typed and said ---- */
 
-/* A statement that goes on while this is written will be another entry at its end. */
+/* Writes the lines typed since the last call. While a statement is executing they are written again
+ * next time, as its entry changes when it ends. Returns false with an error, or if stopped. */
 static bool put_lines(struct output *output, const struct session *session)
 {
     const struct history *history = &session->history;
@@ -403,6 +425,8 @@ static bool put_lines(struct output *output, const struct session *session)
     return record_end(output, RECORD_LINES);
 }
 
+/* Writes the output printed since the last call, as far as the log has it. Returns false with an
+ * error, or if stopped. */
 static bool put_said(struct output *output, const struct log *log)
 {
     uint64_t unsaved_lines = log->said - output->stored->said;
@@ -420,6 +444,8 @@ static bool put_said(struct output *output, const struct log *log)
 
 /* ---- all of it ---- */
 
+/* Writes all that has changed, then an S if anything was written. Returns false with an error, or
+ * if stopped. */
 static bool put_all(struct output *output, struct session *session)
 {
     if (stops(output))

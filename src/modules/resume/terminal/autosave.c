@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Sessions save themselves: records of what has changed are appended to the session's file, after
- * each line that is executed, unless it follows so closely that writing would hold it up, and every
- * AUTOSAVE_SECONDS while a line goes on. The file comes with the first change and is locked as long
- * as the session lives. What was written survives the program; a thread has it put on the disk, at
- * most once a second, so that nobody waits for that. When the file has doubled, another is written
- * with what is still read, and takes its place once that is on the disk: what was appended
- * meanwhile is copied.
- */
+/* Sessions save themselves: records of what has changed are appended to the session's file after
+ * each executed line, unless lines follow so closely that writing would delay them, and every
+ * AUTOSAVE_SECONDS while a line executes. The file is created at the first change and locked as
+ * long as the session lives. What was written survives the program; a thread puts it on the disk,
+ * at most once a second, so that nobody waits for that. When the file has doubled in size, another
+ * is written with what is still needed, and replaces it once that is on the disk; what was appended
+ * meanwhile is copied. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include "modules/resume/terminal/autosave.h"
@@ -22,20 +20,23 @@
 #include <time.h>
 #include <unistd.h>
 
-#define COMPACT_BYTES ((uint64_t)4 << 20) /* so much more it may have before it is written anew */
-#define SYNC_NS 1000000000
-#define PART_NS 3000000              /* rows are written for so long, then keys are looked at */
-#define EMPTY_SECONDS 60             /* a session that has written nothing by then is no more */
-#define SYNC_STACK ((size_t)1 << 17) /* [byte] more than one call takes */
+/* [byte] size beyond the doubled one at which the file is written anew */
+#define COMPACT_BYTES ((uint64_t)4 << 20)
+#define SYNC_NS 1000000000           /* least time between two syncs */
+#define PART_NS 3000000              /* time for which rows are written before keys are checked */
+#define EMPTY_SECONDS 60             /* age at which an empty file is deleted */
+#define SYNC_STACK ((size_t)1 << 17) /* [byte] stack of the thread, more than it needs */
 
 /* ---- bytes ---- */
 
+/* Writes all bytes. Returns false with an error. */
 static bool bytes_write(int fd, struct text bytes, struct error *error)
 {
     int failure = 0;
     return write_all(fd, bytes, &failure) || error_set(error, ERROR_IO, "%s", strerror(failure));
 }
 
+/* Writes a record to the file *context, for struct store_sink. */
 static bool store_record_write(void *context, struct text record, struct error *error)
 {
     return bytes_write(*(const int *)context, record, error);
@@ -43,6 +44,7 @@ static bool store_record_write(void *context, struct text record, struct error *
 
 /* ---- onto the disk, beside the session ---- */
 
+/* Puts the fresh file, or else the session's, on the disk; run by the thread. */
 static void *sync_file(void *context)
 {
     struct autosave *autosave = context;
@@ -52,6 +54,7 @@ static void *sync_file(void *context)
     return NULL;
 }
 
+/* Waits for the thread, if it runs. */
 static void sync_wait(struct autosave *autosave)
 {
     if (autosave->syncing)
@@ -59,17 +62,19 @@ static void sync_wait(struct autosave *autosave)
     autosave->syncing = false;
 }
 
-/* A picture is drawn by a copy of the process, which inherits every lock that another thread holds
- * at that moment and then waits for it for ever (as in AddressSanitizer's allocator): none runs. */
+/* The session that is saved. Pictures are drawn by a copy of the process, which inherits every lock
+ * that another thread holds at that moment and would wait for it forever (as in AddressSanitizer's
+ * allocator), so that the thread must not run at a fork. */
 static struct autosave *autosave_of_process;
 
+/* Waits for the thread before each fork. */
 static void wait_before_fork(void)
 {
     if (autosave_of_process)
         sync_wait(autosave_of_process);
 }
 
-/* A file that is not to take this one's place. */
+/* Deletes the fresh file, if there is one. */
 static void fresh_drop(struct fresh_file *fresh)
 {
     if (fresh->fd >= 0) {
@@ -82,6 +87,7 @@ static void fresh_drop(struct fresh_file *fresh)
 
 /* ---- the file ---- */
 
+/* Creates and locks a file that does not exist. Returns its descriptor, or -1. */
 static int create(struct autosave *autosave, const char *path)
 {
     const int fd = open(path, O_RDWR | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -89,7 +95,8 @@ static int create(struct autosave *autosave, const char *path)
     return fd;
 }
 
-/* autosave->path: of this second, and a number that is the process's at first. */
+/* Chooses autosave->path from the time and a number, at first that of the process. Returns false
+ * with an error. */
 static bool choose_name(struct autosave *autosave, long number, struct error *error)
 {
     const time_t now = time(NULL);
@@ -120,7 +127,8 @@ static bool open_new(struct autosave *autosave, struct buffer *hidden, struct er
     return bytes_write(autosave->fd, TEXT(STORE_HEADER), error);
 }
 
-/* A name that nobody has, on a folder that several machines may share. */
+/* Gives the new file its name, with another number if it is taken, as several machines may share
+ * the folder. Returns false with an error. */
 static bool name_new(struct autosave *autosave, const char *hidden, struct error *error)
 {
     int number = EEXIST;
@@ -131,11 +139,13 @@ static bool name_new(struct autosave *autosave, const char *hidden, struct error
     }
     if (number == 0)
         unlink(hidden);
-    else if (number != EEXIST && rename(hidden, autosave->path) == 0) /* no links there */
+    else if (number != EEXIST &&
+             rename(hidden, autosave->path) == 0) /* the file system has no links */
         number = 0;
     return number == 0 || error_set(error, ERROR_IO, "%s", strerror(number));
 }
 
+/* Closes the file and drops the fresh one. */
 static void close_file(struct autosave *autosave)
 {
     sync_wait(autosave);
@@ -164,13 +174,14 @@ static bool autosave_append(struct autosave *autosave, const struct cancel *canc
             unlink(hidden.data);
         else if (!first && ftruncate(autosave->fd, old_end) != 0)
             unlink(autosave->path);
-        close_file(autosave); /* the next one is another file, with all of it */
+        close_file(autosave); /* the next write makes another file, with everything */
     }
     buffer_free(&hidden);
     return ok;
 }
 
-/* Writing it anew takes too long while a run is watched. */
+/* Returns true if the file is to be written anew, which takes too long while a live run is
+ * drawn. */
 static bool is_bloated(const struct autosave *autosave)
 {
     return autosave->session->live.state != LIVE_RUNNING &&
@@ -206,7 +217,8 @@ static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
 
 /* ---- another in its place ---- */
 
-/* Appends what the file has got since the fresh one was begun, and puts that in its place. */
+/* Appends to the fresh file what the session's file has got meanwhile, and replaces the latter.
+ * Returns false if that fails. */
 static bool fresh_take(struct autosave *autosave)
 {
     struct fresh_file *fresh = &autosave->fresh;
@@ -228,16 +240,19 @@ static bool fresh_take(struct autosave *autosave)
     return true;
 }
 
-/* The thread is done with the fresh file. */
+/* Replaces the file by the fresh one after the thread has put that on the disk, or drops it after a
+ * failure. */
 static void fresh_end(struct autosave *autosave)
 {
     if (autosave->fresh.fd >= 0 &&
         (atomic_load(&autosave->sync_failure) != 0 || !fresh_take(autosave)))
-        autosave->slack *= 2; /* not at once again */
+        autosave->slack *= 2; /* so that it is not tried again at once */
     fresh_drop(&autosave->fresh);
 }
 
-/* Signals are for the thread that owns the session. */
+/* Starts the thread that puts the file on the disk if that is due, and a fresh file if the present
+ * one is too large. Signals are blocked in the thread, as the one that owns the session handles
+ * them. */
 static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     sigset_t all, saved;
@@ -262,6 +277,7 @@ static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 
 /* ---- when ---- */
 
+/* Deletes temporary files and old session files of ended sessions. */
 static void clear_away(void)
 {
     char *folder = state_path("", true);
@@ -273,7 +289,7 @@ static void clear_away(void)
         struct buffer path = {0};
         const struct autosaved *saved = &list.item[i];
         buffer_format(&path, "%s%s", folder, saved->name);
-        /* one that begins just now may not be locked yet */
+        /* a file that was just created may not be locked yet */
         const bool goes =
             saved->empty ? time(NULL) - saved->time > EMPTY_SECONDS : ++kept > AUTOSAVE_KEPT;
         if (goes && !saved->living && !path.failed)
@@ -316,6 +332,7 @@ void autosave_end(struct autosave *autosave)
     autosave->path = NULL;
 }
 
+/* Returns true if there is something to write. */
 static bool has_changed(const struct autosave *autosave)
 {
     const struct session *session = autosave->session;
@@ -355,6 +372,7 @@ static bool has_all(struct autosave *autosave, struct error *error)
     return true;
 }
 
+/* Returns true unless rows of more runs than `left_out` had no room; then sets an error. */
 static bool has_room(const struct autosave *autosave, int left_out, struct error *error)
 {
     const int now = autosave->stored.left_out;
@@ -366,6 +384,8 @@ static bool has_room(const struct autosave *autosave, int left_out, struct error
     return now <= left_out;
 }
 
+/* Writes what has changed, until cancelled, and starts a sync. Returns false with an error to be
+ * shown. */
 static bool write_until(struct autosave *autosave, const struct cancel *cancel, struct error *error)
 {
     struct error why = {0};
@@ -401,8 +421,8 @@ bool autosave_write(struct autosave *autosave, struct error *error)
 
 bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
 {
-    /* Lines that follow each other closely wait as long as writing took: at most half of the time
-     * goes into it. */
+    /* Lines that follow each other closely are written when as much time has passed as writing
+     * took, so that it uses at most half of the time. */
     const bool waits = autosave->wished || autosave->spent > autosave->interval;
     const int64_t pace = waits ? autosave->interval : autosave->spent;
     const bool begun = autosave->stored.unfinished;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Sessions that saved themselves: which files there are, whose session is still there, and how one
- * is taken up again. A living session has its file locked: process numbers say nothing after a
- * reboot, in a container or on a folder that several machines share.
- */
+/* Session files: which ones exist, which sessions are still running, and how one is restored. A
+ * running session has its file locked, since process numbers mean nothing after a reboot, in a
+ * container or in a folder that several machines share. */
 #define _GNU_SOURCE /* F_OFD_GETLK */
 #include "modules/resume/terminal/autosave.h"
 
@@ -18,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* [byte] of a session file that are read: its rows, and what is left of earlier ones */
+/* [byte] largest session file that is read, with rows and what is left of earlier ones */
 #define SAVED_BYTES ((size_t)2 << 30)
 
 /* ---- locks ---- */
@@ -32,6 +30,7 @@ bool saved_lock(int fd)
            (errno != EAGAIN && errno != EACCES && flock(fd, LOCK_EX | LOCK_NB) == 0);
 }
 
+/* Returns true if a session has the file locked. */
 static bool is_locked(int folder, const char *name)
 {
     const int fd = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -47,7 +46,7 @@ static bool is_locked(int folder, const char *name)
 
 /* ---- the files there are ---- */
 
-/* session-20261121-114700-1234.hks */
+/* Returns true for names such as session-20261121-114700-1234.hks. */
 static bool is_saved_name(const char *name)
 {
     int used = 0;
@@ -56,6 +55,7 @@ static bool is_saved_name(const char *name)
            strcmp(name + used, AUTOSAVE_ENDING) == 0;
 }
 
+/* Orders files for qsort(), the newest first. */
 static int by_time(const void *a, const void *b)
 {
     const struct autosaved *x = a, *y = b;
@@ -94,7 +94,7 @@ struct saved_list saved_list(const char *folder)
 
 /* ---- restoring ---- */
 
-/* Also without its ending. */
+/* Returns true if that is the file's name, with or without its ending. */
 static bool is_named(const struct autosaved *saved, const char *name)
 {
     const size_t len = strlen(name);
@@ -102,6 +102,8 @@ static bool is_named(const struct autosaved *saved, const char *name)
            (saved->name[len] == '\0' || strcmp(saved->name + len, AUTOSAVE_ENDING) == 0);
 }
 
+/* Returns the path of the named session file, or without a name of the newest one of an ended
+ * session, to be freed. Returns NULL with an error that lists some. */
 static char *choose_saved(const char *folder, const char *name, struct error *error)
 {
     struct saved_list list = saved_list(folder);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Variational equations S' = (df/dy) S + df/dp: derivatives of a scene's motion by its parameters
- * and by its initial state. Begin with one of the first three functions, add directions, and
- * integrate variation.whole. */
+ * and by its initial state. Begin with variation_bind(), variation_of_start() or
+ * variation_of_tangents(), add directions, then integrate variation.whole. */
 #pragma once
 
 #include "modules/solving/compute/solve.h"
