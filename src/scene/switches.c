@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Switches of a system: those of typed equations (typed_switch.c), then that of dry friction, whose
- * argument is the velocity. On a branch dry friction is a constant force: an oscillator stays one,
- * about a centre that is shifted (Rayleigh 1877, The Theory of Sound; den Hartog 1931, Trans. ASME
- * 53:107).
- */
+/* Switches of a system: those of typed equations (typed/switch.c), then that of dry friction, whose
+ * argument is the velocity. A system is frozen on one branch of each switch, so that it is smooth;
+ * guards tell where a branch ends. On a branch dry friction is a constant force: an oscillator
+ * stays one, about a centre that is shifted (Rayleigh 1877, The Theory of Sound; den Hartog 1931,
+ * Trans. ASME 53:107). */
 #include <math.h>
 #include <string.h>
 
 #include "scene/model/model.h"
 #include "scene/typed/typed.h"
 
-/* ---- dry friction in one direction: c[0] [m/s^2] and c[1] [N], with its sign ---- */
+/* ---- dry friction on a branch: c[0] [m/s^2] and c[1] [N] with its sign ---- */
 
 TERM_BIND(side)
 {
-    return true; /* never asked: it takes the place of a bound term */
+    return true; /* never called: the row takes the place of that of a bound term */
 }
 TERM_ADD(side)
 {
@@ -35,17 +34,19 @@ static const struct term_row side_row = {
     .potential = side_potential,
 };
 
+/* Returns the number of switches of typed equations. */
 static int typed_count(const struct system *system)
 {
     return system->switches - system->dry;
 }
 
+/* Returns true if switch i is that of dry friction. */
 static bool is_dry(const struct system *system, int i)
 {
     return system->dry && i == system->switches - 1;
 }
 
-/* ---- the parts of all ---- */
+/* ---- branches and arguments ---- */
 
 double switch_branch(enum switch_kind kind, double argument)
 {
@@ -65,6 +66,7 @@ void switch_arguments(const struct system *system, double t, const double *y, do
         argument[system->switches - 1] = y[1];
 }
 
+/* Returns the branch of switch i on which the system is frozen. */
 static double branch_on(const struct system *frozen, int i)
 {
     if (!is_dry(frozen, i))
@@ -75,7 +77,8 @@ static double branch_on(const struct system *frozen, int i)
     return 0;
 }
 
-/* The direction of dry friction becomes that of a velocity above 0 (branch 1) or below. */
+/* Freezes dry friction in the direction that it has for velocities above 0 (branch 1) or below
+ * (0). */
 static void freeze_dry(double branch, struct system *frozen)
 {
     const double sign = branch > 0 ? 1 : -1;
@@ -92,7 +95,7 @@ static void freeze_dry(double branch, struct system *frozen)
     system_sum_up(frozen);
 }
 
-/* ---- what methods ask ---- */
+/* ---- freezing and guards, for methods ---- */
 
 void system_branches(const struct system *system, double t, const double *y, double *branch)
 {
@@ -179,14 +182,14 @@ void system_end_at_switch(const struct system *frozen, int i, double *y)
         y[1] = 0;
 }
 
-/* ---- at rest ---- */
+/* ---- sticking ---- */
 
 bool sliding_rests(const struct sliding *sliding)
 {
     return sliding->count == 1 && is_dry(&sliding->side[0], sliding->switch_index[0]);
 }
 
-/* Nothing moves: no force is left. */
+/* Removes all forces of a system, in which dry friction holds the body: nothing moves. */
 void sliding_freeze_rest(struct system *frozen)
 {
     frozen->terms = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scene bound to its coefficients, and what integrators ask of it. */
+/* Systems: a scene is bound to its parameters by scene_bind(), and then gives derivatives,
+ * Jacobians, energies and powers to integrators. */
 #include <hooke/base/unit.h>
 #include <hooke/base/elementary.h>
 
@@ -9,18 +10,19 @@
 #include "scene/model/params.h"
 #include "scene/typed/typed.h"
 
-/* Returns the number of accelerations or, for a first-order scene, of derivatives that a term adds
+/* Returns the number of accelerations or, for a first-order scene, of derivatives that terms add
  * to. */
 static int term_rows(const struct system *system)
 {
     return system->order == 2 ? system->n / 2 : system->n;
 }
 
-/* Adds up the terms whose flags under `mask` are `wanted`, in table order. */
+/* Sets a to the sum of the terms whose flags under `mask` are `wanted`, in the order of their
+ * table. */
 static void add_terms(const struct system *system, unsigned mask, unsigned wanted, double t,
                       const double *y, double *a)
 {
-    /* adding to it changes nothing, to the bit */
+    /* -0 is the number to which adding x gives x, to the bit. */
     for (int i = 0; i < term_rows(system); i++)
         a[i] = -0.0;
     if (mask == 0 && system->typed.row && system->typed.row->add) {
@@ -164,6 +166,7 @@ struct variable system_variable(const struct system *system, int i)
 
 /* ---- binding ---- */
 
+/* Sets the error that a term has no finite value for a row at the state y. Returns false. */
 static bool overflows(const struct system *system, const struct bound_term *term, int row,
                       const double *y, struct error *error)
 {
@@ -182,6 +185,7 @@ static bool overflows(const struct system *system, const struct bound_term *term
     return false;
 }
 
+/* Returns the number of values of a bound term. */
 static int coefficients(const struct term_row *row)
 {
     return row->bind ? TERM_COEFFICIENTS : TERM_VALUES;
@@ -192,18 +196,19 @@ bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
     return a->row == b->row && memcmp(a->c, b->c, (size_t)coefficients(a->row) * sizeof *a->c) == 0;
 }
 
-/* Coefficients, and the forces at the start and at full swing, must be finite. */
+/* Returns true if the coefficients are finite, and also the forces at the start and at full swing,
+ * if `started`. Otherwise sets an error. */
 static bool check_term(const struct system *system, const struct bound_term *term, bool started,
                        struct error *error)
 {
-    double rest = 0; /* NAN unless all are finite */
+    double rest = 0; /* becomes NAN if one is not finite */
     for (int i = 0; i < TERM_COEFFICIENTS; i++)
         rest += term->c[i] - term->c[i];
-    /* typed ones: parameters, and what is made of them */
+    /* Values of typed terms contain pointers and retained values, so that they are not checked. */
     if (term->row->bind && rest != 0)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows",
                          term->row->row.name);
-    /* typed terms may have a pole at the latter */
+    /* Typed terms may have a pole at full swing. */
     const double *states[] = {system->start, system->scale};
     for (size_t i = 0; started && i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         const int rows = term_rows(system);
@@ -219,7 +224,7 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     return true;
 }
 
-/* The terms in tables whose coefficients are not 0. */
+/* Adds the built-in terms whose coefficients are not 0. */
 static void bind_rows(const double *param, struct system *system)
 {
     const struct catalog *terms = system->model->terms;
@@ -230,7 +235,7 @@ static void bind_rows(const double *param, struct system *system)
     }
     for (const struct term_row *row = rows; row < rows + terms->count; row++) {
         struct bound_term *term = &system->term[system->terms];
-        if (!row->bind) /* a typed one */
+        if (!row->bind) /* a typed term, which typed_bind() adds */
             continue;
         term->row = row;
         memset(term->c, 0, TERM_COEFFICIENTS * sizeof *term->c);
@@ -256,7 +261,8 @@ void system_sum_up(struct system *system)
         system->oscillator.drag_whole = false;
 }
 
-/* |v| v is known to turn by itself. */
+/* Returns true if steps of fixed size end at switches, too. An oscillator with |v| v has turning
+ * points instead. */
 static bool has_pieces(const struct system *system)
 {
     return !system->steps_across_kinks && system->switches > 0 &&
@@ -276,7 +282,8 @@ void system_turn_at_kinks(struct system *system)
     system_sum_up(system);
 }
 
-/* Dry friction is the last of all terms, and its switch that of all switches. */
+/* Moves dry friction behind all other terms, and counts its switch as the last one, unless steps go
+ * across it. */
 static void bind_dry(struct system *system)
 {
     for (int i = 0; i < system->terms; i++) {
@@ -295,7 +302,8 @@ static void bind_dry(struct system *system)
     }
 }
 
-/* A system without terms. Not all of its ten kilobytes: a sweep binds millions. */
+/* Sets the system to one without terms. Clears only what is read: it has ten kilobytes, and a sweep
+ * binds millions. */
 static void system_clear(const struct model *model, struct system *system)
 {
     system->model = model;
@@ -328,7 +336,9 @@ void system_copy(struct system *target, const struct system *source)
     memcpy((char *)target + typed, (const char *)source + typed, sizeof *source - typed);
 }
 
-/* Natural sizes of what is typed cost a trial run; without them the start is not looked at. */
+/* Binds the scene without looking for a potential. Natural sizes of typed scenes take a trial
+ * run; without `sized` they are 1, and forces at the start are not checked. Returns false with
+ * an error. */
 static bool bind_motion(const struct scene *scene, bool sized, struct system *system,
                         struct error *error)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities that follow from the parameters, with the uncertainty that the parameters give them.
- */
+/* Derived quantities of the oscillator, which follow from its parameters, with the uncertainty that
+ * the parameters give them, and which can be set if they have an inverse. The values of typed
+ * scenes are those of the oscillator that was recognised in them. */
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
 #include "scene/model/params.h"
@@ -21,7 +22,7 @@ const char *reynolds_regime(double reynolds)
     return reynolds > 4000 ? "turbulent" : "undefined";
 }
 
-/* ---- values: NaN where there is nothing to speak of ---- */
+/* ---- values; NaN if the scene has no such quantity ---- */
 
 /* Binds a typed scene. Returns true if it is a single oscillator. */
 static bool typed_motion(const struct scene *scene, struct system *system)
@@ -30,7 +31,7 @@ static bool typed_motion(const struct scene *scene, struct system *system)
     return scene->model->typed && scene_bind(scene, system, &ignored) && system->oscillator.whole;
 }
 
-/* A parameter of the oscillator, which this is or what was typed rests on. */
+/* Returns a parameter of the oscillator; NaN for a scene that is not based on the oscillator. */
 static double oscillator_param(const struct scene *scene, enum param index)
 {
     return typed_base(scene->model) == &oscillator_model ? scene->value[index] : NAN;
@@ -90,6 +91,7 @@ static double T_d(const struct scene *scene)
     return TWO_PI / omega_d(scene);
 }
 
+/* Returns the position of rest [m]; NaN if there is none or if it is the root of a cubic. */
 static double equilibrium(const struct scene *scene)
 {
     struct system system;
@@ -99,11 +101,10 @@ static double equilibrium(const struct scene *scene)
                    : NAN;
     double k = oscillator_param(scene, P_k),
            weight = oscillator_param(scene, P_m) * oscillator_param(scene, P_g);
-    /* or the root of a cubic */
     return k != 0 && (weight == 0 || oscillator_param(scene, P_k3) == 0) ? -weight / k : NAN;
 }
 
-/* hypot neither overflows nor underflows on the way. */
+/* Returns the amplitude [m] of the free oscillation from the start. */
 static double amplitude(const struct scene *scene)
 {
     struct system system;
@@ -154,13 +155,12 @@ struct measured scene_propagate(const struct scene *scene, double (*value)(const
     return (struct measured){value(scene), sqrt(variance)};
 }
 
-/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot
- * take ---- */
+/* ---- inverses: the value of the target parameter with which the quantity has this value; NaN if
+ * it cannot have it ---- */
 
-/*
- * The parameter where the scene alone would need `target`: what was typed adds its share to the
- * coefficient `total`, as long as that does not depend on the parameter.
- */
+/* Returns the parameter that gives the coefficient `total` the value `target`. Typed forces add
+ * their share to the coefficient, which is subtracted; NaN if that share depends on the
+ * parameter. */
 static double without_typed(const struct scene *scene, enum param index, double target,
                             double (*total)(const struct system *))
 {

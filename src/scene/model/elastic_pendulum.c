@@ -22,7 +22,7 @@ PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};
 static const struct catalog param_table = CATALOG("parameter", params);
 
-/* F = -k (1 - length/r) (x, y) */
+/* the spring's force, F = -k (1 - length/r) (x, y) */
 TERM_BIND(spring)
 {
     c[0] = param[P_k] / param[P_m];
@@ -107,6 +107,7 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 
+/* Returns true if k/m is a usable number; otherwise sets an error. */
 static bool coherent(const double *param, struct error *error)
 {
     if (isfinite(param[P_k] / param[P_m]) && param[P_m] >= DBL_MIN)
@@ -115,6 +116,8 @@ static bool coherent(const double *param, struct error *error)
                      param[P_m]);
 }
 
+/* Sets the start and the natural sizes. The speed is that of a fall over the reach, or of a
+ * vibration as wide as it starts. */
 static void elastic_pendulum_scales(const double *param, struct system *system)
 {
     double r = param[P_length] + param[P_stretch0], s = fixed_sin(param[P_theta0]),
@@ -130,7 +133,6 @@ static void elastic_pendulum_scales(const double *param, struct system *system)
     system->start[1] = -r * c;
     system->start[2] = speed * c;
     system->start[3] = speed * s;
-    /* Its speed is that of a fall over its reach, or of a vibration as wide as it starts. */
     double vibration = sqrt(stiffness) * fmax(fabs(param[P_stretch0]), sag);
     speed = scale_clamp(fmax(fabs(speed), fmax(sqrt(fabs(param[P_g]) * reach), vibration)));
     system->scale[0] = system->scale[1] = reach;

@@ -29,8 +29,8 @@
 typedef long double real; /* private to this file, for the width of the formulas */
 typedef complex long double node;
 
-/* The exponentials of one time: of the same numbers, and of those that are conjugate, there is one.
- */
+/* Exponentials that were computed for one time, so that equal and conjugate arguments take one
+ * evaluation. */
 struct exponentials {
     int count;
     struct {
@@ -38,8 +38,9 @@ struct exponentials {
     } entry[4];
 };
 
-/* exp(z), held below overflow, still growing with the real part: growth ends as inf and not as a
- * difference of two. */
+/* Returns exp(z), from those known if possible. Its magnitude is limited below overflow but still
+ * grows with the real part, so that a growing motion ends as infinity and not as a difference of
+ * two. */
 static node exponential(struct exponentials *known, node z)
 {
     const real max = LDBL_MAX_EXP / 2;
@@ -61,11 +62,9 @@ static node exponential(struct exponentials *known, node z)
     return value;
 }
 
-/*
- * Sum over k of h_k / (k + n)!, h_k the complete homogeneous symmetric polynomials of nodes whose
- * sum is 0 and whose other elementary symmetric polynomials are e2 and e3: h_k = -e2 h_(k-2) + e3
- * h_(k-3). For nodes within 1 of 0.
- */
+/* Returns the sum over k of h_k / (k + n)!, where h_k are the complete homogeneous symmetric
+ * polynomials of nodes whose sum is 0 and whose other elementary symmetric polynomials are e2 and
+ * e3: h_k = -e2 h_(k-2) + e3 h_(k-3). The nodes must be within 1 of 0. */
 static node taylor(node e2, node e3, int n)
 {
     node h[3] = {1, 0, 0}, sum = 0; /* h_k, h_(k-1), h_(k-2) */
@@ -79,7 +78,7 @@ static node taylor(node e2, node e3, int n)
     return sum;
 }
 
-/* E[a, b]: divided difference of z -> exp(z t). */
+/* Returns E[a, b], the divided difference of z -> exp(z t). */
 static node divided2(struct exponentials *known, node a, node b, real t)
 {
     if (cabsl((a - b) * t) >= 1)
@@ -88,8 +87,8 @@ static node divided2(struct exponentials *known, node a, node b, real t)
     return t * exponential(known, (a + b) / 2 * t) * taylor(-x * x, 0, 1);
 }
 
-/* E[a, b, c], divided along the longer way to c: if that is short, all three are near each other.
- */
+/* Returns E[a, b, c], divided along the longer way to c: if even that is short, all three are near
+ * each other and the Taylor series is used. */
 static node divided3(struct exponentials *known, node a, node b, node c, real t)
 {
     if (cabsl(b - c) > cabsl(a - c)) {
@@ -103,6 +102,7 @@ static node divided3(struct exponentials *known, node a, node b, node c, real t)
     return t * t * exponential(known, mean * t) * taylor(a * b + b * c + c * a, a * b * c, 2);
 }
 
+/* Returns true if the system is one linear oscillator, perhaps with a drive. */
 static bool is_linear_oscillator(const struct system *system)
 {
     return system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole;
@@ -114,12 +114,14 @@ bool system_has_exact(const struct system *system)
            dry_has_exact(system) || linear_has_exact(system);
 }
 
-/* The roots; a is the one of lesser magnitude where they are real. */
+/* The roots a, b of z^2 + gamma z + w2; a is the one of lesser magnitude if they are real. */
 struct roots {
     node a, b;
-    real w2, gamma, r; /* half of their distance */
+    real w2, gamma; /* [1/s^2], [1/s] */
+    real r;         /* half of the distance of the roots */
 };
 
+/* Finds the roots of an oscillator, without cancellation near critical damping. */
 static struct roots roots_of(const struct oscillator *o)
 {
     struct roots z = {.w2 = (real)o->stiffness, .gamma = (real)o->damping};
@@ -137,11 +139,12 @@ static struct roots roots_of(const struct oscillator *o)
     return z;
 }
 
-/* Free motion: q = q0 g + v0 h with g' = -w2 h. */
+/* The free motion q = q0 g + v0 h over a time, where g' = -w2 h. */
 struct flow {
     real g, h, h_rate;
 };
 
+/* Computes the free motion over a time. */
 static struct flow flow_over(struct exponentials *known, const struct roots *z, real time)
 {
     const real h = creall(divided2(known, z->a, z->b, time)), a = creall(z->a);
@@ -149,7 +152,7 @@ static struct flow flow_over(struct exponentials *known, const struct roots *z, 
                          creall(exponential(known, z->b * time)) + a * h};
 }
 
-/* The answer to a drive exp(c t) from rest, and its rate. */
+/* Returns the response from rest to a drive exp(c t), and its rate. */
 static node answer(struct exponentials *known, const struct roots *z, node c, real time, node *rate)
 {
     const node from_rest = divided3(known, z->a, z->b, c, time);
@@ -157,13 +160,15 @@ static node answer(struct exponentials *known, const struct roots *z, node c, re
     return from_rest;
 }
 
-/* The state, and what it is made of. */
+/* The state at a time, as the sum of a free and a driven part. */
 struct parts {
-    real q, v;
-    struct flow flow;
-    node p, p_rate, drive; /* complex envelopes of the driven part; the drive at that time */
+    real q, v;        /* the part without the drive */
+    struct flow flow; /* free motion since the start */
+    node p, p_rate;   /* complex envelopes of the driven part, whose real parts are added to q, v */
+    node drive;       /* complex drive at that time */
 };
 
+/* Computes the parts of the solution at t from the state `start` at t0. */
 static struct parts oscillator_solve(const struct oscillator *o, const struct roots *z, double t0,
                                      const double *start, double t)
 {
@@ -233,28 +238,32 @@ void oscillator_exact(const struct oscillator *o, double t0, const double *start
     floor[1] = (double)(eps * (fabsl(v) + v_drive + time * stretch * (a_top + a_drive)));
 }
 
-/* ---- at many times, a step apart ---- */
+/* ---- at many times, a step apart ----
+ *
+ * exact_table_at() computes the solution anew at a time, the base, and from there on by the free
+ * motions over multiples of the step, which the table has.
+ */
 
-#define TABLE_MAX 64 /* steps from one time where the solution is found anew to the next */
-/* |b t| over all of them, at most: what rounding adds does not grow by more than exp(4) */
+#define TABLE_MAX 64 /* largest number of multiples */
+/* Largest |b t| of them, because rounding grows by exp(|b t|). */
 #define TABLE_TURN 4.0
-#define TABLE_MIN 8 /* fewer are not worth it */
-/* |b dt| that a time may be off its multiple: terms in dt^2 are below half an ulp of y */
+#define TABLE_MIN 8 /* fewer multiples save nothing */
+/* Largest |b dt| by which a time may be off its multiple: terms in dt^2 are below half an ulp. */
 #define TABLE_OFF 1e-9
 
 struct exact_table {
     const struct system *system;
     double t0, start[2], h;
     struct roots roots;
-    real fast; /* |b| [1/s] */
-    int count;
+    real fast; /* the larger one of |b| and omega [1/s] */
+    int count; /* multiples in the table */
     struct {
         struct flow flow;
         real response; /* response to a constant force from rest */
-        /* response to a drive that is 1 at the base, and the turn of its phase */
+        /* response to a drive that is 1 at the base, its rate, and the drive at that multiple */
         node p, p_rate, turn;
     } entry[TABLE_MAX];
-    bool known; /* the base */
+    bool known; /* there is a base, at t [s], with the state q, v and the complex drive */
     double t;
     real q, v;
     node drive;

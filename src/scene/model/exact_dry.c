@@ -30,7 +30,8 @@ bool dry_has_exact(const struct system *system)
     return fine && o->quadratic == 0;
 }
 
-/* Moves from `start` over a time, in the direction `side`. */
+/* Computes the state y after `time` from `start` on the branch of dry friction for motion in the
+ * direction `side` (1 or -1). */
 static void dry_motion_advance(const struct oscillator *o, double side, const double *start,
                                real time, double *y)
 {
@@ -40,19 +41,17 @@ static void dry_motion_advance(const struct oscillator *o, double side, const do
     oscillator_exact(&branch, 0, start, (double)time, y, NULL);
 }
 
-/* Angular frequency of the swings; below 0: minus half the distance of the roots, which are real.
- */
+/* Returns the angular frequency [1/s] of the swings, or, if the roots are real, minus half their
+ * distance. */
 static real frequency(const struct oscillator *o)
 {
     const real s = (real)o->damping / 2, discriminant = fmal(-s, s, (real)o->stiffness);
     return discriminant > 0 ? sqrtl(discriminant) : -sqrtl(-discriminant);
 }
 
-/*
- * The time to where a body that moves comes to rest, or back (forward < 0) to where it set out: the
- * root of |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with hyperbolic functions.
- * Returns infinity if there is none.
- */
+/* Returns the time at which a body that moves comes to rest, or, for forward < 0, at which it was
+ * at rest before: the root of |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with
+ * hyperbolic functions. Returns infinity, of that sign, if there is none. */
 static real turning_time(const struct oscillator *o, real omega, const double *start, real forward)
 {
     const real speed = fabsl((real)start[1]), side = start[1] > 0 ? 1 : -1;
@@ -67,7 +66,7 @@ static real turning_time(const struct oscillator *o, real omega, const double *s
     return forward * (omega < 0 ? atanhl(ratio) / -omega : speed / deceleration);
 }
 
-/* A_n */
+/* Returns A_n, the distance from the middle at turning point n, where `first` is A_0. */
 static real amplitude(const struct oscillator *o, real omega, real first, real n)
 {
     const real log_rho = -(real)o->damping * PI / (2 * omega),
@@ -76,8 +75,8 @@ static real amplitude(const struct oscillator *o, real omega, real first, real n
     return expl(n * log_rho) * first - (1 + expl(log_rho)) * phi * sum;
 }
 
-/* The first n up to `max` where the body stays; most + 1: none. Up to there A_n falls, or it grows
- * for ever. */
+/* Returns the first n up to `max` at which the body stays, or max + 1 if it does not. Bisection is
+ * possible because A_n falls up to there, or grows for ever. */
 static real sticking(const struct oscillator *o, real omega, real first, real max)
 {
     const real phi = (real)o->friction / (real)o->stiffness;
@@ -94,13 +93,15 @@ static real sticking(const struct oscillator *o, real omega, real first, real ma
     return upper;
 }
 
+/* Sets y to rest at q. */
 static void resting_state_set(double q, double *y)
 {
     y[0] = q;
     y[1] = 0;
 }
 
-/* Swings from rest at q, where the force is larger than friction. */
+/* Computes the state y after `time` from rest at q, where the force is larger than friction: whole
+ * half swings by A_n, and the last one by its branch. */
 static void swing(const struct oscillator *o, real omega, double q, real time, double *y)
 {
     const double force = -(o->stiffness * q + o->gravity), away = force > 0 ? 1 : -1;

@@ -22,12 +22,13 @@
 
 typedef long double real;
 
+/* A matrix [n][n]. */
 struct matrix {
     int n;
     real entry[MATRIX_SIDE_MAX][MATRIX_SIDE_MAX];
 };
 
-/* [A b; 0 0] */
+/* Sets x to [A b; 0 0], the coefficients of the system; NAN if out of memory. */
 static void coefficients(const struct system *system, struct matrix *x)
 {
     const int n = system->n;
@@ -80,7 +81,7 @@ static void balance(struct matrix *x, real *d)
             }
         }
     }
-    /* The 1 below the state comes from nowhere: any size will do. */
+    /* Nothing depends on the size of the last coordinate, which is always 1, so any will do. */
     real max = 0, shift = 0;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
@@ -93,6 +94,7 @@ static void balance(struct matrix *x, real *d)
         x->entry[i][n] = scalbnl(x->entry[i][n], power);
 }
 
+/* Returns the maximum norm of the matrix: the largest sum of magnitudes in a row. */
 static real linear_matrix_norm(const struct matrix *x)
 {
     real max = 0;
@@ -105,8 +107,8 @@ static real linear_matrix_norm(const struct matrix *x)
     return max;
 }
 
-/* c = part (share a + b e), held where its square does not overflow: growth ends as a large number,
- * not as NaN. */
+/* Sets c = part (fraction a + b e). Entries are limited to a size whose square does not overflow,
+ * so that growth ends as a large number, not as NaN. */
 static void multiply_add(real part, real fraction, const struct matrix *a, const struct matrix *b,
                          const struct matrix *e, struct matrix *c)
 {
@@ -121,7 +123,8 @@ static void multiply_add(real part, real fraction, const struct matrix *a, const
         }
 }
 
-/* exp(x t) - 1 and, where it is wanted, the integral of exp(x t) over t, to a few per cent. */
+/* Sets *made to exp(x t) - 1 and, unless NULL, *integral to the integral of exp(x t) over t, to a
+ * few per cent. */
 static void exponential(const struct matrix *x, real t, struct matrix *made,
                         struct matrix *integral)
 {
@@ -151,7 +154,8 @@ static void exponential(const struct matrix *x, real t, struct matrix *made,
     *made = e[now];
 }
 
-/* Finds for each variable those that it depends on, directly or through others, as bits. */
+/* Sets mask[i] to the variables on which variable i depends, directly or through others, as
+ * bits. */
 static void dependence(const struct matrix *x, unsigned *mask)
 {
     const int n = x->n - 1;
@@ -204,7 +208,7 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
     }
 }
 
-/* The state, and the 1 below it, in units of d. */
+/* Sets z [n + 1] to the state, with the 1 below it, in units of d. */
 static void scaled_start(int n, const double *start, const real *d, real *z)
 {
     for (int i = 0; i < n; i++)
@@ -212,6 +216,7 @@ static void scaled_start(int n, const double *start, const real *d, real *z)
     z[n] = 1 / d[n];
 }
 
+/* Advances z by one step, whose matrix is e + 1. */
 static void linear_advance(const struct matrix *e, real *z)
 {
     real increment[MATRIX_SIDE_MAX] = {0};
@@ -249,8 +254,8 @@ void linear_sizes(const struct system *system, double rate, double *max)
     const int n = system->n;
     struct matrix x, e, previous;
     real d[MATRIX_SIDE_MAX], z[MATRIX_SIDE_MAX],
-        constant = 0;              /* the latter: the largest after one time constant, */
-    double early[LIMIT_VARIABLES]; /* and sizes until then */
+        constant = 0;              /* largest scaled magnitude within one time constant */
+    double early[LIMIT_VARIABLES]; /* sizes within that */
     coefficients(system, &x);
     balance(&x, d);
     scaled_start(n, system->start, d, z);
@@ -263,7 +268,7 @@ void linear_sizes(const struct system *system, double rate, double *max)
             for (int i = 0; i < n; i++)
                 last = fmaxl(last, fabsl(z[i]));
             for (int i = 0; i < n && (stage == 0 || last <= 4 * first);
-                 i++) /* later it may only have grown */
+                 i++) /* later stages count unless the motion has only grown */
                 max[i] = fmax(max[i], fabs((double)(d[i] * z[i])));
             if (stage == 0 && step == STEPS / 8 - 1) {
                 constant = last;

@@ -1,29 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Forces of the terms, written once, for models and for kernels that compile them in again, so that
- * both give the same bits. A FORCE of one coordinate is an expression of t, the coordinate q, its
- * velocity v and the coefficients c0, c1, c2. terms_program() makes programs of its text, as lanes
- * evaluate them, and derives these. SLOPES have the operations of that derivative in their order,
- * for the same bits.
- */
+/* Forces of built-in terms, written once, for models and for kernels that compile them in again, so
+ * that both give the same bits. A FORCE of one coordinate is an expression of t, the coordinate q,
+ * its velocity v and the coefficients c0, c1, c2; terms_program() also makes programs of its text,
+ * as lanes evaluate them, and their derivatives. SLOPES have the operations of that derivative in
+ * their order, for the same bits. */
 #pragma once
 
 #include "scene/model/model.h"
 
 /* ---- programs of built-in terms of one coordinate ---- */
 
-/* Returns true if the system has one coordinate and each built-in term the text of its force. */
+/* Returns true if the system has one coordinate, and each built-in term has the text of its
+ * force. */
 bool terms_have_text(const struct system *system);
 /*
- * Makes a program of what the built-in terms add whose flags under `mask` are `wanted`, or of its
- * derivatives by position and velocity: the bits of their functions. Names are t, q and v; the
- * coefficients of term i follow name `first` + TERM_COEFFICIENTS i. Returns NULL, with an error,
- * if there is no such term or no memory.
+ * Makes a program of the sum of the built-in terms whose flags under `mask` are `wanted`, or, with
+ * `slopes`, of its derivatives by position and velocity. It gives the same bits as the terms'
+ * functions. Names are t, q and v; the coefficients of term i are the names from `first` +
+ * TERM_COEFFICIENTS i on. Returns NULL if there is no such term, or, with an error, if out of
+ * memory. The caller destroys the program.
  */
 struct program *terms_program(const struct system *system, unsigned mask, unsigned wanted,
                               int first, bool slopes, struct error *error);
 
-/* ---- their texts ---- */
+/* ---- forces ---- */
 
 /* Number of the force of each term; 0 for one that no kernel knows. */
 enum force {
@@ -38,6 +38,8 @@ enum force {
     FORCE_reaction,
 };
 
+/* Heads of the functions of a term's row: the acceleration and its Jacobian are added to a and jac.
+ * FORCE, SLOPES and POTENTIAL make functions of expressions. */
 #define MODEL_FORCE(name)                                                                          \
     static inline void name##_add(UNUSED const double *c, UNUSED double t, UNUSED const double *y, \
                                   double *a)
@@ -75,7 +77,7 @@ enum force {
 
 FORCE(weight, -c0 *sin(q))
 SLOPES(weight, -c0 *cos(q), 0)
-/* zero at the bottom, without cancellation near it */
+/* 0 at the bottom, and without cancellation near it */
 POTENTIAL(weight, 2 * c1 * sin(q / 2) * sin(q / 2))
 
 /* ---- oscillator ---- */

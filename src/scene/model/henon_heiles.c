@@ -45,6 +45,7 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 
+/* Sets the start and the natural sizes: the length of the state vector. */
 static void henon_heiles_scales(const double *param, struct system *system)
 {
     static const int index[] = {P_x0, P_y0, P_vx0, P_vy0};

@@ -73,6 +73,7 @@ DERIVED_ROWS(MEASURED)
 static const struct derived_row derived[] = {DERIVED_ROWS(DERIVED_ROW)};
 static const struct catalog derived_table = CATALOG("derived quantity", derived);
 
+/* Returns true if the orbit is an ellipse; otherwise sets an error. */
 static bool coherent(const double *param, struct error *error)
 {
     if (param[P_e] < 1)
@@ -81,6 +82,7 @@ static bool coherent(const double *param, struct error *error)
                      param[P_e]);
 }
 
+/* Sets the start at the pericentre and the natural sizes of the orbit. */
 static void kepler_scales(const double *param, struct system *system)
 {
     double e = param[P_e], speed = sqrt(param[P_gm]);
@@ -94,7 +96,7 @@ static void kepler_scales(const double *param, struct system *system)
 
 typedef long double real; /* private to this file, as in exact.c */
 
-/* U0 … U3 at s. The last by its series where s - sin s would cancel. */
+/* Computes U0 … U3 at s; the last by its series where s - sin s would cancel. */
 static void universal(real alpha, real s, real u[4])
 {
     real x = alpha * s * s, root = sqrtl(fabsl(alpha)), angle = root * s, half,
@@ -126,7 +128,8 @@ static void universal(real alpha, real s, real u[4])
     u[3] = (s - u[1]) / alpha;
 }
 
-/* Finds a stretch of s in which r0 U1 + sigma U2 + U3 = time, and an s in it to begin with. */
+/* Sets *low and *high to an interval of s in which r0 U1 + sigma U2 + U3 = time has its root, and
+ * returns an s in it to begin with. */
 static real bracket(real alpha, real r0, real sigma, real time, real *low, real *high)
 {
     real u[4];
@@ -146,8 +149,8 @@ static real bracket(real alpha, real r0, real sigma, real time, real *low, real 
     }
 }
 
-/* The root s of r0 U1 + sigma U2 + U3 = time, which grows with s, and U0 … U3 there: Newton's
- * method, fenced in. */
+/* Computes U0 … U3 at the root s of r0 U1 + sigma U2 + U3 = time, which grows with s: Newton's
+ * method, limited to the interval that contains the root. */
 static void kepler_equation(real alpha, real r0, real sigma, real time, real u[4])
 {
     /* relative error at which the next step has twice as many digits */
@@ -168,6 +171,7 @@ static void kepler_equation(real alpha, real r0, real sigma, real time, real u[4
     }
 }
 
+/* Computes the exact state, also on parabolas and hyperbolas, and its floor. */
 static void exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Declarations for the files of models. A new model needs a file model_NAME.c, and its name below
- * and in models.c.
- *
- * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range,
- * brief) each. PARAM_PLACES derives the indices P_name from it, and PARAM_ROWS the table.
- */
+/* Declarations for the files of models. A new model needs a file NAME.c, and its name below and in
+ * models.c. Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI],
+ * range, brief) each; PARAM_PLACES derives the indices P_name from it, and PARAM_ROWS the table. */
 #pragma once
 
 #include <hooke/base/elementary.h>
@@ -21,11 +17,12 @@ struct catalog;
 extern const struct model pendulum_model, elastic_pendulum_model, kepler_model, henon_heiles_model,
     prothero_robinson_model, robertson_model, orego_model;
 
-/* empty catalog, for models without derived quantities */
+/* An empty catalog, for models without derived quantities. */
 extern const struct catalog no_derived;
 
 /* ---- parameters ---- */
 
+/* ranges of a parameter */
 #define UNBOUNDED_BELOW .min = -HUGE_VAL
 #define AT_LEAST(limit) .min = (limit)
 #define ABOVE(limit) .min = (limit), .min_excluded = true
@@ -38,10 +35,12 @@ extern const struct catalog no_derived;
      .initial = (value),                                                                           \
      range},
 
-/* ---- derived quantities: rows as in derived.c, name(scene) gives the value ---- */
+/* ---- derived quantities: rows as in derived.c, the function name(scene) gives the value ---- */
 
+/* Returns a value that follows from the parameters, with the uncertainty that theirs give it. */
 struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *));
-double scene_start_energy(const struct scene *scene); /* [J] */
+/* Returns the energy [J] at the start; NAN if the scene cannot be bound. */
+double scene_start_energy(const struct scene *scene);
 
 #define MEASURED(name, ...)                                                                        \
     static struct measured name##_measured(const struct scene *scene)                              \
@@ -51,11 +50,11 @@ double scene_start_energy(const struct scene *scene); /* [J] */
 #define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                \
     {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
 
-/* Those of the oscillator for one whose equation was typed, but where the name is taken. Returns
- * false if out of memory. */
+/* Sets *derived to the derived quantities of the oscillator, for a model of typed equations of one
+ * coordinate, except those whose names the model uses. Returns false if out of memory. */
 bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived);
 
-/* ---- terms: not each needs all that a row's function is given ---- */
+/* ---- terms: heads of a row's functions, whose bodies need not use all arguments ---- */
 
 #define UNUSED __attribute__((__unused__))
 #define TERM_BIND(name)                                                                            \
@@ -69,17 +68,17 @@ bool derived_for_typed(const struct model *model, struct arena *arena, struct ca
                                 double *jac)
 #define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
 
-/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it.
- */
+/* Sets the natural sizes of an oscillator, with the force cubic y^3 [1/(m^2 s^2)] and van der Pol's
+ * force, of coefficient mu [1/s] and width [m], beside those of system->oscillator. */
 void oscillator_scale(struct system *system, double cubic, double mu, double width);
 
-/* Its reciprocal is a finite number, as are those of sums of tolerances of it. */
+/* Smallest natural size: its reciprocal is finite, as are those of sums of tolerances of it. */
 #define SCALE_MIN 1e-290
 
-/* A natural size that error norms can divide by. */
+/* Returns a size near `scale` that error norms can divide by. */
 static inline double scale_clamp(double scale)
 {
     if (!(scale > 0))
-        return 1; /* nothing moves: any scale will do */
+        return 1; /* nothing moves, so that any size will do */
     return fmin(fmax(scale, SCALE_MIN), DBL_MAX);
 }

@@ -48,8 +48,8 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("term", terms);
 
-/* Sets natural sizes of 1: between its spikes of up to 1e5 everything is near 1, and the next spike
- * is decided then. */
+/* Sets the start, and natural sizes of 1: between its spikes of up to 1e5 everything is near 1, and
+ * the next spike is decided then. */
 static void orego_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];

@@ -4,10 +4,11 @@
 #include "scene/model/params.h"
 
 /*
- * Natural sizes, for error norms. `rate` is 1/time: sqrt|k/m| where there is a spring, else what
- * the other forces set. The answer to a drive is taken no closer to resonance than a tenth of the
- * spring's own frequency squared. Two wells and a limit cycle are sizes too; the limit cycle of a
- * strong van der Pol term mostly creeps, and its speed is that.
+ * The natural length and speed are the largest ones of several motions: from the start, to the
+ * equilibrium, in the wells of a cubic force, on a limit cycle, and in response to the drive, which
+ * is taken no closer to resonance than a tenth of the spring's frequency squared. `rate` [1/s] is
+ * sqrt|k/m| if there is a spring, else that of the other forces. The limit cycle of a strong van
+ * der Pol term mostly creeps, and its speed is that.
  */
 void oscillator_scale(struct system *system, double cubic, double mu, double width)
 {
@@ -44,6 +45,7 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
     system->scale[1] = scale_clamp(speed);
 }
 
+/* Sets the start, the mass and the natural sizes (struct model's begin). */
 static void oscillator_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];

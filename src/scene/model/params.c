@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parameter table and the scene that holds its values. */
+/* The parameters of the oscillator, and functions of the scene that hold for the parameters of
+ * every model: finding, setting and checking them. */
 #include <hooke/base/catalog.h>
 #include <hooke/base/number.h>
 #include <assert.h>
@@ -13,6 +14,7 @@ static const struct param_row rows[] = {
 
 const struct catalog param_catalog = CATALOG("parameter", rows);
 
+/* Returns the index of the parameter in its table, or -1 if there is none of that name. */
 static int parameter_index(const struct catalog *catalog, struct text name)
 {
     const struct row *found = catalog_find(catalog, name);
@@ -74,6 +76,7 @@ bool is_pendulum(const struct scene *scene)
     return typed_base(scene->model) == &pendulum_model;
 }
 
+/* Returns the value of a parameter in the scene's preset: the one that it sets, or the default. */
 static double preset_value(const struct scene *scene, int param)
 {
     const struct preset *preset = scene->preset;
@@ -103,6 +106,7 @@ void scene_unset(struct scene *scene, int param)
     scene->chosen[param] = false;
 }
 
+/* Returns true if the value is finite and in the parameter's range; otherwise sets an error. */
 static bool in_range(const struct param_row *row, double value, struct error *error)
 {
     if (isfinite(value) && (row->min_excluded ? value > row->min : value >= row->min))

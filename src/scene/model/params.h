@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Places of the parameters in scene.value: P_m, P_k, ... in the order of terms.def. */
+/* Parameters of the oscillator: their indices P_m, P_k, ... in scene.value, in the order of
+ * terms.def. */
 #pragma once
 
 #include "scene/model/model.h"
@@ -12,7 +13,7 @@ enum param {
 
 _Static_assert(P_COUNT <= PARAM_MAX, "scene.value holds every parameter");
 
-/* k/m and the mass itself must be usable numbers: refused otherwise, with the values. */
+/* Returns true if k/m and the mass are usable numbers; otherwise sets an error with the values. */
 bool params_coherent(const double *param, struct error *error);
-/* Binds the terms of term_catalog whose coefficients are not 0. */
+/* Sets system->term to the terms of term_catalog whose coefficients are not 0, in their order. */
 void terms_bind(const double *param, struct system *system);

@@ -103,8 +103,8 @@ static double T0(const struct scene *scene)
     return TWO_PI / omega0(scene);
 }
 
-/* T0 over the arithmetic-geometric mean of 1 and cos(a/2), a the largest angle (Gauss); turning
- * over it has none. */
+/* Returns the period at the initial amplitude: T0 over the arithmetic-geometric mean of 1 and
+ * cos(a/2), where a is the largest angle (Gauss). NaN if the pendulum turns over. */
 static double period(const struct scene *scene)
 {
     double s = fixed_sin(scene->value[P_theta0] / 2),
@@ -147,6 +147,7 @@ DERIVED_ROWS(MEASURED)
 static const struct derived_row derived[] = {DERIVED_ROWS(DERIVED_ROW)};
 static const struct catalog derived_table = CATALOG("derived quantity", derived);
 
+/* Returns true if the coefficients are usable numbers; otherwise sets an error. */
 static bool coherent(const double *param, struct error *error)
 {
     double inertia = param[P_m] * param[P_length] * param[P_length];
@@ -157,8 +158,8 @@ static bool coherent(const double *param, struct error *error)
                      param[P_m], param[P_length], param[P_g]);
 }
 
-/* A radian is a natural angle as soon as the swing is not small; the drive's answer is at most a
- * turn or so. */
+/* Sets the start and the natural sizes: a radian, or less if the swing is small; the response to
+ * the drive is at most about a turn. */
 static void pendulum_scales(const double *param, struct system *system)
 {
     double rate = sqrt(fabs(param[P_g] / param[P_length])),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes by name: what differs from the parameters' defaults. The first row is where a session
- * begins. */
+/* Presets: scenes by name, with the parameters in which they differ from the defaults, and the
+ * duration, tolerance or first step of their runs. A session begins with the first row. */
 #include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 

@@ -46,7 +46,7 @@ static void prothero_robinson_scales(const double *param, struct system *system)
     system->scale[0] = 1;
 }
 
-/* y = cos t + (y0 - cos t0) exp(lambda (t - t0)) */
+/* Computes the exact solution y = cos t + (y0 - cos t0) exp(lambda (t - t0)), and its floor. */
 static void exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {

@@ -32,7 +32,8 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("term", terms);
 
-/* B stays below sqrt(k1/k2), where it burns as fast as it is made. */
+/* Sets the start and the natural sizes. B stays below sqrt(k1/k2), where it burns as fast as it is
+ * made. */
 static void robertson_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs of what built-in terms of one coordinate add, from the texts of their forces. */
+/* terms_program(): programs of the sum of built-in terms of one coordinate, from the texts of their
+ * forces. */
 #include "scene/model/forces.h"
 #include "scene/typed/typed.h"
 
-/* A name is t, q, v or a coefficient cJ of one term; the coefficients of term i follow `first`. */
+/* Scope of the text of one term: t, q, v are names 0 to 2, and its coefficient cJ is the name
+ * first + term TERM_COEFFICIENTS + J. */
 struct term_scope {
     int first, term;
 };
 
+/* Sets *slot to that of a name in this scope; returns false if it is none. */
 static bool coefficient_slot_find(const void *context, struct text name, int *slot)
 {
     static const char state[] = "tqv";
@@ -31,11 +34,14 @@ bool terms_have_text(const struct system *system)
     return have;
 }
 
+/* Returns true for a built-in term whose flags under `mask` are `wanted`. */
 static bool is_wanted(const struct term_row *row, unsigned mask, unsigned wanted)
 {
     return row->bind && (row->flags & mask) == wanted;
 }
 
+/* Compiles the sum of the terms that are wanted, in memory of the arena. Returns NULL if there is
+ * none, or with an error. */
 static const struct expr *sum_of_terms(const struct system *system, unsigned mask, unsigned wanted,
                                        int first, struct arena *arena, struct error *error)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of the force terms, from terms.def. */
+/* The table of the oscillator's force terms, from terms.def. */
 #include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
@@ -10,7 +10,7 @@
 #include "scene/model/terms.def"
 #undef TERM_BODIES
 
-/* It depends on all other forces. */
+/* Dry friction has no text, because at rest it depends on all other forces. */
 #define friction_text NULL
 
 #define TERM_ROW(term, term_flags, description, source)                                            \
