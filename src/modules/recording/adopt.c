@@ -55,7 +55,7 @@ static bool adopt_value(struct adoption *a, const char *name, struct measured va
 }
 
 /* Makes the scene the session's, and stores it as adopted. */
-static void become(const struct adoption *a)
+static void store_adopted(const struct adoption *a)
 {
     struct fits *fits = fits_made(a->session);
     a->session->setup.scene = a->scene;
@@ -65,7 +65,7 @@ static void become(const struct adoption *a)
 }
 
 /* Notes a term that the scene cannot represent. */
-static void leave_out(struct adoption *a, const char *what)
+static void omit_term(struct adoption *a, const char *what)
 {
     if (a->left < LEFT_OUT_MAX)
         a->left_out[a->left++] = what;
@@ -74,8 +74,8 @@ static void leave_out(struct adoption *a, const char *what)
 /* ---- the proof ---- */
 
 #define RMS_RATIO_MAX 1.2 /* largest rms of the run relative to that of the fit */
-#define RUN_ERROR_AMPLITUDE_FRACTION                                                               \
-    1e-8                /* part of the amplitude that the run's own errors may add */
+/* Part of the amplitude that the run's own errors may add. */
+#define RUN_ERROR_AMPLITUDE_FRACTION 1e-8
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 
 /* Returns the rms difference between the recording and a run of the scene over the window of the
@@ -175,7 +175,7 @@ static void put_taken(const struct adoption *a, struct buffer *text)
 
 /* Returns how often a position was differentiated to give the quantity, or a negative number for
  * others. Numbers without a unit count as positions. */
-static int derivatives(enum quantity quantity)
+static int derivative_order(enum quantity quantity)
 {
     return quantity == QUANTITY_OTHER ? 0 : quantity_order(quantity);
 }
@@ -233,7 +233,7 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
             return false;
     }
     inputs_use_motion(&a.inputs, fitted, fits->fit_free);
-    become(&a);
+    store_adopted(&a);
     adopted_free(fits->fit_free, &fits->fit.covariance, &fits->adopted.known);
     put_taken(&a, &text);
     if (a.data >= 0 && fits->fit.offset.value != 0) {
@@ -253,7 +253,7 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
 
 /* Returns a coefficient of the scene that was computed from a fitted rate and these parameters,
  * with their uncertainties, and notes them as inputs. */
-static struct measured converted(struct adoption *a, struct measured rate, const char *names)
+static struct measured converted_rate(struct adoption *a, struct measured rate, const char *names)
 {
     struct inputs used = {.exacts = 0};
     inputs_use_params(&used, &a->scene, names);
@@ -274,31 +274,31 @@ static bool take_law(struct adoption *a, const struct fit *fit, const struct mea
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
     if (a->unscaled) {
         if (law->law & (LAW_QUADRATIC | LAW_DRY))
-            leave_out(a, "quadratic drag and dry friction without a scale");
+            omit_term(a, "quadratic drag and dry friction without a scale");
         if (fit->drag.force == RESTORING_CUBIC)
-            leave_out(a, "a cubic spring without a scale");
+            omit_term(a, "a cubic spring without a scale");
         return adopt_value(a, "gamma", law->rate[0], error);
     }
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) &&
         scene_param(&a->scene, "k3") >= 0 &&
-        !adopt_value(a, "k3", converted(a, value[ADOPTED_CUBIC], "m"), error))
+        !adopt_value(a, "k3", converted_rate(a, value[ADOPTED_CUBIC], "m"), error))
         return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
     if (!adopt_value(a, "gamma", law->rate[0], error))
         return false;
     if (quadratic && !(param_value(&a->scene, "rho") * param_value(&a->scene, "area") > 0))
-        leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
+        omit_term(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
     else if ((quadratic || param_value(&a->scene, "C") > 0) &&
-             !adopt_value(a, "C", converted(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
+             !adopt_value(a, "C", converted_rate(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
         return false;
     if (scene_param(&a->scene, "friction") < 0) {
         if (dry)
-            leave_out(a, "dry friction");
+            omit_term(a, "dry friction");
         return true;
     }
     return !(dry || param_value(&a->scene, "friction") > 0) ||
-           adopt_value(a, "friction", converted(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"),
-                       error);
+           adopt_value(a, "friction",
+                       converted_rate(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"), error);
 }
 
 /* Adopts the spring constant of the fit, or the length of the pendulum. Returns false with the
@@ -440,7 +440,7 @@ bool adopt_fit(struct session *session, const struct arguments *args, struct rep
         adopted_scale(&in_positions, scale);
         fit = &in_positions;
     }
-    const int n = scale != 0 ? 0 : derivatives(fitted.quantity);
+    const int n = scale != 0 ? 0 : derivative_order(fitted.quantity);
     a.as_on_data = n >= 0 && !at_rest;
     struct measured value[ADOPTED_VALUES];
     adopted_values(&a.scene, fit, n > 0 ? n : 0, at_rest, value);
@@ -448,8 +448,8 @@ bool adopt_fit(struct session *session, const struct arguments *args, struct rep
         (n >= 0 && !take_start(&a, value, at_rest ? 0 : fit->t0, error)))
         return false;
     if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
-        leave_out(&a, "the drift of the offset");
-    become(&a);
+        omit_term(&a, "the drift of the offset");
+    store_adopted(&a);
     adopted_motion(&a.scene, fit, n > 0 ? n : 0, at_rest, n >= 0, &fits->adopted.known);
     const double middle = a.pendulum ? 0
                                      : -param_value(&a.scene, "m") * param_value(&a.scene, "g") /

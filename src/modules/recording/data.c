@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 /* Tells the window and the zero of a recording. */
-static void reply_part(const struct recording *recording, struct reply *reply)
+static void reply_window(const struct recording *recording, struct reply *reply)
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
     reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0],
@@ -91,8 +91,8 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
 }
 
 /* Applies the arguments that change a recording. Returns false with the error. */
-static bool change(struct session *session, struct recording *recording,
-                   const struct arguments *args, struct error *error)
+static bool recording_change(struct session *session, struct recording *recording,
+                             const struct arguments *args, struct error *error)
 {
     if (has_argument(args, "window") &&
         !set_window(recording, argument_value(args, "window"), error))
@@ -162,9 +162,9 @@ HANDLER(data)
         reply_findings(recording, args->arena, reply);
         return true;
     }
-    if (!change(session, recording, args, error))
+    if (!recording_change(session, recording, args, error))
         return false;
-    reply_part(recording, reply);
+    reply_window(recording, reply);
     reply_joined(recording, reply);
     reply_recording(recording, reply);
     return true;

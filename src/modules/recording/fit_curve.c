@@ -87,8 +87,8 @@ static bool keep_curve(const struct fit_request *call, const struct fit_summary 
 }
 
 /* Reports a fit and keeps it if it converged. Returns false with the error otherwise. */
-static bool conclude(const struct fit_request *call, struct fit_summary *summary, const char *model,
-                     struct measured offset, struct error *error)
+static bool report_and_keep(const struct fit_request *call, struct fit_summary *summary,
+                            const char *model, struct measured offset, struct error *error)
 {
     fit_add_residuals(summary);
     if (summary->curve->converged && !keep_curve(call, summary, model, offset, error))
@@ -192,7 +192,8 @@ static const char *describe_fixed(const struct scene *scene, const int *fixed, i
 }
 
 /* Subtracts an offset from a copy of the series. Returns false with the error if out of memory. */
-static bool shift(struct series *series, double offset, struct arena *arena, struct error *error)
+static bool subtract_offset(struct series *series, double offset, struct arena *arena,
+                            struct error *error)
 {
     double *y = arena_array(arena, series->n, sizeof *y);
     if (!y)
@@ -205,7 +206,7 @@ static bool shift(struct series *series, double offset, struct arena *arena, str
 
 /* Copies the covariances of the free parameters, in ascending order of their indices in the scene;
  * n becomes 0 if one is not determined. */
-static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *result)
+static void copy_covariances(const struct scene_fit *fit, int frees, struct fit_covariance *result)
 {
     int order[CURVE_PARAMETERS];
     *result = (struct fit_covariance){.n = frees};
@@ -237,7 +238,7 @@ bool fit_the_scene(const struct fit_request *call, struct error *error)
         return false;
     if (count == 0)
         count = scene_fit_usual(&session->setup.scene, index, fixed, &fixed_count);
-    if (isfinite(offset) && !shift(&series, offset, arena, error))
+    if (isfinite(offset) && !subtract_offset(&series, offset, arena, error))
         return false;
     const struct scene_fit_request request = {.scene = &scene,
                                               .series = &series,
@@ -265,12 +266,13 @@ bool fit_the_scene(const struct fit_request *call, struct error *error)
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
     const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;
     fit_add_window(&summary, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
-    if (!conclude(call, &summary, "scene",
-                  request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
+    if (!report_and_keep(call, &summary, "scene",
+                         request.offset ? fit.curve.value[last] : (struct measured){offset, 0},
+                         error))
         return false;
     struct fits *fits = fits_made(session);
     fits->fit_scene = fit.scene;
-    cover(&fit, count, &fits->fit.covariance);
+    copy_covariances(&fit, count, &fits->fit.covariance);
     memset(fits->fit_free, 0, sizeof fits->fit_free);
     for (int j = 0; j < count; j++)
         fits->fit_free[index[j]] = true;
@@ -288,7 +290,7 @@ struct known_names {
 };
 
 /* Returns true if the user named it in free= or NAME=. */
-static bool was_named(const struct arguments *args, struct text name)
+static bool is_named_by_user(const struct arguments *args, struct text name)
 {
     static const char *const lists[] = {"free", "NAME"};
     for (size_t l = 0; l < COUNT_OF(lists); l++)
@@ -303,7 +305,7 @@ static bool was_named(const struct arguments *args, struct text name)
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;
-    if (was_named(known->args, name) || catalog_find(&observable_catalog, name) ||
+    if (is_named_by_user(known->args, name) || catalog_find(&observable_catalog, name) ||
         text_is(name, "v"))
         return false;
     for (const struct model *const *model = scene_models; *model; model++)
@@ -385,5 +387,5 @@ bool fit_a_formula(const struct fit_request *call, struct text text, struct erro
                                   .quantity = quantity,
                                   .fixed = fixed_text,
                                   .k = {NAN, NAN}};
-    return conclude(call, &summary, "formula", (struct measured){0, 0}, error);
+    return report_and_keep(call, &summary, "formula", (struct measured){0, 0}, error);
 }

@@ -44,7 +44,7 @@ static void modes_measured_put(struct buffer *text, const char *name, struct mea
 }
 
 /* Returns 1/f with its uncertainty. */
-static struct measured inverse(struct measured f)
+static struct measured measured_inverse(struct measured f)
 {
     return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
 }
@@ -54,7 +54,7 @@ static void put_coupling(const struct fit_summary *summary, struct buffer *text)
 {
     const struct modes_fit *modes = summary->modes;
     modes_measured_put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
-    modes_measured_put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
+    modes_measured_put(text, "   beats every ", measured_inverse(modes->splitting), QUANTITY_TIME);
     modes_measured_put(text,
                        "\n  if these are two equal coupled oscillators: kc/k = ", modes->coupling,
                        QUANTITY_NUMBER);
@@ -75,7 +75,8 @@ void put_modes(const struct fit_summary *summary, struct buffer *text)
         for (const struct mode_value *v = of_mode; v < of_mode + COUNT_OF(of_mode); v++) {
             modes_measured_put(text, v->lead, value_of(mode, v), quantity_of(v, quantity));
             if (v == of_mode)
-                modes_measured_put(text, "   T = ", inverse(mode->frequency), QUANTITY_TIME);
+                modes_measured_put(text, "   T = ", measured_inverse(mode->frequency),
+                                   QUANTITY_TIME);
         }
     }
     if (modes->modes == 2)

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Returns the value of the curve's parameter with that name, or NAN. */
-static struct measured parameter(const struct fit_summary *summary, const char *name)
+static struct measured curve_parameter(const struct fit_summary *summary, const char *name)
 {
     for (int j = 0; summary->curve && j < summary->curve->parameters; j++)
         if (summary->quantity[j] != QUANTITY_OTHER && strcmp(summary->name[j], name) == 0)
@@ -112,12 +112,12 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
                                           .omega = none,
                                           .amplitude = none,
                                           .phase = none,
-                                          .gamma = parameter(summary, "gamma"),
-                                          .offset = parameter(summary, "offset"),
+                                          .gamma = curve_parameter(summary, "gamma"),
+                                          .offset = curve_parameter(summary, "offset"),
                                           .halves = {none, none}},
                                   .k = summary->modes ? none : summary->k};
     if (curve)
-        record->k = parameter(summary, "k");
+        record->k = curve_parameter(summary, "k");
     if (summary->motion)
         record->fit = *summary->motion;
     assert(summary->motion || curve);
@@ -131,24 +131,24 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
 }
 
 /* Returns the summary of a record. */
-static const struct fit_summary *told_by(const void *row)
+static const struct fit_summary *summary_of(const void *row)
 {
     return ((const struct fit_record *)row)->summary;
 }
 
 static const char *subject_of(const void *row)
 {
-    return told_by(row)->subject->name;
+    return summary_of(row)->subject->name;
 }
 
 static enum quantity series_quantity(const void *row)
 {
-    return told_by(row)->subject->series.quantity;
+    return summary_of(row)->subject->series.quantity;
 }
 
 static void put_window(struct reply *reply, const char *key, const void *row)
 {
-    const struct series *series = &told_by(row)->subject->series;
+    const struct series *series = &summary_of(row)->subject->series;
     reply_reals(reply, key, (const double[]){series->t[0], series->t[series->n - 1]}, 2, "s");
 }
 
@@ -163,7 +163,7 @@ static void put_halves(struct reply *reply, const char *key, const void *row)
 /* Adds the rates of the best law, or the parameters of a curve. */
 static void put_law_or_parameters(struct reply *reply, const char *key, const void *row)
 {
-    const struct fit_summary *summary = told_by(row);
+    const struct fit_summary *summary = summary_of(row);
     if (!summary->motion || summary->motion->drag.candidates == 0) {
         reply_parameters(summary, reply);
         return;
@@ -179,22 +179,22 @@ static void put_law_or_parameters(struct reply *reply, const char *key, const vo
 static void put_candidates(struct reply *reply, const char *key, const void *row)
 {
     (void)key;
-    reply_laws(told_by(row), reply);
-    if (told_by(row)->modes)
-        reply_modes(told_by(row), reply);
+    reply_laws(summary_of(row), reply);
+    if (summary_of(row)->modes)
+        reply_modes(summary_of(row), reply);
 }
 
 static void put_exact(struct reply *reply, const char *key, const void *row)
 {
     (void)key;
-    inputs_reply(&told_by(row)->inputs, reply);
+    inputs_reply(&summary_of(row)->inputs, reply);
 }
 
 static void put_warnings(struct reply *reply, const char *key, const void *row)
 {
     reply_array(reply, key);
-    for (int i = 0; i < told_by(row)->warnings; i++)
-        reply_string(reply, NULL, told_by(row)->warning[i]);
+    for (int i = 0; i < summary_of(row)->warnings; i++)
+        reply_string(reply, NULL, summary_of(row)->warning[i]);
     reply_close(reply);
 }
 

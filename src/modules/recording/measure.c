@@ -80,7 +80,7 @@ bool measure_say(struct measuring *m, struct buffer *text)
 /* ---- the quantities ---- */
 
 /* Returns 1/x with its uncertainty. */
-static struct measured inverse(struct measured x)
+static struct measured measured_inverse(struct measured x)
 {
     return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
 }
@@ -157,7 +157,7 @@ static bool measure_frequency(struct measuring *m)
     struct period p;
     if (!read_period(m, &p))
         return false;
-    const struct measured f = inverse(p.period);
+    const struct measured f = measured_inverse(p.period);
     if (!measure_keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
         return false;
     struct buffer text = {0};

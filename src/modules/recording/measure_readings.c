@@ -31,7 +31,7 @@ void measure_begin(struct measuring *m, const char *quantity, struct measured va
 }
 
 /* Returns 2/x with its uncertainty: gamma from tau. */
-static struct measured twice_over(struct measured x)
+static struct measured two_over(struct measured x)
 {
     return (struct measured){2 / x.value, 2 * x.uncertainty / (x.value * x.value)};
 }
@@ -70,7 +70,7 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
     if (!line_fit(t, log_a, count, &line) || !(line.slope.value - line.slope.uncertainty < 0))
         return;
     const struct measured gamma = {-2 * line.slope.value, 2 * line.slope.uncertainty};
-    const struct measured tau = fall_to_e(t, log_a, count), by_e = twice_over(tau);
+    const struct measured tau = fall_to_e(t, log_a, count), by_e = two_over(tau);
     put_measured(text, "\ngamma", gamma, QUANTITY_RATE);
     buffer_put(text, TEXT(" from the line through ln A"));
     double least;

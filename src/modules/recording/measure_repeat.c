@@ -134,7 +134,7 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
 
 /* Sets index to the recordings that are named; without a name to all, or to the current one if
  * windows were asked for. Returns their number. */
-static int chosen(const struct measuring *m, bool windows, int *index)
+static int chosen_recordings(const struct measuring *m, bool windows, int *index)
 {
     const struct session *session = m->session;
     const struct argument_value *named = argument_value(m->args, "RECORDING"),
@@ -155,7 +155,7 @@ static int chosen(const struct measuring *m, bool windows, int *index)
 }
 
 /* Reads the arguments and measures all values. Returns false with the error. */
-static bool collect(struct measuring *m, struct repeated *r)
+static bool measure_all(struct measuring *m, struct repeated *r)
 {
     const struct argument_value *windows = argument_value(m->args, "windows"),
                                 *what = argument_value(m->args, "what");
@@ -164,7 +164,7 @@ static bool collect(struct measuring *m, struct repeated *r)
     r->what = what->count ? (enum measurable)what->item->index : MEASURE_PERIOD;
     if (r->what > MEASURE_DECAY && r->what != MEASURE_K)
         return error_at(m->error, what->where, "what= is period, frequency, amplitude, decay or k");
-    const int recordings = index ? chosen(m, windows->count > 0, index) : 0;
+    const int recordings = index ? chosen_recordings(m, windows->count > 0, index) : 0;
     r->capacity = recordings * parts;
     if (index && (r->capacity < 2 || parts > LIMIT_TOKENS)) {
         error_set(m->error, ERROR_COMMAND,
@@ -242,7 +242,7 @@ bool measure_repeat(struct measuring *m)
 {
     struct repeated r = {.count = 0};
     struct repeat repeat;
-    if (!collect(m, &r))
+    if (!measure_all(m, &r))
         return false;
     repeat_values(r.value, r.count, &repeat);
     const char *what = catalog_row(&quantity_catalog, (size_t)r.what)->name;

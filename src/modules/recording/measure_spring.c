@@ -79,7 +79,7 @@ static void reply_spring(struct measuring *m, const struct hung *hung, int count
 }
 
 /* Returns intercept/slope of a line, with regard to their correlation. */
-static struct measured ratio(const struct line_fit *line)
+static struct measured line_ratio(const struct line_fit *line)
 {
     const double s = line->slope.value, value = line->intercept.value / s;
     const double us = line->slope.uncertainty, ui = line->intercept.uncertainty;
@@ -125,7 +125,7 @@ bool measure_spring(struct measuring *m)
     const struct measured k = {FOUR_PI_SQUARED / line.slope.value,
                                FOUR_PI_SQUARED * line.slope.uncertainty /
                                    (line.slope.value * line.slope.value)};
-    const struct measured spring = ratio(&line);
+    const struct measured spring = line_ratio(&line);
     if (!session_add_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS,
                                  NAN, m->error)) {
         buffer_free(&text);

@@ -139,7 +139,7 @@ static double usual_fall(struct cleaning *c)
 }
 
 /* Returns the number of samples of a stretch that are far off its fit. */
-static size_t far_off(const struct cleaning *c, const struct local *local)
+static size_t count_far_off(const struct cleaning *c, const struct local *local)
 {
     size_t count = 0;
     const double min = FAR_OFF * fmax(c->typical, local->scale);
@@ -203,7 +203,7 @@ static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fal
         const bool still = s->amplitude < fmin(0.6, 0.8 * wane) * inside &&
                            inside > AMPLITUDE_SEEN_SCALES * c->typical;
         const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
-                           4 * far_off(c, s) > s->end - s->begin;
+                           4 * count_far_off(c, s) > s->end - s->begin;
         const bool gone =
             rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
         if (!still && !rough && !gone)
@@ -334,7 +334,7 @@ static void count_masked(struct cleaning *c)
 #define SWAY_TURNS 4 /* fewer sign changes may be a law of drag */
 
 /* Subtracts from y [n] its projection on the basis vector. */
-static void take_out(double *y, const double *basis, size_t n)
+static void subtract_projection(double *y, const double *basis, size_t n)
 {
     double projection = 0, square = 0;
     for (size_t i = 0; i < n; i++) {
@@ -371,12 +371,12 @@ static bool find_sway(struct cleaning *c)
     }
     if (n < SWAY_STRETCHES)
         return true;
-    take_out(line, one, n);
-    take_out(curve, one, n);
-    take_out(curve, line, n);
-    take_out(y, one, n);
-    take_out(y, line, n);
-    take_out(y, curve, n);
+    subtract_projection(line, one, n);
+    subtract_projection(curve, one, n);
+    subtract_projection(curve, line, n);
+    subtract_projection(y, one, n);
+    subtract_projection(y, line, n);
+    subtract_projection(y, curve, n);
     for (size_t i = 0; i < n; i++) {
         square += y[i] * y[i];
         turns += i > 0 && y[i] * y[i - 1] < 0;
@@ -410,8 +410,8 @@ static bool inspect_motion(struct cleaning *c)
 }
 
 /* Finds all faults of a recording. Returns false if out of memory or cancelled. */
-static bool inspect(struct recording *recording, double period, struct findings *f,
-                    struct arena *scratch)
+static bool find_all_faults(struct recording *recording, double period, struct findings *f,
+                            struct arena *scratch)
 {
     const size_t n = recording->rows;
     struct cleaning c = {.recording = recording,
@@ -457,7 +457,7 @@ bool recording_inspect(struct recording *recording, double period, const char *s
     if (recording->findings)
         return true;
     struct findings *findings = arena_alloc(&recording->arena, sizeof *findings);
-    const bool ok = findings && inspect(recording, period, findings, &scratch);
+    const bool ok = findings && find_all_faults(recording, period, findings, &scratch);
     arena_reset(&scratch);
     if (cancelled(recording->cancel))
         return error_set(error, ERROR_CANCELLED, "stopped");

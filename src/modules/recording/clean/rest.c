@@ -68,8 +68,8 @@ static double amplitude_of(const struct motion_rows *x, size_t begin, size_t end
 /* Returns true if the amplitude in the rest is smaller than the decay before explains. The
  * logarithms of the amplitudes of whole stretches, from the largest on, lie on a straight line for
  * a damped sine; the line is weighted by their certainty and extrapolated to the rest. */
-static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
-                  double noise)
+static bool motion_stops(const struct motion_rows *x, size_t rest, double period, double stretch,
+                         double noise)
 {
     const double t_begin = x->t[rest] + 0.5 * stretch;
     double w = 0, mean_t = 0, mean_l = 0, tt = 0, tl = 0, largest = 0, count;
@@ -148,5 +148,5 @@ size_t motion_rest(const struct motion_rows *x, double period)
     if (rest >= x->n)
         return x->n;
     const struct spread resting = spread_of(x, rest, x->n);
-    return stops(x, rest, period, stretch_of(x, period), resting.deviation) ? rest : x->n;
+    return motion_stops(x, rest, period, stretch_of(x, period), resting.deviation) ? rest : x->n;
 }

@@ -171,7 +171,7 @@ static double neighbour_rank(const struct sentinel_search *s, bool is_upper)
 
 /* Returns true if the others are correlated with their neighbours, one or two rows away. Extreme
  * values are limited, so that a second sentinel does not hide it. */
-static bool others_move(const struct sentinel_search *s)
+static bool others_are_motion(const struct sentinel_search *s)
 {
     const size_t outer = (size_t)(outer_share * (double)s->others);
     const double low = s->sorted[outer], high = s->sorted[s->others - 1 - outer];
@@ -247,7 +247,7 @@ static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
 /* Returns true if the candidate is a sentinel. */
 static bool is_sentinel(struct sentinel_search *s)
 {
-    if (leave_out_candidate(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
+    if (leave_out_candidate(s) < DIFFERENT_MIN || !is_scattered(s) || !others_are_motion(s))
         return false;
     const size_t strays = (size_t)(stray_share * (double)s->others);
     const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];

@@ -82,7 +82,7 @@ struct unpacking {
 };
 
 /* Sets the error of a damaged archive with libarchive's message. Returns false. */
-static bool damaged(const struct unpacking *u, struct error *error)
+static bool refuse_damaged(const struct unpacking *u, struct error *error)
 {
     struct buffer why = {0};
     const char *message = u->api->archive_error_string(u->archive);
@@ -120,7 +120,7 @@ static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *
     char piece[PIECE_BYTES];
     for (la_ssize_t got; (got = u->api->archive_read_data(u->archive, piece, sizeof piece)) != 0;) {
         if (got < 0)
-            return damaged(u, error);
+            return refuse_damaged(u, error);
         const size_t old_len = bytes->len;
         if (is_bomb(u, (size_t)got))
             return refuse_bomb(u, (size_t)got, error);
@@ -145,7 +145,7 @@ static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path),
     while (content->entries < PARTS_MAX &&
            (status = u->api->archive_read_next_header(u->archive, &entry)) != ARCHIVE_EOF) {
         if (status != ARCHIVE_OK && status != ARCHIVE_WARN)
-            return damaged(u, error);
+            return refuse_damaged(u, error);
         const char *path = u->api->archive_entry_pathname(entry);
         if (!path || (wanted && !wanted(path)))
             continue;
@@ -183,7 +183,7 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
         else
             api.archive_read_support_format_zip(u.archive);
         done = (api.archive_read_open_memory(u.archive, bytes.data, bytes.len) == ARCHIVE_OK ||
-                damaged(&u, error)) &&
+                refuse_damaged(&u, error)) &&
                read_entries(&u, wanted, content, error);
         api.archive_read_free(u.archive);
     }

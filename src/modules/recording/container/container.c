@@ -44,7 +44,7 @@ void put_cell(struct buffer *text, struct text cell)
 
 /* Converts days since 1970-01-01 to a date (Hinnant 2013, chrono-compatible low-level date
  * algorithms: civil_from_days). */
-static void civil(int64_t day, int64_t *year, int *month, int *date)
+static void civil_date(int64_t day, int64_t *year, int *month, int *date)
 {
     day += 719468;
     const int64_t era = (day >= 0 ? day : day - 146096) / 146097, of_era = day - era * 146097;
@@ -65,7 +65,7 @@ void put_stamp(struct buffer *text, double days, bool with_date)
     if (with_date && fabs(day) < 1e9) {
         int64_t year;
         int month, date;
-        civil((int64_t)day, &year, &month, &date);
+        civil_date((int64_t)day, &year, &month, &date);
         buffer_format(text, "%04d-%02d-%02dT", (int)year, month, date);
     }
     const int64_t all = (int64_t)micro;

@@ -15,6 +15,7 @@
 
 /* ---- kinds of files ---- */
 
+/* Returns true if the text begins like an XML document of a known program. */
 static bool is_xml(struct text text)
 {
     if (text_starts(text, BYTE_ORDER_MARK))

@@ -84,7 +84,7 @@ static void begin_text(struct workbook *book)
 }
 
 /* Handles the end of an element by doing nothing. */
-static bool no_end(void *context, const char *name)
+static bool ignore_end(void *context, const char *name)
 {
     (void)context, (void)name;
     return true;
@@ -292,7 +292,7 @@ static void put_value(struct workbook *book)
 
 /* Returns false with the error if the text is too large. Shared strings, sheets that are listed
  * twice and empty columns can make much text of little XML. */
-static bool bounded(struct workbook *book)
+static bool output_is_bounded(struct workbook *book)
 {
     if (book->output->failed)
         return error_memory(book->error);
@@ -314,7 +314,7 @@ static bool sheet_end(void *context, const char *name)
         for (; book->filled < book->column; book->filled++)
             buffer_char(book->output, '\t');
         put_value(book);
-        return bounded(book);
+        return output_is_bounded(book);
     } else if (strcmp(name, "row") == 0) {
         buffer_char(book->output, '\n');
     }
@@ -367,8 +367,8 @@ bool workbook_sheets(const struct archive_content *content, const char *shown,
     book->left = EXPANSION_FREE;
     for (size_t i = 0; i < content->entries; i++)
         book->left += GROWTH_MAX * content->entry[i].bytes.len;
-    bool done = read_document(book, "xl/workbook.xml", workbook_start, no_end) &&
-                read_document(book, "xl/_rels/workbook.xml.rels", relation_start, no_end) &&
+    bool done = read_document(book, "xl/workbook.xml", workbook_start, ignore_end) &&
+                read_document(book, "xl/_rels/workbook.xml.rels", relation_start, ignore_end) &&
                 read_document(book, "xl/styles.xml", style_start, style_end) &&
                 read_document(book, "xl/sharedStrings.xml", word_start, word_end);
     for (int i = 0; i < book->sheets && done; i++)

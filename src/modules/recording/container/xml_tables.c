@@ -61,7 +61,7 @@ static void clear_columns(struct tables *tables)
 }
 
 /* Returns the column that is being read, or NULL. */
-static struct xml_column *newest(struct tables *tables)
+static struct xml_column *newest_column(struct tables *tables)
 {
     return tables->columns > 0 ? &tables->column[tables->columns - 1] : NULL;
 }
@@ -69,7 +69,7 @@ static struct xml_column *newest(struct tables *tables)
 /* Returns the buffer for the text of an element, or NULL if it is not used. */
 static struct buffer *target_of(struct tables *tables, const char *name)
 {
-    struct xml_column *column = newest(tables);
+    struct xml_column *column = newest_column(tables);
     if (strcmp(name, "DataSetName") == 0)
         return &tables->set;
     if (!column)
@@ -93,7 +93,7 @@ static bool refuse_strange(const struct tables *tables)
 }
 
 /* Handles the start of an element: begins a set or a column, and directs its text. */
-static bool start(void *context, const char *name, const char **attributes)
+static bool element_start(void *context, const char *name, const char **attributes)
 {
     struct tables *tables = context;
     (void)attributes;
@@ -156,8 +156,9 @@ static bool finish_set(struct tables *tables)
     if (filled == 0)
         return true;
     snprintf(name, sizeof name, "set %d", ++tables->sets);
-    struct text own = text_trim(buffer_text(&tables->set));
-    struct container_part *part = contents_add(tables->contents, own.len > 0 ? own : text_of(name));
+    struct text set_name = text_trim(buffer_text(&tables->set));
+    struct container_part *part =
+        contents_add(tables->contents, set_name.len > 0 ? set_name : text_of(name));
     if (!part)
         return tables->contents->parts == PARTS_MAX || error_memory(tables->error);
     for (size_t i = 0; i < tables->columns; i++) {
@@ -197,7 +198,8 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
                 struct error *error)
 {
     struct tables tables = {.contents = contents, .error = error, .shown = shown};
-    const struct xml_reader reader = {&tables, contents->cancel, start, element_end, element_text};
+    const struct xml_reader reader = {&tables, contents->cancel, element_start, element_end,
+                                      element_text};
     tables.column = calloc(COLUMNS_MAX, sizeof *tables.column);
     bool done = tables.column ? xml_read(document, shown, &reader, error) : error_memory(error);
     contents->container = tables.cassy ? "labx" : "cmbl";

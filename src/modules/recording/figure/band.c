@@ -15,7 +15,7 @@
 #define TIMES_MAX 1000000
 
 /* Sets the error with the reason and a hint. Returns false. */
-static bool refuse(struct text where, struct error *error, const char *why)
+static bool refuse_band(struct text where, struct error *error, const char *why)
 {
     error_at(error, where, "%s", why);
     return error_hint(error, "fit; adopt; run; plot position --band");
@@ -51,19 +51,19 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
 {
     const struct adopted_fit *adopted = &fits_of(session)->adopted;
     if (!adopted->scene.model)
-        return refuse(where, error, "there is no adopted fit, so no uncertainty can be drawn");
+        return refuse_band(where, error, "there is no adopted fit, so no uncertainty can be drawn");
     if (run->scene.model != adopted->scene.model)
-        return refuse(where, error, "the adopted fit is one of another scene than the run");
+        return refuse_band(where, error, "the adopted fit is one of another scene than the run");
     for (int i = 0; i < (int)scene_params(&run->scene)->count; i++)
         if (run->scene.value[i] != adopted->scene.value[i])
             return refuse_value(session, run, i, where, error);
     if (!is_one_motion(run))
-        return refuse(where, error, "the run was changed after its start");
+        return refuse_band(where, error, "the run was changed after its start");
     if (run_goes_back(run))
-        return refuse(where, error,
-                      "the run goes back in time; a band exists only for runs forwards");
+        return refuse_band(where, error,
+                           "the run goes back in time; a band exists only for runs forwards");
     return adopted->known.count > 0 ||
-           refuse(where, error, "the adopted fit states no uncertainties");
+           refuse_band(where, error, "the adopted fit states no uncertainties");
 }
 
 bool band_half(const struct session *session, const struct run *run, int variable, const double *t,
@@ -124,10 +124,11 @@ bool drawing_band(struct drawing *d)
     const struct figure_request *request = d->request;
     const int first = first_variable(d);
     if (first < 0)
-        return refuse(request->band, d->error,
-                      "--band works only for positions and velocities over time");
+        return refuse_band(request->band, d->error,
+                           "--band works only for positions and velocities over time");
     if (request->runs != 1)
-        return refuse(request->band, d->error, "--band needs exactly one run, made after 'adopt'");
+        return refuse_band(request->band, d->error,
+                           "--band needs exactly one run, made after 'adopt'");
     const struct run *run = d->session->runs.slot[request->run[0]]->run;
     if (!band_of_run(d->session, run, request->band, d->error))
         return false;
@@ -150,7 +151,7 @@ static const struct row band_rows[] = {
 const struct catalog recording_band_catalog = CATALOG("kind of band", band_rows);
 
 /* Returns true if the user has switched on the band in panes. */
-static bool is_shown(const struct session *session)
+static bool band_is_shown(const struct session *session)
 {
     return setting_of_module(&session->setup.settings, "band") > 0;
 }
@@ -159,7 +160,7 @@ bool drawing_stored_band(struct drawing *d)
 {
     const struct fit_band *band = &fits_of(d->session)->band;
     const int first = first_variable(d);
-    if (!is_shown(d->session) || first < 0 || d->request->runs < 1 || band->n == 0 ||
+    if (!band_is_shown(d->session) || first < 0 || d->request->runs < 1 || band->n == 0 ||
         d->session->runs.slot[d->request->run[0]]->run->number != band->run)
         return true;
     for (int i = 0; i < d->coordinates; i++) {
@@ -226,7 +227,7 @@ void session_store_band(struct session *session)
     const struct run *run = session_run(session);
     struct fits *fits = fits_made(session);
     struct error ignored = {0};
-    if (!fits || !is_shown(session) || fits->adopted.known.count == 0 || !run ||
+    if (!fits || !band_is_shown(session) || fits->adopted.known.count == 0 || !run ||
         session->live.state == LIVE_RUNNING)
         return;
     struct fit_band *band = &fits->band;

@@ -5,7 +5,7 @@
 #include "modules/recording/fit/curve_problem.h"
 
 /* Returns a standard normal random number (Box & Muller 1958) and advances *state. */
-static double normal(uint64_t *state)
+static double random_normal(uint64_t *state)
 {
     double u = 1 - random_fraction(state), v = random_fraction(state);
     return sqrt(-2 * log(u)) * cos(TWO_PI * v);
@@ -13,7 +13,7 @@ static double normal(uint64_t *state)
 
 /* Returns the standard deviation of the noise to simulate. Simulated samples have no outliers, so
  * after a robust fit only samples with weight count. */
-static double noise_of(const struct curve_problem *p, const struct curve_fit *fit)
+static double simulated_noise(const struct curve_problem *p, const struct curve_fit *fit)
 {
     double square = 0, weight = 0;
     for (size_t i = 0; i < p->n && p->robust; i++) {
@@ -41,28 +41,28 @@ bool fit_bootstrap(const struct curve_problem *p, const struct series *series,
     struct curve_options plain = *options;
     plain.bootstrap = 0;
     plain.robust = false;
-    double sigma = noise_of(p, fit), rho = fmax(fit->autocorrelation, 0),
+    double sigma = simulated_noise(p, fit), rho = fmax(fit->autocorrelation, 0),
            fresh = sqrt(1 - rho * rho);
     uint64_t state = options->seed;
     for (int k = 0; k < rounds; k++) {
         struct arena scratch = {0};
-        struct curve_fit again;
-        struct series imagined = *series;
+        struct curve_fit refit;
+        struct series simulated = *series;
         /* New samples: curve + first-order autoregressive noise with the residuals' correlation
          * rho. */
-        double noise = normal(&state);
+        double noise = random_normal(&state);
         for (size_t i = 0; i < p->n; i++) {
             y[i] = model[i] + sigma * noise;
-            noise = rho * noise + fresh * normal(&state);
+            noise = rho * noise + fresh * random_normal(&state);
         }
-        imagined.y = y;
-        bool fitted = curve_fit(p->curve, &imagined, start, &plain, &scratch, &again, error);
+        simulated.y = y;
+        bool fitted = curve_fit(p->curve, &simulated, start, &plain, &scratch, &refit, error);
         arena_reset(&scratch);
         if (!fitted)
             return false;
-        for (int j = 0; j < count && again.converged; j++)
-            found[j * rounds + fit->bootstrapped] = again.value[j].value;
-        fit->bootstrapped += again.converged;
+        for (int j = 0; j < count && refit.converged; j++)
+            found[j * rounds + fit->bootstrapped] = refit.value[j].value;
+        fit->bootstrapped += refit.converged;
     }
     /* The 2.5 % quantile of fewer than 40 values would only be the smallest one. */
     for (int j = 0; j < count && fit->bootstrapped >= 40; j++) {

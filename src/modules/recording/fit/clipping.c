@@ -167,7 +167,7 @@ static bool is_flat(const struct motion *m, const struct censoring *c)
 
 /* Sets *some to a motion of every k-th sample of a long one, in which ceilings are searched for
  * first; a short one is copied. Returns false if out of memory. */
-static bool some_rows(const struct motion *m, struct arena *arena, struct motion *some)
+static bool motion_thin(const struct motion *m, struct arena *arena, struct motion *some)
 {
     enum { ROWS_MIN = 4096, ROWS_A_PERIOD = 6 };
     const struct samples *x = &m->samples;
@@ -251,7 +251,7 @@ bool censor_clipped(struct motion *m, struct arena *arena)
         return true;
     struct censoring two[2] = {0};
     struct motion some;
-    if (!some_rows(m, arena, &some))
+    if (!motion_thin(m, arena, &some))
         return false;
     for (int k = 0; k < 2; k++) {
         two[k].use = arena_alloc(arena, n);

@@ -46,15 +46,15 @@ static double fill_block(const struct series *s, const struct even_times *even, 
     if (each == 1 && !even->even)
         return series_fill_grid(s, t0, even->step, length, block);
     for (size_t i = 0; i < length; i++) {
-        double of_these = 0;
+        double group_sum = 0;
         const double *y = s->y + (first + i) * each;
         if (!even->even) {
             series_fill_grid(s, t0 + (double)(i * each) * even->step, even->step, each, work);
             y = work;
         }
         for (size_t k = 0; k < each; k++)
-            of_these += y[k];
-        sum += block[i] = of_these / (double)each;
+            group_sum += y[k];
+        sum += block[i] = group_sum / (double)each;
     }
     return sum;
 }
@@ -136,7 +136,8 @@ static double correlation(const struct blocks *b, size_t shift)
 /* Climbs from *shift to the next maximum of the correlation. Returns true with the correlations one
  * sample before, at and after the maximum in v; returns false if it reaches the limits low or high,
  * or if cancelled. */
-static bool climb(const struct blocks *b, size_t low, size_t high, size_t *shift, double v[3])
+static bool climb_to_peak(const struct blocks *b, size_t low, size_t high, size_t *shift,
+                          double v[3])
 {
     for (size_t k = 0; k < 3; k++)
         v[k] = correlation(b, *shift + k - 1);
@@ -166,7 +167,7 @@ static double top_between(const double value[3], double period, double *doubt)
 /* Returns the shift [samples] of the correlation's maximum within a quarter of a period of the
  * expected shift, or NAN if it lies on the border. Sets *doubt to an estimate of the interpolation
  * error. */
-static double peak_about(struct blocks *b, double shift, double *doubt)
+static double peak_near_lag(struct blocks *b, double shift, double *doubt)
 {
     const size_t low = (size_t)fmax(shift - 0.25 * b->period, 1),
                  high = (size_t)fmin(shift + 0.25 * b->period, (double)b->length - 3);
@@ -177,7 +178,7 @@ static double peak_about(struct blocks *b, double shift, double *doubt)
     /* Neighbouring shifts are compared over the same samples. */
     b->whole = floor(((double)b->length - 1 - shift - 0.5 * b->period) / b->period) * b->period;
     b->begin = 0;
-    if (!climb(b, low, high, &top, value))
+    if (!climb_to_peak(b, low, high, &top, value))
         return NAN;
     const double cosine = top_between(value, b->period, doubt);
     if (!(b->whole > 0))
@@ -224,7 +225,7 @@ bool series_correlation_period(const struct series *series, const struct period 
         return false;
     int peaks = 0;
     while (peaks < PEAKS_MAX && 2 * (peaks + 1) <= periods) {
-        const double shift = peak_about(&blocks, (peaks + 1) * blocks.period, &doubt);
+        const double shift = peak_near_lag(&blocks, (peaks + 1) * blocks.period, &doubt);
         if (!isfinite(shift))
             break;
         lags[peaks++] = shift * blocks.step;
@@ -284,8 +285,8 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
 /* Sets result [n] to the normalised autocorrelation of y [n] at all lags, as the Fourier transform
  * of its power spectrum (Wiener 1930, Khinchin 1934). Zeros are appended so that ends do not
  * overlap. Returns false if out of memory or cancelled. */
-static bool tabulate(const double *y, size_t n, const struct cancel *cancel, struct arena *arena,
-                     double *result)
+static bool autocorrelation_fill(const double *y, size_t n, const struct cancel *cancel,
+                                 struct arena *arena, double *result)
 {
     size_t all = 4;
     while (all < 2 * n)
@@ -333,5 +334,5 @@ double *series_correlations(const struct series *series, struct arena *arena, do
     for (size_t i = 0; i < n; i++)
         y[i] -= mean + moment / square * ((double)i - middle);
     *grid = y;
-    return tabulate(y, n, series->cancel, arena, result) ? result : NULL;
+    return autocorrelation_fill(y, n, series->cancel, arena, result) ? result : NULL;
 }

@@ -30,7 +30,7 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY 
 
 /* Computes residuals and derivatives at x, in the curve's order, unless they are those of x
  * already. Returns false if the curve has no finite value or derivative there. */
-static bool evaluate(struct curve_problem *p, const double *x)
+static bool evaluate_curve(struct curve_problem *p, const double *x)
 {
     const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
     if (p->known && memcmp(p->point, x, bytes) == 0)
@@ -95,7 +95,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     struct curve_problem *p = context;
     double place[CURVE_PARAMETERS];
     to_curve(p, x, place);
-    return evaluate(p, place) && triangle_fold(p, columns, p->residual, t);
+    return evaluate_curve(p, place) && triangle_fold(p, columns, p->residual, t);
 }
 
 /* Fills the triangle with the second derivative of the residuals along `step`, by a finite
@@ -108,7 +108,7 @@ static bool curvature(void *context, const double *x, const double *step, struct
     double ahead[CURVE_PARAMETERS];
     for (size_t j = 0; j < count; j++)
         ahead[j] = x[j] + part * step[j];
-    if (!evaluate(p, x) ||
+    if (!evaluate_curve(p, x) ||
         !p->curve->evaluate(p->curve->context, ahead, p->t, p->n, p->value, NULL))
         return false;
     for (size_t i = 0; i < p->n; i++) {
@@ -179,8 +179,8 @@ enum manner { ROUGHLY, EXACTLY, ACCELERATED, RESCALED, MANNERS };
 /* Descends from x, in the curve's order, to the minimum in the given manner with at most `max`
  * steps, and adds their number to *iterations. Returns false if the curve has no value at x, or if
  * cancelled. */
-static bool go_down(struct curve_problem *p, double *x, enum manner manner, int max,
-                    int *iterations)
+static bool descend_in_manner(struct curve_problem *p, double *x, enum manner manner, int max,
+                              int *iterations)
 {
     static const double rounding = 32 * 2.2e-16;
     struct descent d = {.iterations = 0};
@@ -248,13 +248,13 @@ static bool find_weights(struct curve_problem *p, double *x, int *iterations, bo
 {
     for (int round = 0; round < ROBUST_ROUNDS; round++) {
         const bool soft = round < SOFT_ROUNDS;
-        if (!evaluate(p, x))
+        if (!evaluate_curve(p, x))
             return false;
         const double change = set_weights(p, soft);
         *settles = !soft && change < WEIGHTS_STAY;
         if (*settles)
             return true;
-        if (!isfinite(change) || !go_down(p, x, ROUGHLY, 1, iterations))
+        if (!isfinite(change) || !descend_in_manner(p, x, ROUGHLY, 1, iterations))
             return false;
     }
     return true;
@@ -263,15 +263,15 @@ static bool find_weights(struct curve_problem *p, double *x, int *iterations, bo
 /* Finds the minimum from x and judges it. It begins with variable projection if the curve is linear
  * in some parameters, then bounds and weights are applied to all, and the manners of descent are
  * tried until one converges. Returns false if the curve has no value at x, or if cancelled. */
-static bool minimise(struct curve_problem *p, double *x, const struct curve_options *o,
-                     struct curve_fit *fit)
+static bool fit_minimise(struct curve_problem *p, double *x, const struct curve_options *o,
+                         struct curve_fit *fit)
 {
     const int max = o->iterations > 0 ? o->iterations : ITERATIONS;
     bool settles = true;
     int iterations = 0;
     const size_t bytes = (size_t)p->curve->parameters * sizeof *x;
     double start[CURVE_PARAMETERS] = {0}, least = INFINITY;
-    if (p->model.linears > 0 && !go_down(p, x, ROUGHLY, max, &iterations))
+    if (p->model.linears > 0 && !descend_in_manner(p, x, ROUGHLY, max, &iterations))
         return false;
     set_order(p, NULL);
     p->model.low = o->low;
@@ -280,7 +280,7 @@ static bool minimise(struct curve_problem *p, double *x, const struct curve_opti
         x[j] = o->low ? fmax(x[j], o->low[j]) : x[j];
         x[j] = o->high ? fmin(x[j], o->high[j]) : x[j];
     }
-    if ((p->rough || p->robust) && !go_down(p, x, ROUGHLY, max, &iterations))
+    if ((p->rough || p->robust) && !descend_in_manner(p, x, ROUGHLY, max, &iterations))
         return false;
     if (p->robust && !find_weights(p, x, &iterations, &settles))
         return false;
@@ -289,7 +289,7 @@ static bool minimise(struct curve_problem *p, double *x, const struct curve_opti
          manner++) {
         double trial[CURVE_PARAMETERS];
         memcpy(trial, start, bytes);
-        if (!go_down(p, trial, (enum manner)manner, max, &iterations))
+        if (!descend_in_manner(p, trial, (enum manner)manner, max, &iterations))
             return false;
         fit_judge(p, trial, true, fit);
         if (manner == EXACTLY || fit->converged || fit->rss < least)
@@ -388,7 +388,7 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     p.stretch = o->stretch;
     p.cancel = o->cancel;
     set_units(&p, o, start);
-    ok = minimise(&p, x, o, fit);
+    ok = fit_minimise(&p, x, o, fit);
     if (ok) {
         memcpy(fit->residual, p.residual, n * sizeof(double));
         memcpy(fit->weight, p.weight, n * sizeof(double));

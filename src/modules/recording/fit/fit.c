@@ -11,7 +11,7 @@
 
 /* Returns the covariance of two linear combinations a and b of the harmonic's parameters, in units
  * of the variance of a residual. */
-static double covariance(const struct harmonic *h, const double *a, const double *b)
+static double combination_covariance(const struct harmonic *h, const double *a, const double *b)
 {
     return quadratic_form(HARMONIC_PARAMETERS, HARMONIC_PARAMETERS, a, &h->inverse[0][0], b);
 }
@@ -29,14 +29,14 @@ void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncer
 /* Fills the covariances of amplitude, phase, omega and gamma. gradient[i] has the derivatives of
  * value i by the harmonic's parameters, and deviation[i] is the standard deviation of a residual as
  * it acts on value i. */
-static void cover(const struct harmonic *h, const double *const gradient[],
-                  const double deviation[], struct fit_covariance *result)
+static void covariances_fill(const struct harmonic *h, const double *const gradient[],
+                             const double deviation[], struct fit_covariance *result)
 {
     result->n = SINE_PARAMETERS;
     for (int i = 0; i < SINE_PARAMETERS; i++)
         for (int j = 0; j < SINE_PARAMETERS; j++)
             result->entry[i][j] =
-                deviation[i] * deviation[j] * covariance(h, gradient[i], gradient[j]);
+                deviation[i] * deviation[j] * combination_covariance(h, gradient[i], gradient[j]);
 }
 
 /* Converts the harmonic's parameters to those of y = c + A exp(-gamma t/2) cos(omega t + phi), with
@@ -44,8 +44,8 @@ static void cover(const struct harmonic *h, const double *const gradient[],
  * the covariance of the least-squares problem, widened for what the residuals have in common with
  * each parameter (sway, drift). The caller adds the difference between the halves; other errors of
  * the model are not included (see the warnings). */
-static void report(const struct samples *x, const double *residual, const struct harmonic *h,
-                   int unknowns, double t0, struct fit *fit)
+static void sine_values_set(const struct samples *x, const double *residual,
+                            const struct harmonic *h, int unknowns, double t0, struct fit *fit)
 {
     double back = h->origin - t0, square = h->a * h->a + h->b * h->b;
     double amplitude = sqrt(square) * exp(0.5 * h->gamma * back);
@@ -64,17 +64,17 @@ static void report(const struct samples *x, const double *residual, const struct
     fit->period.uncertainty = fit->period.value * fit->omega.uncertainty / h->omega;
     fit->gamma = (struct measured){h->gamma, slow * sqrt(h->inverse[RATE_GAMMA][RATE_GAMMA])};
     fit->amplitude = (struct measured){
-        amplitude, amplitude * slow * sqrt(covariance(h, of_amplitude, of_amplitude))};
+        amplitude, amplitude * slow * sqrt(combination_covariance(h, of_amplitude, of_amplitude))};
     fit->phase = (struct measured){phase <= -PI ? PI : phase,
-                                   fast * sqrt(covariance(h, of_phase, of_phase))};
-    fit->offset =
-        (struct measured){h->c - h->d * back, wander * sqrt(covariance(h, of_offset, of_offset))};
+                                   fast * sqrt(combination_covariance(h, of_phase, of_phase))};
+    fit->offset = (struct measured){h->c - h->d * back,
+                                    wander * sqrt(combination_covariance(h, of_offset, of_offset))};
     fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
     static const double by_omega[HARMONIC_PARAMETERS] = {[RATE_OMEGA] = 1},
                         by_gamma[HARMONIC_PARAMETERS] = {[RATE_GAMMA] = 1};
     const double *const gradient[] = {of_amplitude, of_phase, by_omega, by_gamma};
     const double deviation[] = {amplitude * slow, fast, fast, slow};
-    cover(h, gradient, deviation, &fit->covariance);
+    covariances_fill(h, gradient, deviation, &fit->covariance);
 }
 
 /* Fits one half of the samples, begin to end - 1, starting from the whole's frequency and damping,
@@ -90,7 +90,7 @@ static void fit_half(const struct motion *m, size_t begin, size_t end, int i, st
     }
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     if (harmonic_fit(&part, FREE_GAMMA, &h, m->scratch) && h.converged) {
-        report(&part, m->scratch, &h, FREE_GAMMA, part.t[0], &half);
+        sine_values_set(&part, m->scratch, &h, FREE_GAMMA, part.t[0], &half);
         fit->halves[i] = half.gamma;
         fit->half_periods[i] = half.period;
     }
@@ -192,7 +192,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     fit->converged = m.harmonic.converged;
     fit->iterations = m.harmonic.iterations;
     fit->autocorrelation = m.autocorrelation;
-    report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
+    sine_values_set(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
     /* One sine does not fit. Laws get their chance; otherwise the error names two frequencies or a
      * better window. */
     if (m.tracked && !fit->converged && !drag) {

@@ -28,7 +28,7 @@ struct formula_trial {
     double x[CURVE_PARAMETERS], rss;
 };
 
-static double uniform(struct formula_search *s)
+static double random_uniform(struct formula_search *s)
 {
     return random_fraction(&s->state);
 }
@@ -46,7 +46,7 @@ static bool thin_out(struct formula_search *s, const struct series *series, stru
         return false;
     for (size_t i = 0; i < n; i++) {
         size_t begin = series->n * i / n, end = series->n * (i + 1) / n;
-        size_t index = begin + (size_t)(uniform(s) * (double)(end - begin));
+        size_t index = begin + (size_t)(random_uniform(s) * (double)(end - begin));
         t[i] = series->t[index];
         y[i] = series->y[index];
         for (size_t k = 0; k < columns; k++)
@@ -106,9 +106,9 @@ static void find_scales(struct formula_search *s, const struct series *series, s
  * sign. */
 static double start_value_pick(struct formula_search *s)
 {
-    const double size =
-        uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
-    return uniform(s) < 0.3 ? -size : size;
+    const double size = random_uniform(s) < 0.6 ? s->scale[(size_t)(random_uniform(s) * s->scales)]
+                                                : pow(10, 8 * random_uniform(s) - 5);
+    return random_uniform(s) < 0.3 ? -size : size;
 }
 
 /* Tries random starts; `started` has the values of the given parameters. Fills best, sorted by sum
@@ -142,7 +142,7 @@ static int try_scales(struct formula_search *s, const struct cancel *cancel, con
 
 /* Returns true if a is the better answer: converged before not converged, then the smaller sum of
  * squares. */
-static bool better(const struct curve_fit *a, const struct curve_fit *b)
+static bool is_better_fit(const struct curve_fit *a, const struct curve_fit *b)
 {
     return a->converged != b->converged ? a->converged : a->rss < b->rss;
 }
@@ -182,29 +182,29 @@ static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
  * the search has to end (cancelled, out of memory). */
 static bool refine(struct refining *r, const double *x, bool projected)
 {
-    struct arena own = {0};
-    struct formula whole = *r->formula;
-    struct fit_curve curve = {whole.parameters, whole.name, &whole, formula_evaluate};
+    struct arena scratch = {0};
+    struct formula evaluated = *r->formula;
+    struct fit_curve curve = {evaluated.parameters, evaluated.name, &evaluated, formula_evaluate};
     struct curve_options options = *r->options;
     struct curve_fit trial;
     struct error local = {0};
-    options.linear = projected ? whole.linear : NULL;
-    bool goes_on = curve_fit(&curve, r->series, x, &options, &own, &trial, &local);
-    if (goes_on) {
-        goes_on = (r->found && !better(&trial, r->fit)) || keep_formula_fit(r, &trial);
+    options.linear = projected ? evaluated.linear : NULL;
+    bool continues = curve_fit(&curve, r->series, x, &options, &scratch, &trial, &local);
+    if (continues) {
+        continues = (r->found && !is_better_fit(&trial, r->fit)) || keep_formula_fit(r, &trial);
     } else {
         *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
-        goes_on = local.code == ERROR_COMMAND;
+        continues = local.code == ERROR_COMMAND;
     }
-    arena_reset(&own);
-    return goes_on;
+    arena_reset(&scratch);
+    return continues;
 }
 
 /* Fits a formula that is ready (formula_ready()): from the given starts if there are all, else from
  * the best of a search. Returns false with the error if there is no answer. */
-static bool fit_ready(const struct formula *formula, const struct series *series,
-                      const struct curve_options *options, struct arena *arena,
-                      struct curve_fit *fit, struct error *error)
+static bool fit_from_starts(const struct formula *formula, const struct series *series,
+                            const struct curve_options *options, struct arena *arena,
+                            struct curve_fit *fit, struct error *error)
 {
     static const struct curve_options none;
     struct curve_options o = options ? *options : none;
@@ -257,7 +257,7 @@ bool formula_fit(const struct formula *formula, const struct series *series,
     ready.cancel = series->cancel;
     if (!enough_samples(series, formula->parameters, error) || !formula_ready(&ready, arena, error))
         return false;
-    const bool fitted = fit_ready(&ready, series, options, arena, fit, error);
+    const bool fitted = fit_from_starts(&ready, series, options, arena, fit, error);
     formula_done(&ready);
     return fitted;
 }

@@ -51,7 +51,7 @@ static inline double block_dot(const union block *x, const union block *y)
 }
 
 /* Fills the phase table for samples that are dt apart. */
-static void turn_init(struct phase_table *turn, const struct harmonic *h, double dt)
+static void phase_table_init(struct phase_table *turn, const struct harmonic *h, double dt)
 {
     double e = exp(-0.5 * h->gamma * dt), re = e * cos(h->omega * dt), im = e * sin(h->omega * dt);
     turn->re[0] = 1;
@@ -90,8 +90,8 @@ static inline void fill_basis(const struct samples *x, size_t first, int count,
 /* Computes the products of the model's first `unknowns` columns and of the residual (the last
  * column) over all samples in use, and unless NULL the residuals. Returns the number of samples
  * used, or 0 if cancelled. */
-CLONES static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
-                              double gram[COLUMNS][COLUMNS], double *residual)
+CLONES static size_t gram_products(const struct samples *x, int unknowns, const struct harmonic *h,
+                                   double gram[COLUMNS][COLUMNS], double *residual)
 {
     union block u, v, mask, s, drift = {{0}}, by_omega, by_gamma, r;
     const union block *column[COLUMNS] = {&u, &v, &mask, &drift, &by_omega, &by_gamma};
@@ -99,7 +99,7 @@ CLONES static size_t products(const struct samples *x, int unknowns, const struc
     size_t used = 0;
     column[unknowns] = &r;
     if (x->uniform)
-        turn_init(&turn, h, x->dt);
+        phase_table_init(&turn, h, x->dt);
     memset(gram, 0, sizeof(double[COLUMNS][COLUMNS]));
     for (size_t first = 0; first < x->n; first += CHUNK) {
         if (first % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
@@ -144,7 +144,7 @@ double harmonic_sigma(const struct harmonic *h, int unknowns)
 
 bool harmonic_residuals(const struct samples *x, const struct harmonic *harmonic, double *residual)
 {
-    return products(x, 0, harmonic, (double[COLUMNS][COLUMNS]){{0}}, residual) > 0;
+    return gram_products(x, 0, harmonic, (double[COLUMNS][COLUMNS]){{0}}, residual) > 0;
 }
 
 /* Context of the least-squares problem of one damped sine. */
@@ -177,7 +177,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     /* exp(600) is near the largest double */
     if (!(h.omega > 0) || !(fabs(h.gamma) * p->span < 600))
         return false;
-    t->rows = products(p->samples, columns, &h, gram, NULL);
+    t->rows = gram_products(p->samples, columns, &h, gram, NULL);
     return t->rows > (size_t)columns - !h.drifts &&
            triangle_of_products(t, columns, COLUMNS, &gram[0][0], PIVOT_MIN);
 }

@@ -192,7 +192,7 @@ double solve_linears(const struct least_squares *m, double *x, struct triangle *
 }
 
 /* Work of a descent at its present point. */
-struct walk {
+struct descent_work {
     const struct least_squares *model;
     bool forgets; /* scale is that of the present columns, instead of the largest so far */
     double scale[CURVE_PARAMETERS];
@@ -202,7 +202,7 @@ struct walk {
 
 /* Prepares the linear problem at the present point: holds parameters that are on a bound and pulled
  * outward, and updates the scales. */
-static void evaluate_model(struct walk *w, const struct descent *d)
+static void prepare_linear_problem(struct descent_work *w, const struct descent *d)
 {
     const struct least_squares *m = w->model;
     const struct triangle *t = &d->triangle;
@@ -241,7 +241,7 @@ static double least_squares_move(const struct least_squares *m, const struct lin
 }
 
 /* Returns the length of a step with each component scaled as in the damping. */
-static double scaled_length(const struct walk *w, const double *step)
+static double scaled_length(const struct descent_work *w, const double *step)
 {
     double length = 0;
     for (int k = 0; k < w->problem.free; k++)
@@ -251,7 +251,7 @@ static double scaled_length(const struct walk *w, const double *step)
 
 /* Adds half the geodesic acceleration to the step (Transtrum & Sethna 2012). Returns false if the
  * model has no value or the acceleration is too large beside the step. */
-static bool accelerate(const struct walk *w, const double *x, double damping, double *step)
+static bool accelerate(const struct descent_work *w, const double *x, double damping, double *step)
 {
     static const double ratio_max = 0.75;
     const struct least_squares *m = w->model;
@@ -282,7 +282,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
 {
     enum { SMALL_MAX = 4 };
     static const double tolerance = 1e-8, damping_max = 1e16, damping_kink = 1e8, stalls = 1e2;
-    struct walk w = {.model = m, .forgets = o->rescaled};
+    struct descent_work w = {.model = m, .forgets = o->rescaled};
     double damping = o->damping, raise = 2, shortest = INFINITY;
     bool refused = false, /* the full step that should have been one of the last */
         fresh = false;    /* derivatives are those at all parameters */
@@ -292,7 +292,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
     d->rss = solve_linears(m, d->x, &d->triangle);
     if (!isfinite(d->rss))
         return false;
-    evaluate_model(&w, d);
+    prepare_linear_problem(&w, d);
     while (d->iterations < o->iterations && damping <= damping_max) {
         struct descent trial = *d;
         double full[CURVE_PARAMETERS] = {0}, step[CURVE_PARAMETERS] = {0};
@@ -327,14 +327,14 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
             raise = 2;
             trial.iterations++;
             *d = trial;
-            evaluate_model(&w, d);
+            prepare_linear_problem(&w, d);
         } else if (ends) {
             d->converged = length <= stalls * o->exact;
             refused = true;
         } else if (m->linears > 0 && !fresh) {
             /* the derivatives by the others are those with the linear parameters before */
             d->rss = solve_linears(m, d->x, &d->triangle);
-            evaluate_model(&w, d);
+            prepare_linear_problem(&w, d);
             fresh = true;
         } else {
             damping = fmax(raise * damping, 1e-6);

@@ -47,7 +47,7 @@ static void follow_closed_motion(const struct system *system, double t, double s
 }
 
 /* Returns the distance of two states, with each variable in units of its half range. */
-static double distance(const struct closed_run *c, const double *a, const double *b)
+static double scaled_distance(const struct closed_run *c, const double *a, const double *b)
 {
     double sum = 0;
     for (int i = 0; i < c->system->n; i++)
@@ -65,9 +65,9 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
     system_derivative(system, trace_time(c->trace, base), start, f);
     for (int i = 0; i < system->n; i++)
         speed += c->size[i] > 0 ? pow(f[i] / c->size[i], 2) : 0;
-    double previous_distance = 0, here = distance(c, trace_state(c->trace, base + 1), start);
+    double previous_distance = 0, here = scaled_distance(c, trace_state(c->trace, base + 1), start);
     for (size_t row = base + 1; row + 1 < c->end && !cancelled(c->cancel); row++) {
-        const double next_distance = distance(c, trace_state(c->trace, row + 1), start);
+        const double next_distance = scaled_distance(c, trace_state(c->trace, row + 1), start);
         const bool is_nearest = here < previous_distance && here <= next_distance;
         previous_distance = here;
         here = next_distance;
@@ -86,7 +86,7 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
             follow_closed_motion(system, t, -deviation / slope, y);
             t -= deviation / slope;
         }
-        const double left = distance(c, y, start);
+        const double left = scaled_distance(c, y, start);
         *error = left / sqrt(speed);
         if (left <= same_state_max)
             return fabs(t - trace_time(c->trace, base));

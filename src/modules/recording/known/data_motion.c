@@ -34,7 +34,7 @@ double motion_frequency(const struct session *session, const struct recording *r
 /* Takes the velocities of the sensor from the recording that was joined, interpolated between its
  * samples by straight lines. MotionSensor.vi writes backward differences, which belong to half a
  * step earlier. Returns false with the error. */
-static bool joined_velocity(const struct session *session, const struct recording *recording,
+static bool sensor_velocity(const struct session *session, const struct recording *recording,
                             struct arena *arena, struct data_motion *motion, struct error *error)
 {
     const int index = session_find_recording(session, text_of(recording->velocity));
@@ -74,8 +74,8 @@ static bool joined_velocity(const struct session *session, const struct recordin
 }
 
 /* Computes the velocities from the positions. Returns false with the error. */
-static bool own_velocity(const struct series *series, struct arena *arena,
-                         struct data_motion *motion, struct error *error)
+static bool computed_velocity(const struct series *series, struct arena *arena,
+                              struct data_motion *motion, struct error *error)
 {
     struct derivative d;
     if (!series_derivative(series, DERIVATIVE_POINTS, arena, &d, error))
@@ -144,7 +144,7 @@ static bool good_velocity(const struct series *all, const unsigned char *use, st
             y[good.n++] = all->y[i];
         }
     double *v = motion->v;
-    if (!own_velocity(&good, arena, motion, error))
+    if (!computed_velocity(&good, arena, motion, error))
         return false;
     for (size_t i = 0; i < all->n; i++)
         v[i] = use[i] ? motion->v[k++] : NAN;
@@ -184,7 +184,7 @@ bool data_motion(const struct session *session, const struct recording *recordin
     else
         for (size_t i = 0, used = 0; i < s->n; i++)
             motion->middle += use[i] ? (s->y[i] - motion->middle) / (double)++used : 0;
-    if (!(recording->velocity[0] ? joined_velocity(session, recording, arena, motion, error)
+    if (!(recording->velocity[0] ? sensor_velocity(session, recording, arena, motion, error)
                                  : good_velocity(s, use, arena, motion, error)))
         return false;
     for (size_t i = 0; i < s->n; i++)

@@ -21,7 +21,7 @@ static void run_span(const struct run *run, double span[2])
 }
 
 /* Returns the number of samples of a series, which has no gaps, within the span of a run. */
-static size_t spanned(const struct run *run, const struct series *data)
+static size_t samples_spanned(const struct run *run, const struct series *data)
 {
     double span[2];
     size_t count = 0;
@@ -39,8 +39,8 @@ struct overlap_sums {
 };
 
 /* Computes the sums in one pass (Welford 1962); n is 0 if cancelled. */
-static void sum_up(const struct run *run, const struct series *data, int derivative,
-                   struct overlap_sums *s)
+static void overlap_sum(const struct run *run, const struct series *data, int derivative,
+                        struct overlap_sums *s)
 {
     double span[2];
     run_span(run, span);
@@ -141,10 +141,10 @@ void find_distance(const struct run *run, struct recording *recording,
     if (find_faults(recording, NAN, &arena, &ignored) &&
         recording_series(recording, &arena, 2, &all, &ignored) &&
         find_good(recording, &all, &arena, &good)) {
-        const size_t used = spanned(run, &good);
+        const size_t used = samples_spanned(run, &good);
         struct overlap_sums moments;
-        sum_up(run, &good, result.derivative, &moments);
-        result.bad = used >= 2 ? spanned(run, &all) - used : 0;
+        overlap_sum(run, &good, result.derivative, &moments);
+        result.bad = used >= 2 ? samples_spanned(run, &all) - used : 0;
         if (used >= 2 && quantity_is_scaled(own) &&
             own != system_variable(&run->system, 0).quantity) {
             fit_scale(&moments, &result);

@@ -102,7 +102,7 @@ static void fit_laws(struct drag_fitting *f, bool again, double trust)
 }
 
 /* Returns the law with the smallest sum of squares, or -1 if none converged. */
-static int nearest(const struct drag_fitting *f)
+static int nearest_law(const struct drag_fitting *f)
 {
     int best = -1;
     for (int i = 0; i < DRAG_LAWS; i++)
@@ -114,7 +114,7 @@ static int nearest(const struct drag_fitting *f)
 /* ---- which samples, which baseline ---- */
 
 /* Sets a baseline of one block, a constant or a straight line. */
-static void one_block(struct drag_fitting *f, int terms)
+static void baseline_single(struct drag_fitting *f, int terms)
 {
     struct baseline *baseline = &f->samples.baseline;
     *baseline = (struct baseline){.blocks = 1, .edge = f->edge, .terms = terms};
@@ -123,7 +123,7 @@ static void one_block(struct drag_fitting *f, int terms)
 }
 
 /* Returns a baseline with a parabola in every three periods; edge receives the blocks' limits. */
-static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
+static struct baseline baseline_in_blocks(const struct drag_fitting *f, size_t *edge)
 {
     const struct samples *x = &f->motion->samples;
     const double span = x->t[x->n - 1] - x->t[0], omega = f->start.value[EQUATION_OMEGA];
@@ -141,10 +141,10 @@ static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
 }
 
 /* Returns true if the residuals of law `index` require a baseline in every block. */
-static bool wanders(struct drag_fitting *f, int index, size_t *edge)
+static bool baseline_wanders(struct drag_fitting *f, int index, size_t *edge)
 {
     struct law_samples local = f->samples;
-    local.baseline = many_blocks(f, edge);
+    local.baseline = baseline_in_blocks(f, edge);
     struct law_fit trial = f->fit[index];
     const double joint_squares = law_squares(&f->samples, &trial),
                  local_squares = law_squares(&local, &trial);
@@ -216,13 +216,13 @@ static bool settle_samples(struct drag_fitting *f, size_t *edge)
     bool local = false, changes = fit_motion_first(f);
     fit_laws(f, changes, SEARCH_PROMISE_VARIANCES);
     for (int round = 0; round < ROUNDS; round++) {
-        const int index = nearest(f);
+        const int index = nearest_law(f);
         if (index < 0 || !law_residuals(&f->samples, &f->fit[index], m->residual, NULL, NULL))
             return false;
         const size_t changed = judge_samples(f, m->residual);
-        const bool now = !local && wanders(f, index, edge);
+        const bool now = !local && baseline_wanders(f, index, edge);
         if (now)
-            f->samples.baseline = many_blocks(f, edge);
+            f->samples.baseline = baseline_in_blocks(f, edge);
         local = local || now;
         changes = changes || now || changed > 0;
         if (!now && (double)changed < 1e-3 * (double)m->samples.n)
@@ -233,7 +233,7 @@ static bool settle_samples(struct drag_fitting *f, size_t *edge)
         fit_laws(f, true,
                  m->samples.n < LONG_RECORDING_SAMPLES ? FINAL_PROMISE_VARIANCES
                                                        : SEARCH_PROMISE_VARIANCES);
-    return nearest(f) >= 0;
+    return nearest_law(f) >= 0;
 }
 
 /* ---- the whole ---- */
@@ -288,7 +288,7 @@ static bool prepare_drag_fitting(struct motion *m, enum quantity quantity, struc
                                       .use = f->use,
                                       .middle = m->harmonic.c,
                                       .cancel = m->samples.cancel};
-    one_block(f, m->harmonic.drifts ? 2 : 1);
+    baseline_single(f, m->harmonic.drifts ? 2 : 1);
     begin_drag_fitting(m, f);
     return true;
 }
@@ -330,7 +330,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     const bool settled = settle_samples(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
-    const int widest = settled ? nearest(&f) : -1;
+    const int widest = settled ? nearest_law(&f) : -1;
     struct drag_factors factors;
     if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
         !drag_factors(&f, &f.fit[widest], &factors))

@@ -8,7 +8,7 @@
 enum { WINDOWS_MAX = 256 };
 
 /* Returns the frequency of the damped oscillation. */
-static double damped(double omega, double gamma)
+static double damped_frequency(double omega, double gamma)
 {
     return sqrt(fmax(omega * omega - 0.25 * gamma * gamma, 0));
 }
@@ -169,7 +169,8 @@ bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
 
 /* Sets the covariances of all fitted parameters, with the standard deviations [parameters] that are
  * reported. */
-static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *result)
+static void covariances_fill(const struct law_fit *fit, const double *deviation,
+                             struct fit_covariance *result)
 {
     *result = (struct fit_covariance){.n = EQUATION_OFFSET};
     for (int i = 0; i < fit->parameters; i++)
@@ -188,7 +189,7 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
                  phase_widening = factors->sigma * sqrt(factors->phase);
     const double y = fit->motion.value[EQUATION_START], v = fit->motion.value[EQUATION_SPEED];
     const double gamma = fit->motion.value[EQUATION_RATE],
-                 omega = damped(fit->motion.value[EQUATION_OMEGA], gamma);
+                 omega = damped_frequency(fit->motion.value[EQUATION_OMEGA], gamma);
     const int order = fit->motion.order;
     /* y = A exp(-gamma s/2) cos(omega s + phi), and how each derivative is larger and earlier */
     const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
@@ -222,7 +223,7 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     for (int j = 0; j < fit->parameters; j++)
         deviation[j] = j > OMEGA && fit->index[j] < EQUATION_CUBIC ? widen : worse;
     deviation[OMEGA] = phase_widening;
-    cover(fit, deviation, &result->covariance);
+    covariances_fill(fit, deviation, &result->covariance);
     fit_covariance_widen(&result->covariance, EQUATION_OMEGA, result->omega.uncertainty);
     result->rms = drag->candidate[i].rms;
     result->used = fit->used;

@@ -44,7 +44,7 @@ struct restoring {
 
 /* Returns the Taylor coefficient of order k of R/omega^2, from those of the motion up to order k,
  * and stores the coefficients of its parts in *r. */
-static double restore(const struct equation_walk *s, int k, struct restoring *r)
+static double restoring_coefficient(const struct equation_walk *s, int k, struct restoring *r)
 {
     const double(*c)[COLUMNS] = s->c;
     r->cube[k] = 0;
@@ -84,7 +84,8 @@ static void expand_values(struct equation_walk *s)
         rate[k] = (k + 1) * s->c[k + 1][0];
         for (int j = 0; j <= k && s->quadratic; j++)
             product += rate[j] * rate[k - j];
-        const double pull = s->force == RESTORING_LINEAR ? s->c[k][0] : restore(s, k, &restoring);
+        const double pull =
+            s->force == RESTORING_LINEAR ? s->c[k][0] : restoring_coefficient(s, k, &restoring);
         const double friction = k == 0 ? s->side * s->f : 0;
         s->c[k + 2][0] =
             -(pull + s->g * rate[k] + s->side * s->b * product + friction) / ((k + 1) * (k + 2));
@@ -104,7 +105,7 @@ static void expand_slopes(struct equation_walk *s)
         for (int j = 0; j <= k && s->quadratic; j++)
             product += rate[j][0] * rate[k - j];
         if (s->force != RESTORING_LINEAR) {
-            const double value = restore(s, k, &restoring);
+            const double value = restoring_coefficient(s, k, &restoring);
             pull -= pull;
             for (int j = 0; j <= k; j++)
                 pull += restoring.slope[j] * *(const row *)s->c[k - j];
@@ -125,7 +126,7 @@ static void expand_slopes(struct equation_walk *s)
 }
 
 /* Computes the Taylor series of the next step; at rest all higher coefficients are 0. */
-static void expand(struct equation_walk *s)
+static void expand_series(struct equation_walk *s)
 {
     if (s->side == 0)
         memset(s->c[1], 0, sizeof s->c - sizeof s->c[0]);
@@ -162,7 +163,7 @@ static void evaluate_series(const struct equation_walk *s, double x, int order, 
 }
 
 /* Returns the velocity at x after the start of the step; for root_between(). */
-static double speed(void *walk, double x)
+static double step_velocity(void *walk, double x)
 {
     double v;
     evaluate_series(walk, x, 1, 1, &v);
@@ -172,18 +173,18 @@ static double speed(void *walk, double x)
 /* Returns the time in (0, h] at which the velocity changes its sign; v is the velocity at h. */
 static double turning_time(struct equation_walk *s, double h, double v)
 {
-    double low = 0, at_low = speed(s, 0);
+    double low = 0, at_low = step_velocity(s, 0);
     if (at_low == 0) { /* the motion has just turned; its side is the one to which it accelerates */
         low = 1e-9 * h;
-        at_low = speed(s, low);
+        at_low = step_velocity(s, low);
         if (at_low * v > 0)
             return 0;
     }
-    return root_between(speed, s, low, at_low, h, v, 1e-15 * h);
+    return root_between(step_velocity, s, low, at_low, h, v, 1e-15 * h);
 }
 
 /* Returns the direction in which the motion continues from v = 0, or 0 if it sticks. */
-static double direction(const struct equation_walk *s)
+static double next_direction(const struct equation_walk *s)
 {
     const double pull = restoring_at(s, s->c[0][0]);
     return fabs(pull) <= s->f ? 0 : -copysign(1, pull);
@@ -193,7 +194,7 @@ static double direction(const struct equation_walk *s)
 static void equation_walk_turn(struct equation_walk *s)
 {
     const double pull = restoring_at(s, s->c[0][0]), old_acceleration = -pull - s->side * s->f,
-                 side = direction(s);
+                 side = next_direction(s);
     const double ratio =
         side == 0 || old_acceleration == 0 ? 0 : (-pull - side * s->f) / old_acceleration;
     for (int i = 0; i < COLUMNS; i++)
@@ -236,8 +237,8 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
     s->c[0][0] = e->value[EQUATION_START];
     s->c[1][0] = e->value[EQUATION_SPEED] / omega;
     s->c[0][OF_START] = s->c[1][OF_SPEED] = 1;
-    s->side = s->c[1][0] != 0 ? copysign(1, s->c[1][0]) : direction(s);
-    expand(s);
+    s->side = s->c[1][0] != 0 ? copysign(1, s->c[1][0]) : next_direction(s);
+    expand_series(s);
     return true;
 }
 
@@ -286,7 +287,7 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
         double h = s->side == 0 ? HUGE_VAL : step_length(s), end[COLUMNS], next[COLUMNS];
         if (!(h > 1e-6) || left < 0)
             return false;
-        const double v = s->side == 0 ? 0 : speed(s, h);
+        const double v = s->side == 0 ? 0 : step_velocity(s, h);
         const bool turns = v * s->side < 0;
         if (turns)
             h = turning_time(s, h, v);
@@ -301,7 +302,7 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
         if (turns)
             equation_walk_turn(s);
         s->phase += h;
-        expand(s);
+        expand_series(s);
     }
     return true;
 }

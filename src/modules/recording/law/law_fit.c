@@ -44,7 +44,8 @@ static double time_of(const struct samples *x, size_t i)
 }
 
 /* Computes the basis polynomials at time t. */
-static void basis(const struct gram_block *block, int terms, double t, double value[BASELINE_TERMS])
+static void baseline_basis(const struct gram_block *block, int terms, double t,
+                           double value[BASELINE_TERMS])
 {
     const double s = (t - block->middle) / block->half;
     value[0] = 1;
@@ -77,7 +78,8 @@ static int factor_block(const struct gram_block *block, int terms, double *l)
 }
 
 /* Subtracts from the products what the block's baseline explains of every column. */
-static void project(int count, int terms, const struct gram_block *block, struct normal *normal)
+static void subtract_baseline(int count, int terms, const struct gram_block *block,
+                              struct normal *normal)
 {
     double l[BASELINE_TERMS * BASELINE_TERMS], part[COLUMNS][BASELINE_TERMS];
     terms = factor_block(block, terms, l);
@@ -93,7 +95,8 @@ static void project(int count, int terms, const struct gram_block *block, struct
 
 /* Collects the next samples that take part, from *point up to `end`, at most CHUNK. Returns their
  * number. */
-static int gather(const struct law_samples *x, size_t *point, size_t end, double *t, double *y)
+static int gather_samples(const struct law_samples *x, size_t *point, size_t end, double *t,
+                          double *y)
 {
     int count = 0;
     for (; *point < end && count < CHUNK; ++*point) {
@@ -141,19 +144,19 @@ static bool normal_equations_sum(const struct law_samples *x, const struct law_f
         while (index < x->baseline.edge[k + 1]) {
             if (cancelled(x->cancel))
                 return false;
-            const int count = gather(x, &index, x->baseline.edge[k + 1], t, y);
+            const int count = gather_samples(x, &index, x->baseline.edge[k + 1], t, y);
             if (!equation_values(&walk, t, (size_t)count, value, rows > 0 ? derivative : NULL))
                 return false;
             for (int i = 0; i < count; i++) {
                 for (int j = 0; j < rows; j++)
                     column[j] = derivative[i * EQUATION_PARAMETERS + fit->index[j]];
                 column[rows] = y[i] - value[i];
-                basis(&block, terms, t[i], base);
+                baseline_basis(&block, terms, t[i], base);
                 add_row(rows + 1, terms, column, base, &block, sums);
             }
             *used += (size_t)count;
         }
-        project(rows + 1, terms, &block, sums);
+        subtract_baseline(rows + 1, terms, &block, sums);
     }
     return true;
 }
@@ -242,7 +245,7 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
                 return false;
             for (size_t i = 0; i < count; i++) {
                 residual[start + i] = samples->y[start + i] - x->middle - residual[start + i];
-                basis(&block, x->baseline.terms, t[i], base);
+                baseline_basis(&block, x->baseline.terms, t[i], base);
                 if (x->use[start + i])
                     add_row(1, x->baseline.terms, &residual[start + i], base, &block, &unused);
             }
@@ -254,7 +257,7 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
         cholesky_forward(terms, BASELINE_TERMS, l, coefficient);
         cholesky_backward(terms, BASELINE_TERMS, l, coefficient);
         for (size_t i = begin; i < end; i++) {
-            basis(&block, terms, time_of(samples, i), base);
+            baseline_basis(&block, terms, time_of(samples, i), base);
             for (int m = 0; m < terms; m++)
                 residual[i] -= coefficient[m] * base[m];
         }

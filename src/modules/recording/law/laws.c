@@ -55,19 +55,19 @@ static enum drag_law law_at(int i)
 }
 
 /* Returns the number of terms of a law. */
-static int terms(enum drag_law law)
+static int law_terms(enum drag_law law)
 {
     return !!(law & LAW_LINEAR) + !!(law & LAW_QUADRATIC) + !!(law & LAW_DRY);
 }
 
 /* Returns true if the law has all terms of `part`. */
-static bool contains(enum drag_law law, enum drag_law part)
+static bool law_contains(enum drag_law law, enum drag_law part)
 {
     return (law & part) == part;
 }
 
 /* Returns true if the fit converged with positive rates. */
-static bool physical(const struct drag_candidate *c)
+static bool is_physical(const struct drag_candidate *c)
 {
     for (int k = 0; k < DRAG_RATES; k++)
         if (c->law >> k & 1 && !(c->rate[k].value > 0))
@@ -76,9 +76,9 @@ static bool physical(const struct drag_candidate *c)
 }
 
 /* Returns the F-test p value of the terms that law `large` has beyond law `small`. */
-static double chance(const struct law_evidence *e, int small, int large)
+static double term_chance(const struct law_evidence *e, int small, int large)
 {
-    const double extra = terms(law_at(large)) - terms(law_at(small));
+    const double extra = law_terms(law_at(large)) - law_terms(law_at(small));
     const double gain = fmax(e->fit[small].rss - e->fit[large].rss, 0) / e->variance / extra;
     return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
 }
@@ -114,21 +114,21 @@ static double fraction_beyond(const struct law_evidence *e, const struct drag_ca
 }
 
 /* Returns the excess of BIC by which a law is refuted by a rival that it does not contain. */
-static double needed(enum drag_law law, enum drag_law rival)
+static double bic_needed(enum drag_law law, enum drag_law rival)
 {
-    return contains(rival, law) || terms(law) <= terms(rival) ? DELTA_MIN : DELTA_MORE;
+    return law_contains(rival, law) || law_terms(law) <= law_terms(rival) ? DELTA_MIN : DELTA_MORE;
 }
 
 /* Returns true if law i is refuted by another that it does not contain: by BIC, and by the F-test
  * if that only has further terms. */
-static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, int i)
+static bool law_is_refuted(const struct law_evidence *e, const struct drag_fit *drag, int i)
 {
     const struct drag_candidate *c = &drag->candidate[i];
     for (int j = 0; j < DRAG_LAWS; j++) {
         const struct drag_candidate *rival = &drag->candidate[j];
-        if (i != j && physical(rival) && !contains(c->law, rival->law) &&
-            c->bic - rival->bic >= needed(c->law, rival->law) &&
-            (!contains(rival->law, c->law) || chance(e, i, j) < CHANCE_MAX))
+        if (i != j && is_physical(rival) && !law_contains(c->law, rival->law) &&
+            c->bic - rival->bic >= bic_needed(c->law, rival->law) &&
+            (!law_contains(rival->law, c->law) || term_chance(e, i, j) < CHANCE_MAX))
             return true;
     }
     return false;
@@ -136,14 +136,14 @@ static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, i
 
 /* Returns the law with the fewest terms, then the smallest BIC, of those that nothing refutes, or
  * -1 if all have a wrong sign. */
-static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
+static int simplest_law(const struct law_evidence *e, const struct drag_fit *drag)
 {
     int simple = -1;
     for (int i = 0; i < DRAG_LAWS; i++) {
         const struct drag_candidate *c = &drag->candidate[i];
-        if (!physical(c) || refuted(e, drag, i))
+        if (!is_physical(c) || law_is_refuted(e, drag, i))
             continue;
-        const int more = simple < 0 ? -1 : terms(c->law) - terms(law_at(simple));
+        const int more = simple < 0 ? -1 : law_terms(c->law) - law_terms(law_at(simple));
         if (more < 0 || (more == 0 && c->bic < drag->candidate[simple].bic))
             simple = i;
     }
@@ -153,29 +153,31 @@ static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
 /* Returns true if law i remains possible beside the simplest one. A law that contains the simplest
  * is never refuted: it remains if its further terms may take a considerable share of the loss, or
  * are weakly significant. beside_others is true if other laws remain anyway. */
-static bool remains(const struct law_evidence *e, const struct drag_fit *drag, int simple, int i,
-                    bool beside_others)
+static bool law_remains(const struct law_evidence *e, const struct drag_fit *drag, int simple,
+                        int i, bool beside_others)
 {
     const struct drag_candidate *c = &drag->candidate[i];
     const enum drag_law law = law_at(simple);
     if (i == simple || !c->converged)
         return i == simple;
-    if (!contains(c->law, law))
-        return physical(c) && !refuted(e, drag, i);
+    if (!law_contains(c->law, law))
+        return is_physical(c) && !law_is_refuted(e, drag, i);
     bool there = false;
     const double fraction = fraction_beyond(e, c, law, &there);
-    return (physical(c) && chance(e, simple, i) < HIDDEN_TERM_CHANCE) ||
-           ((there || beside_others) && fraction > SHARE_MAX * (terms(c->law) - terms(law)));
+    return (is_physical(c) && term_chance(e, simple, i) < HIDDEN_TERM_CHANCE) ||
+           ((there || beside_others) &&
+            fraction > SHARE_MAX * (law_terms(c->law) - law_terms(law)));
 }
 
 /* Returns a mask with bit i set if candidate i remains. If several do, all that contain the
  * simplest and may be present remain, and also the sum of all their terms. */
-static unsigned remaining(const struct law_evidence *e, const struct drag_fit *drag, int simple)
+static unsigned remaining_laws(const struct law_evidence *e, const struct drag_fit *drag,
+                               int simple)
 {
     unsigned mask = 0, wide = 0, terms_of_all = 0;
     for (int i = 0; i < DRAG_LAWS; i++) {
-        mask |= (unsigned)remains(e, drag, simple, i, false) << i;
-        wide |= (unsigned)remains(e, drag, simple, i, true) << i;
+        mask |= (unsigned)law_remains(e, drag, simple, i, false) << i;
+        wide |= (unsigned)law_remains(e, drag, simple, i, true) << i;
         terms_of_all |= wide >> i & 1 ? (unsigned)law_at(i) : 0;
     }
     return mask == 1u << simple ? mask : wide | 1u << (terms_of_all - 1);
@@ -190,8 +192,8 @@ static int next_best(const struct drag_fit *drag, int best, bool parts)
     int next = -1;
     for (int i = 0; i < DRAG_LAWS; i++) {
         const struct drag_candidate *c = &drag->candidate[i];
-        const bool related = contains(drag->candidate[best].law, c->law);
-        if (i != best && physical(c) && (!parts || related) &&
+        const bool related = law_contains(drag->candidate[best].law, c->law);
+        if (i != best && is_physical(c) && (!parts || related) &&
             (next < 0 || c->bic < drag->candidate[next].bic))
             next = i;
     }
@@ -212,7 +214,7 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
         if (i == simple || !(drag->remaining >> i & 1))
             continue;
         buffer_format(text, " or %s", drag_law_name(c->law));
-        if (contains(c->law, law))
+        if (law_contains(c->law, law))
             fraction = fmax(fraction, fraction_beyond(e, c, law, NULL));
         else if (rival < 0 || c->bic < drag->candidate[rival].bic)
             rival = i;
@@ -221,7 +223,7 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
         const double bic_difference = drag->candidate[rival].bic - drag->candidate[simple].bic;
         buffer_format(text, " (BIC of %s is %s by only %.3g, %g needed",
                       drag_law_name(law_at(rival)), bic_difference < 0 ? "lower" : "higher",
-                      fabs(bic_difference), needed(law_at(rival), law));
+                      fabs(bic_difference), bic_needed(law_at(rival), law));
     }
     if (fraction > 0)
         buffer_format(text, "%sa further term could explain %.0f %% of the energy loss",
@@ -238,7 +240,7 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
     const int next = next_best(drag, best, false), part = next_best(drag, best, true);
     double fraction = 0;
     for (int i = 0; i < DRAG_LAWS; i++)
-        if (terms(law_at(i)) == terms(c->law) + 1 && contains(law_at(i), c->law) &&
+        if (law_terms(law_at(i)) == law_terms(c->law) + 1 && law_contains(law_at(i), c->law) &&
             drag->candidate[i].converged)
             fraction = fmax(fraction, fraction_beyond(e, &drag->candidate[i], c->law, NULL));
     if (part >= 0)
@@ -253,7 +255,7 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
     else
         buffer_format(text, "%s: every other law would have a negative coefficient",
                       drag_law_name(c->law));
-    if (terms(c->law) < DRAG_RATES)
+    if (law_terms(c->law) < DRAG_RATES)
         buffer_format(text, "; a further term explains less than %.2g %% of the energy loss",
                       fmax(100 * fraction, 0.1));
 }
@@ -261,18 +263,18 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
 int law_choose(const struct law_evidence *e, struct fit *result)
 {
     struct drag_fit *drag = &result->drag;
-    const int simple = simplest(e, drag), best = simple < 0 ? LAW_LINEAR - 1 : simple;
+    const int simple = simplest_law(e, drag), best = simple < 0 ? LAW_LINEAR - 1 : simple;
     const struct drag_candidate *c = &drag->candidate[best];
     struct buffer text = {0};
     drag->best = c->law;
-    drag->remaining = simple < 0 ? 1u << best : remaining(e, drag, simple);
+    drag->remaining = simple < 0 ? 1u << best : remaining_laws(e, drag, simple);
     const int next = next_best(drag, best, false), part = next_best(drag, best, true);
     drag->delta = next < 0 ? INFINITY : drag->candidate[next].bic - c->bic;
     drag->p_value = NAN;
     if (part >= 0)
-        drag->p_value = chance(e, part, best);
-    else if (next >= 0 && contains(law_at(next), c->law))
-        drag->p_value = chance(e, best, next);
+        drag->p_value = term_chance(e, part, best);
+    else if (next >= 0 && law_contains(law_at(next), c->law))
+        drag->p_value = term_chance(e, best, next);
     const bool decided = drag->remaining == 1u << best;
     result->preferred = decided ? c->law : LAW_UNDECIDED;
     if (simple < 0)

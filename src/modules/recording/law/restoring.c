@@ -121,7 +121,7 @@ struct force_fits {
 };
 
 /* Returns the F-test p value of beta y^3 beside force `small`. */
-static double chance(const struct force_fits *all, int small)
+static double cubic_chance(const struct force_fits *all, int small)
 {
     const double gain =
         fmax(all->fit[small].rss - all->fit[RESTORING_CUBIC].rss, 0) / all->variance;
@@ -130,14 +130,14 @@ static double chance(const struct force_fits *all, int small)
 
 /* Returns true if force i did not converge or is refuted. The Duffing spring contains the linear
  * one, and nearly the pendulum, so that it is not refuted by them. */
-static bool refuted(const struct force_fits *all, const struct drag_fit *drag, int i)
+static bool force_is_refuted(const struct force_fits *all, const struct drag_fit *drag, int i)
 {
     const struct restoring_candidate *c = drag->restoring;
     if (!c[i].converged)
         return true;
     for (int j = 0; j < RESTORING_FORCES && i != RESTORING_CUBIC; j++)
         if (j != i && c[j].converged && c[i].bic - c[j].bic >= DELTA_MIN &&
-            (j != RESTORING_CUBIC || chance(all, i) < CHANCE_MAX))
+            (j != RESTORING_CUBIC || cubic_chance(all, i) < CHANCE_MAX))
             return true;
     return false;
 }
@@ -154,30 +154,30 @@ static bool cubic_remains(const struct force_fits *all, const struct drag_fit *d
                            fit->motion.value[EQUATION_SPEED] / omega);
     const double max = fabs(fit->motion.value[EQUATION_CUBIC]) +
                        2 * sqrt(all->variance) * law_formal(fit, fit->parameters - 1);
-    return chance(all, simple) < HIDDEN_TERM_CHANCE ||
+    return cubic_chance(all, simple) < HIDDEN_TERM_CHANCE ||
            (simple == RESTORING_LINEAR && max * a * a > SHARE_MAX * omega * omega);
 }
 
 /* Returns true if the search for force i did not come near the residuals of another force. */
-static bool far_off(const struct force_fits *all, int i, int other)
+static bool force_is_far_off(const struct force_fits *all, int i, int other)
 {
     return all->fit[i].rss - all->fit[other].rss > REFUTED_RSS_VARIANCES * all->variance;
 }
 
 /* Returns the simplest force that is not refuted: the spring, then the pendulum, which both have a
  * parameter less than Duffing's. */
-static int simplest(const struct force_fits *all, const struct drag_fit *drag)
+static int simplest_force(const struct force_fits *all, const struct drag_fit *drag)
 {
     static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};
     for (size_t i = 0; i < COUNT_OF(order); i++)
-        if (!refuted(all, drag, order[i]))
+        if (!force_is_refuted(all, drag, order[i]))
             return order[i];
     return RESTORING_LINEAR;
 }
 
 /* Computes the BIC of each force, with the effects of slow phase changes in the residuals of the
  * nearest. Returns false if these residuals cannot be computed, or if cancelled. */
-static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
+static bool compare_forces(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;
     struct drag_factors factors;
@@ -231,19 +231,19 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
             drag->restoring[i].converged =
                 drag->restoring[j].converged &&
                 follow_force(x, &all.fit[j], (enum restoring_force)i, f->rounding, &all.fit[i]);
-    if (!weigh(f, &all, drag))
+    if (!compare_forces(f, &all, drag))
         return false;
-    const int chosen = simplest(&all, drag);
+    const int chosen = simplest_force(&all, drag);
     drag->forces = RESTORING_FORCES;
     drag->force = (enum restoring_force)chosen;
     drag->forces_remaining = 1u << chosen;
     for (int i = 0; i < RESTORING_FORCES; i++) /* a force without a result is not excluded */
         drag->forces_remaining |=
-            drag->restoring[i].converged || far_off(&all, i, chosen) ? 0 : every & 1u << i;
+            drag->restoring[i].converged || force_is_far_off(&all, i, chosen) ? 0 : every & 1u << i;
     for (int i = 0; i < RESTORING_FORCES; i++)
         if (i != chosen && drag->restoring[chosen].converged &&
             (i == RESTORING_CUBIC ? cubic_remains(&all, drag, chosen)
-                                  : chosen != RESTORING_CUBIC && !refuted(&all, drag, i)))
+                                  : chosen != RESTORING_CUBIC && !force_is_refuted(&all, drag, i)))
             drag->forces_remaining |= 1u << i;
     *best =
         drag->restoring[chosen].converged ? all.fit[chosen] : (struct law_fit){.motion = f->start};

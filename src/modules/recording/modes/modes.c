@@ -79,7 +79,7 @@ static bool fit_from(struct modes_fitting *f, double *x, struct error *error)
 
 /* Updates `use`: rejects samples far off the curve, unless they are too many, and counts them.
  * Returns true if a sample changed sides. */
-static bool reject(struct modes_fitting *f, size_t *rejected)
+static bool reject_outlying(struct modes_fitting *f, size_t *rejected)
 {
     size_t count = 0, n = f->series->n, far = 0;
     for (size_t i = 0; i < n; i++)
@@ -115,7 +115,7 @@ static int compare_frequency(const double *x, int i, int j)
 }
 
 /* Sets order [modes] to the modes by ascending frequency. */
-static void ascending(const double *x, int modes, int *order)
+static void order_by_frequency(const double *x, int modes, int *order)
 {
     for (int i = 0; i < modes; i++) {
         int position = i;
@@ -127,8 +127,8 @@ static void ascending(const double *x, int modes, int *order)
 
 /* Returns the standard deviation of a linear combination of a mode's parameters, which begin at
  * `first`. */
-static double deviation(const struct modes_fitting *f, int first,
-                        const double gradient[MODE_PARAMETERS])
+static double combination_deviation(const struct modes_fitting *f, int first,
+                                    const double gradient[MODE_PARAMETERS])
 {
     const double *covariance = &f->covariance[first][first];
     return sqrt(
@@ -171,15 +171,16 @@ static struct normal_mode mode_of(const struct modes_fitting *f, int k)
         [MODE_A] = a / amplitude, [MODE_B] = b / amplitude};
     const double of_phase[MODE_PARAMETERS] = {[MODE_A] = b / square, [MODE_B] = -a / square};
     return (struct normal_mode){
-        .frequency = {x[MODE_OMEGA].value / TWO_PI, deviation(f, first, one[0])},
-        .gamma = {x[MODE_GAMMA].value, deviation(f, first, one[1])},
-        .amplitude = {amplitude, deviation(f, first, of_amplitude)},
-        .phase = {phase <= -PI ? PI : phase, deviation(f, first, of_phase)}};
+        .frequency = {x[MODE_OMEGA].value / TWO_PI, combination_deviation(f, first, one[0])},
+        .gamma = {x[MODE_GAMMA].value, combination_deviation(f, first, one[1])},
+        .amplitude = {amplitude, combination_deviation(f, first, of_amplitude)},
+        .phase = {phase <= -PI ? PI : phase, combination_deviation(f, first, of_phase)}};
 }
 
 /* Returns the standard deviation of a quantity from its derivatives by the frequency and the
  * damping of two modes. */
-static double of_both(const struct modes_fitting *f, const int mode[2], double derivative[2][2])
+static double pair_deviation(const struct modes_fitting *f, const int mode[2],
+                             double derivative[2][2])
 {
     double all[CURVE_PARAMETERS] = {0};
     for (int p = 0; p < 4; p++)
@@ -192,7 +193,7 @@ static double of_both(const struct modes_fitting *f, const int mode[2], double d
 /* Computes splitting and coupling for two equal oscillators, each with k/m, coupled by kc: omega0^2
  * is k/m if they move alike and (k + 2 kc)/m if they move against each other (French, Vibrations
  * and Waves (1971), chapter 5), where omega0^2 = omega^2 + gamma^2/4. */
-static void couple(const struct modes_fitting *f, const int order[2], struct modes_fit *modes)
+static void coupling_set(const struct modes_fitting *f, const int order[2], struct modes_fit *modes)
 {
     const struct measured *x[2];
     double square[2];
@@ -203,7 +204,7 @@ static void couple(const struct modes_fitting *f, const int order[2], struct mod
     }
     double apart[2][2] = {{-1 / TWO_PI, 0}, {1 / TWO_PI, 0}};
     modes->splitting = (struct measured){(x[1][MODE_OMEGA].value - x[0][MODE_OMEGA].value) / TWO_PI,
-                                         of_both(f, order, apart)};
+                                         pair_deviation(f, order, apart)};
     double ratio[2][2], stiff[2][2];
     for (int i = 0; i < 2; i++) {
         const double of_ratio = i ? 0.5 / square[0] : -0.5 * square[1] / (square[0] * square[0]);
@@ -214,15 +215,16 @@ static void couple(const struct modes_fitting *f, const int order[2], struct mod
         }
     }
     modes->coupling =
-        (struct measured){0.5 * (square[1] / square[0] - 1), of_both(f, order, ratio)};
-    modes->stiffness = (struct measured){0.5 * (square[1] - square[0]), of_both(f, order, stiff)};
+        (struct measured){0.5 * (square[1] / square[0] - 1), pair_deviation(f, order, ratio)};
+    modes->stiffness =
+        (struct measured){0.5 * (square[1] - square[0]), pair_deviation(f, order, stiff)};
 }
 
 /* ---- what should be known about it ---- */
 
 /* Returns true if the faster frequency is a multiple of the slower within `width`, so that it may
  * be an overtone. */
-static bool overtone(double slow, double fast, double width)
+static bool is_overtone(double slow, double fast, double width)
 {
     const double n = nearbyint(fast / slow);
     return n >= 2 && fabs(fast - n * slow) < width;
@@ -245,7 +247,7 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
             const double n = nearbyint(f.value / a->frequency.value);
             const double doubt = 2 * hypot(f.uncertainty, n * a->frequency.uncertainty) +
                                  OVERTONE_LINE_WIDTHS / span;
-            if (overtone(a->frequency.value, f.value, doubt))
+            if (is_overtone(a->frequency.value, f.value, doubt))
                 fit_warn(fit,
                          "%.5g Hz is %g times %.5g Hz: probably an overtone of that oscillation, "
                          "not a separate mode",
@@ -266,7 +268,8 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
 }
 
 /* Warns of lines in the residuals, of a poor fit, and of rejected samples. */
-static void warn_rest(const struct modes_fitting *f, const struct modes_fit *modes, struct fit *fit)
+static void warn_residuals(const struct modes_fitting *f, const struct modes_fit *modes,
+                           struct fit *fit)
 {
     const struct series left = {.t = f->series->t, .y = f->residual, .n = f->series->n};
     struct spectrum_peak line;
@@ -294,7 +297,7 @@ static void warn_rest(const struct modes_fitting *f, const struct modes_fit *mod
 }
 
 /* Fills the result from the fit, with uncertainties, coupling and warnings. */
-static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *modes)
+static void modes_report(struct modes_fitting *f, size_t rejected, struct modes_fit *modes)
 {
     static const struct measured none = {NAN, NAN};
     struct fit *fit = &modes->fit;
@@ -303,7 +306,7 @@ static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *m
     const double t0 = f->series->t[0], end = f->series->t[f->series->n - 1];
     for (int j = 0; j < f->fit.parameters; j++)
         x[j] = f->fit.value[j].value;
-    ascending(x, f->curve.modes, order);
+    order_by_frequency(x, f->curve.modes, order);
     widen_all(f);
     *modes = (struct modes_fit){
         .modes = f->curve.modes, .splitting = none, .coupling = none, .stiffness = none};
@@ -329,16 +332,16 @@ static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *m
     for (int k = 0; k < modes->modes; k++)
         modes->mode[k] = mode_of(f, order[k]);
     if (modes->modes == 2)
-        couple(f, order, modes);
+        coupling_set(f, order, modes);
     modes->residual = f->residual;
     warn_lines(modes, end - t0, fit);
-    warn_rest(f, modes, fit);
+    warn_residuals(f, modes, fit);
 }
 
 /* ---- the fit ---- */
 
 /* Sets the error for more modes than are above the noise. Returns false. */
-static bool too_many(int wanted, int found, struct error *error)
+static bool refuse_too_many(int wanted, int found, struct error *error)
 {
     if (found == 0)
         return error_set(error, ERROR_NUMERICAL, "no oscillation is above the noise");
@@ -361,8 +364,8 @@ static double noise_beside(const struct modes_fitting *f, const struct normal_mo
 
 /* Returns true if all amplitudes are certain and stand out of the noise; else false with the
  * error. */
-static bool certain(const struct modes_fitting *f, const struct modes_fit *modes,
-                    struct error *error)
+static bool modes_are_certain(const struct modes_fitting *f, const struct modes_fit *modes,
+                              struct error *error)
 {
     const double span = f->series->t[f->series->n - 1] - f->series->t[0];
     const double sure =
@@ -422,16 +425,16 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
         return cancelled(cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped")
                                  : error_memory(error);
     if (sure < count)
-        return too_many(count, sure, error);
+        return refuse_too_many(count, sure, error);
     mode_curve_init(&f.curve, count, series);
     double *x = start[count].value;
     if (!fit_from(&f, x, error))
         return false;
-    for (int round = 0; round < 3 && reject(&f, &rejected); round++)
+    for (int round = 0; round < 3 && reject_outlying(&f, &rejected); round++)
         if (!fit_from(&f, x, error))
             return false;
-    report(&f, rejected, modes);
-    return !modes->fit.converged || certain(&f, modes, error);
+    modes_report(&f, rejected, modes);
+    return !modes->fit.converged || modes_are_certain(&f, modes, error);
 }
 
 /* Returns true if two lines, however damped, may hold most of the power. */
@@ -488,5 +491,5 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     *pair = (struct mode_pair){
         {1 / slow, 1 / fast}, 1 / (fast - slow), start[2].rss / (square - sum * sum / used)};
     return fast - slow > RESOLVED_LINE_WIDTHS * width && slow > RESOLVED_LINE_WIDTHS * width &&
-           !overtone(slow, fast, width);
+           !is_overtone(slow, fast, width);
 }

@@ -29,8 +29,8 @@ enum {
 #define A_PERIOD 8
 
 /* Computes the sum of modes and its derivatives in the form that struct fit_curve expects. */
-static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value,
-                     double *derivative)
+static bool evaluate_modes(void *context, const double *x, const double *t, size_t n, double *value,
+                           double *derivative)
 {
     const struct mode_curve *c = context;
     for (size_t i = 0; i < n; i++) {
@@ -70,7 +70,7 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
         "a2",     "b2",    "omega3", "gamma3", "a3", "b3", "omega4", "gamma4",
         "a4",     "b4",    "omega5", "gamma5", "a5", "b5"};
     *c = (struct mode_curve){.modes = modes, .origin = series->t[0], .cancel = series->cancel};
-    c->curve = (struct fit_curve){MODES_FIRST + modes * MODE_PARAMETERS, names, c, evaluate};
+    c->curve = (struct fit_curve){MODES_FIRST + modes * MODE_PARAMETERS, names, c, evaluate_modes};
     for (int j = 0; j < c->curve.parameters; j++)
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
 }
@@ -81,7 +81,7 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
 /* ---- fewer samples ---- */
 
 /* Returns the frequency [Hz] of the fastest line that stands out, or 0 if there is none. */
-static double fastest(const struct samples *x, struct arena *arena)
+static double fastest_line(const struct samples *x, struct arena *arena)
 {
     const struct series series = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
     struct spectrum_peak peak[LINES];
@@ -103,7 +103,7 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
 {
     const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
     size_t each = x->n / wanted;
-    const double max = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
+    const double max = each > 1 ? 1 / (A_PERIOD * fastest_line(x, arena) * dt) : 1;
     if ((double)each >= max)
         each = (size_t)max;
     return samples_average(x, max >= 2 && each > 1 ? each : 1, arena, thin);

@@ -89,7 +89,7 @@ static void carry_amplitude(const struct motion *m, double t_begin, double width
 /* Adds the difference to the amplitude in half the window to the uncertainty: if the envelope bends
  * within the window, the mean is read, which is off by 4/3 of that. */
 static void widen_by_bend(const struct motion *m, double t_begin, double width,
-                          const struct reading *whole, struct measured *amplitude)
+                          const struct reading *window_reading, struct measured *amplitude)
 {
     static const double chance = 2; /* standard deviations */
     const struct samples *x = &m->samples;
@@ -97,7 +97,7 @@ static void widen_by_bend(const struct motion *m, double t_begin, double width,
     if (!local_amplitude(m, samples_index(x, t_begin + (0.25 - 1e-9) * width),
                          samples_index(x, t_begin + (0.75 + 1e-9) * width), &half))
         return;
-    const double bend = fabs(half.amplitude.value / whole->amplitude.value - 1),
+    const double bend = fabs(half.amplitude.value / window_reading->amplitude.value - 1),
                  noise = half.amplitude.uncertainty / half.amplitude.value;
     if (bend > chance * noise)
         amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
@@ -127,9 +127,9 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
                              "too few samples for an amplitude within %g s around %g s", w,
                              reading_time[i]);
         }
-        const struct reading whole = reading[i];
+        const struct reading window_reading = reading[i];
         carry_amplitude(&m, t_begin, w, reading_time[i], &reading[i].amplitude);
-        widen_by_bend(&m, t_begin, w, &whole, &reading[i].amplitude);
+        widen_by_bend(&m, t_begin, w, &window_reading, &reading[i].amplitude);
         reading[i].t = reading_time[i];
     }
     return true;

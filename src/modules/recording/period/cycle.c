@@ -72,19 +72,19 @@ static bool place_cycle(const struct cycles *c, double expected, double reach, s
 {
     enum { PLACES = 2 * (BINS_MAX / 8) + 3 };
     const double step = c->period / (double)c->bins;
-    const int most = (int)ceil(reach * (double)c->bins);
+    const int reach_bins = (int)ceil(reach * (double)c->bins);
     double r[PLACES] = {0}, *top = NULL, t = expected;
     struct cycle trial;
     size_t row = samples_index(c->samples, expected);
-    for (int k = 0; k <= 2 * most + 2; k++)
-        r[k] = fit_cycle(c, expected + (k - most - 1) * step, &row, &trial);
-    for (int k = 1; k <= 2 * most + 1; k++)
+    for (int k = 0; k <= 2 * reach_bins + 2; k++)
+        r[k] = fit_cycle(c, expected + (k - reach_bins - 1) * step, &row, &trial);
+    for (int k = 1; k <= 2 * reach_bins + 1; k++)
         if (r[k] > 0 && (!top || r[k] > *top))
             top = &r[k];
     if (!top)
         return false;
     const double bend = top[-1] - 2 * top[0] + top[1];
-    t += (double)(top - r - most - 1) * step;
+    t += (double)(top - r - reach_bins - 1) * step;
     if (bend < 0)
         t += step * fmin(fmax(0.5 * (top[-1] - top[1]) / bend, -0.5), 0.5);
     return fit_cycle(c, t, &row, result) > 0 && result->height > 0;
@@ -155,7 +155,7 @@ static bool place_cycles(struct cycles *c, double reach)
 /* Returns where the first cycle should begin [periods after the first sample], at most `spare`:
  * where the series changes least, so that no pulse is cut. Sets *much to the change there relative
  * to the least change anywhere. */
-static double quiet_begin(const struct samples *x, double period, double spare, double *much)
+static double quiet_begin(const struct samples *x, double period, double spare, double *excess)
 {
     enum { PLACES = 16 };
     double change[PLACES] = {0}, least = HUGE_VAL, least_allowed = HUGE_VAL, begin = 0.5 * spare;
@@ -173,7 +173,7 @@ static double quiet_begin(const struct samples *x, double period, double spare, 
             begin = place;
         }
     }
-    *much = least_allowed / least;
+    *excess = least_allowed / least;
     return begin;
 }
 
@@ -197,10 +197,10 @@ static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
     if (!c->cycle || !shape || !c->weight)
         return false;
     c->shape = shape + 1;
-    double much, begin = quiet_begin(x, guess, fmax(span / guess - (double)c->count, 0), &much);
-    if (much > change_max && c->count > CYCLES_LEFT_MIN) {
+    double excess, begin = quiet_begin(x, guess, fmax(span / guess - (double)c->count, 0), &excess);
+    if (excess > change_max && c->count > CYCLES_LEFT_MIN) {
         c->count--;
-        begin = quiet_begin(x, guess, 1, &much);
+        begin = quiet_begin(x, guess, 1, &excess);
     }
     const double first = x->t[0] + begin * guess;
     for (size_t k = 0; k < c->count; k++)

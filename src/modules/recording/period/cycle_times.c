@@ -70,7 +70,7 @@ static void set_terms(const struct times_line *line, const struct cycle_times *x
 
 /* Returns the variance about the line in units of the stated variances, widened if neighbouring
  * deviations are correlated. `terms` is the number of fitted values. */
-static double scatter(const struct cycle_times *x, int terms)
+static double times_variance(const struct cycle_times *x, int terms)
 {
     double square = 0, product = 0, previous = 0, n = 0;
     for (size_t i = 0; i < x->n; i++)
@@ -88,7 +88,7 @@ static double scatter(const struct cycle_times *x, int terms)
 
 /* Fits the line to the times in use by weighted least squares. Returns false if they are too few,
  * or if out of memory. */
-static bool weigh(struct cycle_times *x, struct times_line *line)
+static bool fit_weighted(struct cycle_times *x, struct times_line *line)
 {
     const size_t terms = (size_t)(line->powers + line->gaps), last = x->n - 1;
     const double start = x->t[0], slope = (x->t[last] - start) / (x->number[last] - x->number[0]);
@@ -123,7 +123,7 @@ static bool weigh(struct cycle_times *x, struct times_line *line)
             x->deviation[i] -= gsl_vector_get(value, k) * term[k];
     }
     if (fitted) {
-        line->variance = n > terms ? scatter(x, (int)terms) : 1;
+        line->variance = n > terms ? times_variance(x, (int)terms) : 1;
         for (size_t k = 0; k < terms; k++) {
             line->value[k] = gsl_vector_get(value, k);
             line->sigma[k] = sqrt(gsl_matrix_get(inverse, k, k) * line->variance);
@@ -147,7 +147,7 @@ static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct
     enum { PASSES = 3 };
     line->powers = powers;
     for (int pass = 0; pass < PASSES; pass++) {
-        if (!weigh(x, line))
+        if (!fit_weighted(x, line))
             return false;
         for (size_t i = 0; i < x->n; i++)
             scratch[i] = fabs(x->deviation[i] / x->sigma[i]);
@@ -161,7 +161,7 @@ static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct
 /* Counts the cycles in gaps anew, so that the times before and after lie on one curve. If they do
  * not for any number, the clock was set: the line gets a step there. Returns the time before the
  * longest of these gaps, or NAN. */
-static double heed_gaps(struct cycle_times *x, struct times_line *line)
+static double recount_gaps(struct cycle_times *x, struct times_line *line)
 {
     static const double gap_distances = 2.5, jump_sigmas = 5, jump_min = 0.04, known = 0.2;
     const double mean = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
@@ -171,7 +171,7 @@ static double heed_gaps(struct cycle_times *x, struct times_line *line)
         if (x->after_gap[i] || x->t[i] - x->t[i - 1] > gap_distances * mean)
             steps.gap[steps.gaps++] = i;
     steps.powers = x->n > 2 * (size_t)(steps.gaps + POWERS_MAX) ? 3 : 2;
-    if (steps.gaps == 0 || x->n < (size_t)(steps.gaps + 4) || !weigh(x, &steps))
+    if (steps.gaps == 0 || x->n < (size_t)(steps.gaps + 4) || !fit_weighted(x, &steps))
         return t_gap;
     const double T = steps.value[1] / steps.half;
     for (int k = 0; k < steps.gaps; k++) {
@@ -214,7 +214,7 @@ static double slope_sigma(const struct times_line *line, bool exact)
 
 /* Warns if the times bend against their numbers, and widens the uncertainty to cover the periods at
  * both ends. */
-static void heed_bend(const struct times_line *bent, struct period *period)
+static void warn_bend(const struct times_line *bent, struct period *period)
 {
     /* smallest relative change over the recording that is reported */
     static const double change_min = 1e-4;
@@ -239,7 +239,7 @@ bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct
     if (!scratch || x->n < 2)
         return false;
     set_scale(x, &line);
-    const double jump = exact ? NAN : heed_gaps(x, &line);
+    const double jump = exact ? NAN : recount_gaps(x, &line);
     struct times_line bent = line;
     const bool bends = !exact && x->n >= BENDS_TIMES_MIN + (size_t)bent.gaps &&
                        fit_times(x, 3, scratch, &bent) &&
@@ -258,7 +258,7 @@ bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct
     period->last = x->t[last - 1];
     period->periods = nearbyint((period->last - period->first) / period->period.value);
     if (bends)
-        heed_bend(&bent, period);
+        warn_bend(&bent, period);
     if (isfinite(jump))
         snprintf(period->warning, sizeof period->warning,
                  "the phase jumps in the gap after t = %.6g s, perhaps because a clock was set; T "
@@ -271,7 +271,7 @@ double times_curvature(struct cycle_times *x, double sigmas)
 {
     struct times_line line = {.powers = 3};
     set_scale(x, &line);
-    return weigh(x, &line) && fabs(line.value[2]) > sigmas * line.sigma[2]
+    return fit_weighted(x, &line) && fabs(line.value[2]) > sigmas * line.sigma[2]
                ? 2 * line.value[2] / (line.half * line.half)
                : 0;
 }

@@ -318,8 +318,8 @@ static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residu
 
 /* Tests the double and triple period: warns that T may be a multiple, or takes the multiple if
  * there is no doubt. Returns true if it took one. scratch [rows] is work space. */
-static bool heed_turns(const struct cycles *c, double noise, struct measured *value,
-                       double *scratch, struct period *period)
+static bool test_multiples(const struct cycles *c, double noise, struct measured *value,
+                           double *scratch, struct period *period)
 {
     static const double chance_min = 2e-3, chance_sure = 1e-7;
     enum { MULTIPLES = 3 };
@@ -382,7 +382,7 @@ void period_doubt(const struct series *series, struct arena *arena, struct perio
         if (alike && pass == 0)
             widen_by_times(&c, noise, value, period);
         if (alike)
-            longer = heed_turns(&c, noise, value, scratch, period);
+            longer = test_multiples(&c, noise, value, scratch, period);
         else if (noise * noise < noise_max * cycles_square(&c) && !period->warning[0])
             snprintf(period->warning, sizeof period->warning,
                      "cycles of this length differ, so T may not be the period");

@@ -66,8 +66,9 @@ static double mean_envelope(const struct samples *x, const struct harmonic *h)
 
 /* Sets amplitude and frequency of a line with their uncertainties. Returns true if it stands out of
  * `residual`, what all lines leave. `first` tells that it is the first line. */
-static bool stands(const struct samples *x, const struct harmonic *h, enum harmonic_free unknowns,
-                   const double *residual, bool first, struct spectrum_peak *peak)
+static bool line_stands_out(const struct samples *x, const struct harmonic *h,
+                            enum harmonic_free unknowns, const double *residual, bool first,
+                            struct spectrum_peak *peak)
 {
     const double amplitude = hypot(h->a, h->b) * (h->gamma == 0 ? 1 : mean_envelope(x, h)),
                  n = (double)h->used, white = harmonic_sigma(h, (int)unknowns);
@@ -128,7 +129,7 @@ static bool next_spectrum_line(const struct samples *x, struct harmonic *line, i
         return false;
     bool good = true;
     for (int i = 0; i <= found && good; i++) {
-        good = stands(x, &line[i], FREE_OMEGA, left, found == 0, &peak[i]) &&
+        good = line_stands_out(x, &line[i], FREE_OMEGA, left, found == 0, &peak[i]) &&
                hypot(line[i].a, line[i].b) >= LINE_MIN_FRACTION * hypot(line[0].a, line[0].b);
         for (int j = 0; j < i; j++)
             good &= fabs(line[i].omega - line[j].omega) > LINE_FOOT_BINS * bin;
@@ -161,7 +162,7 @@ static void fit_damped_lines(const struct samples *x, struct harmonic *line, int
         if (!line[k].converged)
             return;
     for (int k = 0; k < count; k++)
-        stands(x, &line[k], FREE_GAMMA, left, k == 0, &peak[k]);
+        line_stands_out(x, &line[k], FREE_GAMMA, left, k == 0, &peak[k]);
 }
 
 int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,

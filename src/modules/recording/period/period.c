@@ -41,7 +41,7 @@ enum {
 
 /* Reads the period from one damped sine, if there are too few windows for a line through phases.
  * Returns false if it does not fit. */
-static bool whole_period(const struct motion *m, struct period *period)
+static bool damped_sine_period(const struct motion *m, struct period *period)
 {
     const struct harmonic *h = &m->harmonic;
     const struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
@@ -159,7 +159,7 @@ static bool sine_period(const struct series *series, struct motion *m, struct ar
     if (overview_is_exact(&m->overview))
         return crossing_period(series, &m->overview, arena, period, &ignored);
     return phase_period(m, arena, period) ||
-           ((!is_poor(m) || is_decaying(m)) && whole_period(m, period));
+           ((!is_poor(m) || is_decaying(m)) && damped_sine_period(m, period));
 }
 
 /* Reads the period of the part of a series that oscillates, with a warning. */
@@ -169,7 +169,7 @@ static bool part_period(const struct series *series, const struct swing *swing, 
     struct motion m;
     const struct series part = series_window(*series, swing->window[0], swing->window[1]);
     if (!motion_init(&m, &part, arena, NULL) || !m.overview.oscillates ||
-        !(sine_period(&part, &m, arena, period) || whole_period(&m, period)))
+        !(sine_period(&part, &m, arena, period) || damped_sine_period(&m, period)))
         return false;
     snprintf(period->warning, sizeof period->warning,
              "only a part of it is an oscillation; T is measured from t = %.6g to %.6g s",
@@ -186,7 +186,7 @@ static bool swing_period(const struct series *series, struct arena *arena, struc
 }
 
 /* Returns true if the period and `value` [s] are two readings of the same one. */
-static bool is_same(const struct period *period, double value)
+static bool is_same_period(const struct period *period, double value)
 {
     return fabs(period->period.value / value - 1) < SAME_PERIOD;
 }
@@ -203,13 +203,13 @@ static void take_multiple(const struct series *series, bool exact, const struct 
     if (multiple == 1) {
         /* A wave that is no sine is placed better by its crossings than by phases of sines. */
         if (period->period.uncertainty > PERIOD_SHARP_RELATIVE * period->period.value &&
-            wave_period(series, kind, arena, &other) && is_same(&other, guess) &&
+            wave_period(series, kind, arena, &other) && is_same_period(&other, guess) &&
             other.period.uncertainty < period->period.uncertainty / 10)
             *period = other;
         return;
     }
     if (cycle_period(series, guess, arena, &other) ||
-        (swing_period(series, arena, &other) && is_same(&other, guess))) {
+        (swing_period(series, arena, &other) && is_same_period(&other, guess))) {
         const double T = period->period.value;
         *period = other;
         if (multiple > 1 && lags_support(lags, T) && !period->warning[0])
@@ -227,9 +227,9 @@ static void take_multiple(const struct series *series, bool exact, const struct 
 
 /* Reads the period of a series that no sine describes, trying crossings, a part, whole cycles and
  * waves in turn. `rows` is the series, or means of its neighbours. Returns false with the error. */
-static bool other_period(const struct series *series, const struct series *rows, struct motion *m,
-                         const struct lags *lags, struct arena *arena, struct period *period,
-                         struct error *error)
+static bool period_without_sine(const struct series *series, const struct series *rows,
+                                struct motion *m, const struct lags *lags, struct arena *arena,
+                                struct period *period, struct error *error)
 {
     struct mode_pair pair;
     struct swing swing;
@@ -253,7 +253,7 @@ static bool other_period(const struct series *series, const struct series *rows,
     if (!m->overview.oscillates)
         return (!lines && !swings && waves_period(series, arena, period)) ||
                motion_refuse_known(m, lines ? &pair : NULL, swinging, error);
-    if ((exact || !whole_period(m, period)) &&
+    if ((exact || !damped_sine_period(m, period)) &&
         !crossing_period(exact ? series : rows, &m->overview, arena, period, error))
         return false;
     snprintf(period->warning, sizeof period->warning,
@@ -272,7 +272,7 @@ static void prefer_cycles(const struct series *series, const struct series *rows
     if ((double)series->n * period->period.value < COARSE_PERIOD * span &&
         series_has_harmonics(rows, period->period.value) &&
         cycle_period(rows, period->period.value, arena, &other) &&
-        is_same(period, other.period.value) &&
+        is_same_period(period, other.period.value) &&
         fabs(other.period.value - period->period.value) >
             CONTRADICTION_SIGMAS * hypot(other.period.uncertainty, period->period.uncertainty)) {
         /* If cycles are few, either of the two may be wrong. */
@@ -304,8 +304,8 @@ static void widen_by_edges(const struct series *series, struct period *period)
 
 /* Measures the period by the method that suits the series; series_period() then tests it. Sets
  * *pace to the relative standard uncertainty that all times share. Returns false with the error. */
-static bool find_period(const struct series *series, struct arena *arena, struct period *period,
-                        double *pace, struct error *error)
+static bool period_by_method(const struct series *series, struct arena *arena,
+                             struct period *period, double *pace, struct error *error)
 {
     struct motion m;
     struct lags lags;
@@ -325,7 +325,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         return motion_refuse_known(&m, NULL, NULL, error);
     const bool has_lags = lags_init(&rows, found ? period->period.value : NAN, arena, &lags);
     if (!found) {
-        if (!other_period(series, &rows, &m, &lags, arena, period, error))
+        if (!period_without_sine(series, &rows, &m, &lags, arena, period, error))
             return false;
         if (!exact)
             widen_by_edges(series, period);
@@ -350,7 +350,7 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     double pace = series->pace;
     /* A smooth series is not tested further: a subharmonic would shift every second crossing. */
     const bool smooth = smooth_period(series, arena, period);
-    if (!smooth && !find_period(series, arena, period, &pace, error))
+    if (!smooth && !period_by_method(series, arena, period, &pace, error))
         return false;
     if (!smooth) {
         period_check_waves(series, arena, period);

@@ -12,7 +12,8 @@
 
 /* Sets *mean to the weighted mean with `sigma_between` added in quadrature to each stated
  * uncertainty. Returns the sum of squares in units of these. */
-static double weigh(const struct measured *x, int n, double sigma_between, struct measured *mean)
+static double weighted_mean_with(const struct measured *x, int n, double sigma_between,
+                                 struct measured *mean)
 {
     double w = 0, wx = 0, square = 0;
     for (int i = 0; i < n; i++) {
@@ -36,11 +37,11 @@ static double scatter_between(const struct measured *x, int n, double scatter)
 {
     struct measured mean;
     double low = 0, high = 2 * scatter * sqrt(n);
-    if (!(weigh(x, n, 0, &mean) > n - 1))
+    if (!(weighted_mean_with(x, n, 0, &mean) > n - 1))
         return 0;
     for (int i = 0; i < 100; i++) {
         const double middle = 0.5 * (low + high);
-        *(weigh(x, n, middle, &mean) > n - 1 ? &low : &high) = middle;
+        *(weighted_mean_with(x, n, middle, &mean) > n - 1 ? &low : &high) = middle;
     }
     return 0.5 * (low + high);
 }
@@ -64,11 +65,11 @@ bool repeat_values(const struct measured *x, int n, struct repeat *r)
     r->mean.uncertainty = r->scatter / sqrt(n);
     r->quote = r->mean;
     if (stated) {
-        const double chi2 = weigh(x, n, 0, &r->weighted);
+        const double chi2 = weighted_mean_with(x, n, 0, &r->weighted);
         r->birge = sqrt(chi2 / (n - 1));
         r->chance = gsl_cdf_chisq_Q(chi2, n - 1);
         r->excess_scatter = scatter_between(x, n, r->scatter);
-        weigh(x, n, r->excess_scatter, &r->quote);
+        weighted_mean_with(x, n, r->excess_scatter, &r->quote);
     }
     r->interval = gsl_cdf_tdist_Pinv(0.975, n - 1) * r->quote.uncertainty;
     return true;

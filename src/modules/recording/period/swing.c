@@ -26,7 +26,7 @@ static const double shape_periods_min = 5;
 static const double rejected_share_max = 0.1;
 
 /* Returns true if the damped sine of m describes its samples. */
-static bool describes(const struct motion *m)
+static bool sine_describes(const struct motion *m)
 {
     const struct samples *x = &m->samples;
     double power = 0, square = 0;
@@ -79,7 +79,7 @@ static size_t extend_end(const struct series *s, const struct motion *m, size_t 
 }
 
 /* Returns samples begin to end - 1 of a series; memory is shared. */
-static struct series part_of(const struct series *s, size_t begin, size_t end)
+static struct series series_part(const struct series *s, size_t begin, size_t end)
 {
     struct series part = *s;
     part.t += begin;
@@ -92,8 +92,8 @@ static struct series part_of(const struct series *s, size_t begin, size_t end)
 static bool try_window(const struct series *s, size_t begin, size_t end, struct arena *arena,
                        struct motion *m)
 {
-    const struct series part = part_of(s, begin, end);
-    return part.n >= SWING_SAMPLES_MIN && motion_one_sine(m, &part, arena) && describes(m);
+    const struct series part = series_part(s, begin, end);
+    return part.n >= SWING_SAMPLES_MIN && motion_one_sine(m, &part, arena) && sine_describes(m);
 }
 
 /* Moves both ends of a window outwards by at most half a period at a time, with a new sine each
@@ -181,8 +181,8 @@ static bool after_rest(const struct series *s, size_t halvings, struct swing *sw
         struct motion m;
         if (window[1] - first < SWING_SAMPLES_MIN)
             break;
-        const struct series part = part_of(s, first, window[1]);
-        found = motion_init(&m, &part, &arena, NULL) && !m.tracked && describes(&m);
+        const struct series part = series_part(s, first, window[1]);
+        found = motion_init(&m, &part, &arena, NULL) && !m.tracked && sine_describes(&m);
         if (found)
             set_swing(s, window, &m, swing);
         arena_reset(&arena);

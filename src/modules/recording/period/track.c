@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Follows an oscillation window by window (track.h), and reads its period from the phases. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/period/track.h"
 
@@ -6,17 +7,19 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Columns of a local fit; samples of a window; widest window in periods; numbers of clear windows
+ * that are few or many; samples a period in means of a long recording. */
 enum { COLUMNS = 5, WINDOW_SAMPLES = 10, PERIODS_MAX = 32, FEW = 2, MANY = 8, ROWS_A_PERIOD = 24 };
 
-#define PART_ROWS 14.0 /* rows of a part, over the square root of the rows of a long recording */
-#define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
+#define PART_ROWS 14.0 /* rows of a part, divided by the square root of those of the recording */
+#define BEAT_MIN 0.6   /* [beats with the sampling] below which cosine and sine are too similar */
 #define CLEAR_AT 5.0   /* explained over residual variance, per degree of freedom */
 #define PIVOT_MIN 1e-8 /* squared sine of the angle between a column and those before it */
-#define FREQUENCY_GAIN                                                                             \
-    0.5 /* part of a window's correction to the frequency that is applied at once */
-/* part of a window that is filled; less is beside a gap, and too short for a phase */
+/* Part of a window's correction to the frequency that is applied at once. */
+#define FREQUENCY_GAIN 0.5
+/* Part of a window that must be filled; with less, beside a gap, it is too short for a phase. */
 #define WINDOW_FILLED_MIN 0.6
-/* Largest relative distance of the frequency from where it started. */
+/* Largest relative distance of the frequency from its start. */
 #define FREQUENCY_STRAY_RELATIVE 0.35
 
 /* Gram matrix of the columns 1, s, s^2, cos, sin and y. */
@@ -33,14 +36,14 @@ static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, d
 #pragma GCC unroll 8
     for (int i = 0; i <= COLUMNS; i++) {
 #pragma GCC unroll 8
-        for (int j = 0; j <= i; j++) {
+        for (int j = 0; j <= i; j++)
             gram[i][j] += column[i] * column[j];
-        }
     }
 }
 
 /* Returns the products of the columns over a window's samples; `half` scales s to -1 … 1. */
-static struct track_gram collect(const struct samples *x, const struct track_window *w, double half)
+static struct track_gram window_products(const struct samples *x, const struct track_window *w,
+                                         double half)
 {
     struct track_gram m = {.used = 0};
     double gram[COLUMNS + 1][COLUMNS + 1] = {
@@ -66,8 +69,8 @@ static struct track_gram collect(const struct samples *x, const struct track_win
     return m;
 }
 
-/* Replaces the matrix by its Cholesky factor. Returns false if a column is hardly independent of
- * those before it. */
+/* Replaces the matrix by its Cholesky factor, and the row of y by its components. Returns false if
+ * a column is hardly independent of those before it. */
 static bool factorise(struct track_gram *m)
 {
     double *r = m->gram[COLUMNS], square = r[COLUMNS];
@@ -84,21 +87,18 @@ static bool factorise(struct track_gram *m)
  * middle. */
 static void fit_window(const struct samples *x, struct track_window *w)
 {
-    if (cancelled(x->cancel)) {
+    if (cancelled(x->cancel))
         return;
-    }
     const double half = 0.5 * (x->t[w->end - 1] - x->t[w->begin]);
     struct track_gram m = {.used = 0};
     w->clear = false;
     w->amplitude = w->explained = w->rss = 0;
     w->sigma = w->phase_error = NAN;
-    if (half > 0) {
-        m = collect(x, w, half);
-    }
+    if (half > 0)
+        m = window_products(x, w, half);
     w->used = m.used;
-    if (m.used < COLUMNS + 2 || !factorise(&m)) {
+    if (m.used < COLUMNS + 2 || !factorise(&m))
         return;
-    }
     w->mean = x->y[w->begin] + m.gram[COLUMNS][0] / m.gram[0][0];
     const double *r = m.gram[COLUMNS], pc = r[3], pd = r[4];
     const double q = pd / m.gram[4][4], p = (pc - m.gram[4][3] * q) / m.gram[3][3];
@@ -126,16 +126,16 @@ static size_t after_gap(const struct samples *x, size_t begin, size_t end, doubl
     return i;
 }
 
-/* Divides the series into windows of equal width, with enough samples each; none spans a gap.
+/* Divides the series into windows of equal width [s] with enough samples each; none spans a gap.
  * Returns false if out of memory. */
-static bool divide(const struct samples *x, double width, struct arena *arena, struct track *track)
+static bool divide_into_windows(const struct samples *x, double width, struct arena *arena,
+                                struct track *track)
 {
     const double span = x->t[x->n - 1] - x->t[0];
     const size_t count = (size_t)fmax(1, floor(span / width + 0.1));
     track->window = arena_array(arena, count, sizeof *track->window);
-    if (!track->window) {
+    if (!track->window)
         return false;
-    }
     size_t begin = 0;
     bool gap = false;
     for (size_t k = 0; k < count; k++) {
@@ -207,9 +207,8 @@ static void conclude_track(struct track *track)
     const struct track_window *first = NULL, *last = NULL;
     for (size_t k = 0; k < track->windows; k++) {
         const struct track_window *w = &track->window[k];
-        if (!w->clear) {
+        if (!w->clear)
             continue;
-        }
         first = first ? first : w;
         last = w;
         track->clear++;
@@ -244,13 +243,11 @@ static bool track_from(const struct samples *x, double omega, double periods, do
                        struct arena *arena, struct track *track)
 {
     *track = (struct track){.omega = NAN, .periods = periods};
-    if (!divide(x, window_width(x, omega, periods), arena, track)) {
+    if (!divide_into_windows(x, window_width(x, omega, periods), arena, track))
         return false;
-    }
     size_t start = 0;
-    while (start + 1 < track->windows && track->window[start + 1].t <= t_start) {
+    while (start + 1 < track->windows && track->window[start + 1].t <= t_start)
         start++;
-    }
     if (track->windows > 0) {
         track->window[start].omega = omega;
         fit_window(x, &track->window[start]);
@@ -263,7 +260,7 @@ static bool track_from(const struct samples *x, double omega, double periods, do
 
 /* Returns the frequency between the best window and its neighbours, or omega if these are not
  * clear. */
-static double refined(const struct track *track, size_t start, double omega)
+static double refined_frequency(const struct track *track, size_t start, double omega)
 {
     double sum = 0, count = 0;
     for (size_t k = start > 0 ? start - 1 : 0; k + 1 < track->windows && k <= start; k++) {
@@ -281,17 +278,15 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
                   struct track *track)
 {
     *track = (struct track){.omega = NAN, .periods = periods};
-    if (!divide(x, window_width(x, omega, periods), arena, track)) {
+    if (!divide_into_windows(x, window_width(x, omega, periods), arena, track))
         return false;
-    }
     const size_t start = best_window(x, omega, track);
     for (int pass = 0; pass < 2 && start < track->windows; pass++) {
         follow_frequency(x, track, start, 1, omega);
         follow_frequency(x, track, start, -1, omega);
-        const double better = refined(track, start, omega);
-        if (better == omega) {
+        const double better = refined_frequency(track, start, omega);
+        if (better == omega)
             break;
-        }
         omega = better;
         track->window[start].omega = omega;
         fit_window(x, &track->window[start]);
@@ -312,8 +307,8 @@ bool track_is_oscillation(const struct track *track)
     return all || (track->clear >= MANY && track->coherence > 0.85 && track->fraction > 0.2);
 }
 
-/* Returns true if `track` follows the fundamental of an oscillation whose strong harmonic is
- * followed as well. */
+/* Returns true if `track` is the fundamental of an oscillation whose strong harmonic was followed,
+ * too. */
 static bool is_fundamental(const struct track *track, const struct track *harmonic)
 {
     const double ratio = harmonic->omega / track->omega;
@@ -322,14 +317,16 @@ static bool is_fundamental(const struct track *track, const struct track *harmon
            (fabs(ratio - 2) < 0.05 || fabs(ratio - 3) < 0.05);
 }
 
-/* Returns true if no other frequency can explain more of the series. */
+/* Returns true if the track explains nearly everything, so that no other frequency need be
+ * tried. */
 static bool explains_all(const struct track *track)
 {
     static const double coherence_min = 0.95, fraction_min = 0.9;
     return track->coherence > coherence_min && track->fraction > fraction_min;
 }
 
-/* Returns true if a frequency can be that of which the track is the second or third harmonic. */
+/* Returns true if omega may be the fundamental of which the track is the second or third
+ * harmonic. */
 static bool may_be_fundamental(double omega, const struct track *harmonic)
 {
     static const double ratio_min = 1.4, ratio_max = 4;
@@ -378,8 +375,8 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
 /* ---- long recordings ---- */
 
 /* Averages groups of `each` neighbouring samples. Returns false if out of memory. */
-static bool average(const struct samples *x, size_t each, struct arena *arena,
-                    struct samples *result)
+static bool average_samples(const struct samples *x, size_t each, struct arena *arena,
+                            struct samples *result)
 {
     const struct samples all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
     struct series means;
@@ -395,27 +392,25 @@ static double window_power(const struct track *track, const struct samples *x)
 
 bool track_long(const struct samples *x, struct arena *arena, struct track *track)
 {
-    /* A part of this size has some periods of any oscillation that means over the whole lose. */
+    /* A part of this size has some periods of any oscillation that is lost in means over the whole.
+     */
     const size_t rows = (size_t)(PART_ROWS * sqrt((double)x->n));
     struct samples coarse, part = samples_part(x, (x->n - rows) / 2, (x->n + rows) / 2);
     struct track fast, slow;
     *track = (struct track){.omega = NAN};
-    /* Means of neighbours keep what is slow; most of what is fast is in a part, too. */
-    if (!average(x, x->n / rows, arena, &coarse)) {
+    /* Slow oscillations remain in means of neighbours; fast ones are also present in a part. */
+    if (!average_samples(x, x->n / rows, arena, &coarse))
         return false;
-    }
     const double half = 0.5 * values_variance(x->y, x->n);
     const struct samples *rows_of[2] = {&part, &coarse};
     struct track *found[2] = {&fast, &slow};
     const bool is_slow = values_variance(coarse.y, coarse.n) > half;
     fast = slow = (struct track){.omega = NAN};
-    if (!track_find(rows_of[is_slow], arena, found[is_slow])) {
+    if (!track_find(rows_of[is_slow], arena, found[is_slow]))
         return false;
-    }
     const bool enough = window_power(found[is_slow], rows_of[is_slow]) > half;
-    if (!enough && !track_find(rows_of[!is_slow], arena, found[!is_slow])) {
+    if (!enough && !track_find(rows_of[!is_slow], arena, found[!is_slow]))
         return false;
-    }
     const struct track *best =
         window_power(&fast, &part) > window_power(&slow, &coarse) ? &fast : &slow;
     const struct track_window *strongest = NULL;
@@ -428,7 +423,7 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
     }
     if (!strongest)
         return true;
-    /* Means of so few neighbours keep all that is seen of the oscillation. */
+    /* These means have enough samples a period to contain all of the oscillation. */
     const size_t each = (size_t)fmax(TWO_PI / (strongest->omega * x->dt * ROWS_A_PERIOD), 1);
     struct series means;
     if (each == 1)
@@ -441,7 +436,7 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
 
 /* Adds the delay of the phases by friction, which a decay that speeds up shows, to the uncertainty,
  * and warns: the period may seem too long. */
-static void heed_friction(struct cycle_times *log_amplitude, double omega, struct period *period)
+static void warn_friction(struct cycle_times *log_amplitude, double omega, struct period *period)
 {
     static const double rises_at = 3; /* standard deviations of the curvature of ln A */
     static const double late = 1.8;   /* 1.4 to 1.8 in recordings whose motion is known */
@@ -495,6 +490,6 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
     period->last = crossing_near(last);
     period->periods = nearbyint((period->last - period->first) / period->period.value);
     if (log_amplitude.n > PHASES_MIN)
-        heed_friction(&log_amplitude, TWO_PI / period->period.value, period);
+        warn_friction(&log_amplitude, TWO_PI / period->period.value, period);
     return true;
 }

@@ -46,7 +46,7 @@ static void start_of(const struct fit *fit, int n, bool at_rest, struct measured
 
 /* Adds offset to parameter i of the fit: of the equation for a law, of the damped sine
  * otherwise. */
-static void shift(struct fit *fit, int i, double offset)
+static void shift_parameter(struct fit *fit, int i, double offset)
 {
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
     struct drag_fit *drag = &fit->drag;
@@ -72,7 +72,7 @@ static void shift(struct fit *fit, int i, double offset)
 }
 
 /* Returns a measured value multiplied by an exact, positive factor. */
-static struct measured times(struct measured value, double factor)
+static struct measured measured_times(struct measured value, double factor)
 {
     return (struct measured){value.value * factor, value.uncertainty * factor};
 }
@@ -98,13 +98,13 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
     struct measured start[2];
     start_of(fit, n, at_rest, start);
     value[ADOPTED_STIFFNESS] = fit_stiffness(fit, mass);
-    value[ADOPTED_CUBIC] = times(fit->drag.cubic, m);
+    value[ADOPTED_CUBIC] = measured_times(fit->drag.cubic, m);
     value[ADOPTED_LINEAR] = law ? law->rate[0] : fit->gamma;
-    value[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
+    value[ADOPTED_QUADRATIC] = law && drag > 0 ? measured_times(law->rate[1], 1 / drag) : none;
     value[ADOPTED_LENGTH] = (struct measured){
         length, length * hypot(square.uncertainty / square.value, g.uncertainty / g.value)};
     const double inertia = is_pendulum(scene) ? m * length : m;
-    value[ADOPTED_DRY] = law ? times(law->rate[2], inertia) : none;
+    value[ADOPTED_DRY] = law ? measured_times(law->rate[2], inertia) : none;
     value[ADOPTED_POSITION] = value[ADOPTED_ANGLE] = start[0];
     value[ADOPTED_POSITION].value += -m * g.value / value[ADOPTED_STIFFNESS].value;
     value[ADOPTED_VELOCITY] = value[ADOPTED_TURNING] = start[1];
@@ -169,7 +169,7 @@ static void slope_of(const struct scene *scene, const struct fit *fit, int i, in
     struct measured side[2][ADOPTED_VALUES];
     for (int s = 0; s < 2; s++) {
         struct fit moved = *fit;
-        shift(&moved, i, s ? increment : -increment);
+        shift_parameter(&moved, i, s ? increment : -increment);
         adopted_values(scene, &moved, n, at_rest, side[s]);
     }
     for (int k = 0; k < ADOPTED_VALUES; k++)

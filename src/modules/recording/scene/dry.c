@@ -34,7 +34,7 @@ struct dry_walk {
 };
 
 /* Sets *frozen to the system with the friction of one branch, the sign of the velocity. */
-static void freeze(const struct dry_walk *w, int branch, struct system *frozen)
+static void freeze_branch(const struct dry_walk *w, int branch, struct system *frozen)
 {
     const double side = branch > 0;
     system_freeze(&w->own, &side, frozen);
@@ -47,7 +47,7 @@ static void go_on_branch(struct dry_walk *w, int branch)
     w->step->warm = false;
     if (branch == 0)
         return;
-    freeze(w, branch, &w->c->variation->base);
+    freeze_branch(w, branch, &w->c->variation->base);
     w->c->variation->dry = branch;
 }
 
@@ -59,14 +59,14 @@ static void accelerations(const struct dry_walk *w, double t, const double *y, d
     for (int side = 0; side < 2; side++) {
         struct system frozen;
         double rate[LIMIT_VARIABLES];
-        freeze(w, side ? 1 : -1, &frozen);
+        freeze_branch(w, side ? 1 : -1, &frozen);
         system_derivative(&frozen, t, rest_state, rate);
         a[side] = rate[1];
     }
 }
 
 /* Returns the branch on which the motion continues from v = 0, or 0 if it sticks. */
-static int onward(const double a[2])
+static int next_branch(const double a[2])
 {
     if (a[1] > 0)
         return 1;
@@ -80,7 +80,7 @@ static void dry_walk_turn(struct dry_walk *w)
     double a[2];
     accelerations(w, step->t, step->y, a);
     const double old_acceleration = a[w->branch > 0];
-    const int next = onward(a);
+    const int next = next_branch(a);
     const double new_acceleration = next == 0 ? 0 : a[next > 0];
     const double factor = old_acceleration != 0 ? new_acceleration / old_acceleration : 1;
     step->y[1] = 0;
@@ -92,7 +92,7 @@ static void dry_walk_turn(struct dry_walk *w)
 /* ---- at rest ---- */
 
 /* Returns the time at which the resting body is pulled off, or `end` if it is not before. */
-static double release(const struct dry_walk *w, double end)
+static double release_time(const struct dry_walk *w, double end)
 {
     const double t_begin = w->step->t;
     double a[2];
@@ -100,12 +100,12 @@ static double release(const struct dry_walk *w, double end)
         double free = t_begin + (end - t_begin) * k / STEP_LOOKS,
                stuck = t_begin + (end - t_begin) * (k - 1) / STEP_LOOKS;
         accelerations(w, free, w->step->y, a);
-        if (onward(a) == 0)
+        if (next_branch(a) == 0)
             continue;
         for (int j = 0; j < HALVINGS_MAX; j++) {
             const double middle = 0.5 * (stuck + free);
             accelerations(w, middle, w->step->y, a);
-            *(onward(a) != 0 ? &free : &stuck) = middle;
+            *(next_branch(a) != 0 ? &free : &stuck) = middle;
         }
         return free;
     }
@@ -131,11 +131,11 @@ static void put_resting(struct dry_walk *w, double t_end)
 static void dry_walk_rest(struct dry_walk *w, double end)
 {
     double a[2];
-    const double t_release = release(w, end);
+    const double t_release = release_time(w, end);
     put_resting(w, t_release);
     w->step->t = t_release;
     accelerations(w, t_release, w->step->y, a);
-    go_on_branch(w, onward(a));
+    go_on_branch(w, next_branch(a));
 }
 
 /* ---- in motion ---- */
@@ -159,7 +159,7 @@ static bool step_again(struct dry_walk *w, const struct dry_state *saved, double
 }
 
 /* Returns the fraction of the latest step at which the velocity finally leaves its branch. */
-static double turning(const struct dry_walk *w)
+static double turning_fraction(const struct dry_walk *w)
 {
     struct dense_polynomial v;
     double theta_low = 0, theta_high = 1;
@@ -189,7 +189,7 @@ static bool dry_walk_move(struct dry_walk *w, double end)
     if (method_step(w->c->method, step) != STEP_OK)
         return false;
     const bool turns = w->branch * step->y[1] < 0;
-    double h = turns ? turning(w) * step->h : step->h;
+    double h = turns ? turning_fraction(w) * step->h : step->h;
     for (int k = 0; k < CORRECTIONS_MAX && turns; k++) {
         double rate[LIMIT_VARIABLES];
         if (!step_again(w, &saved, h))
@@ -218,7 +218,7 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system,
     if (!scene_curve_first(c, system, s, &w.i))
         return false;
     accelerations(&w, step.t, y, a);
-    int branch = onward(a);
+    int branch = next_branch(a);
     if (y[1] > 0 || y[1] < 0)
         branch = y[1] > 0 ? 1 : -1;
     go_on_branch(&w, branch);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The scene's own equation of motion fitted to a series: where the search begins, how it goes on,
- * what it is worth. */
+/* Fits the scene's own equation of motion to a series (study_fit_scene()): finds a start, descends
+ * in growing parts of the series, and adds the uncertainties of held values. */
 #include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
 #include "modules/recording/scene/curve.h"
@@ -9,20 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RESIDUAL_NOISE_RATIO 1.5 /* residuals over noise above which the fit misses something */
-#define PHASE_LOST 0.5         /* residuals over spread at which curve and data are out of phase */
-#define FIRST_PERIODS 1.25     /* [periods] first part with which a lost fit begins */
-#define FIRST_SHARE 0.02       /* share of the series taken instead if its period is not known */
-#define PART_GROWTH_FACTOR 1.7 /* growth of the part */
+/* Residuals over noise above which the fit misses something. */
+#define RESIDUAL_NOISE_RATIO 1.5
+#define PHASE_LOST 0.5         /* residuals over spread at which the curve is out of phase */
+#define FIRST_PERIODS 1.25     /* [periods] first part, with which a lost fit begins */
+#define FIRST_SHARE 0.02       /* share of the series instead, if its period is unknown */
+#define PART_GROWTH_FACTOR 1.7 /* growth from part to part */
 #define ITERATIONS_MAX 40
-/* Largest relative residuals of a simulation, which has no spikes, but is not random. */
+/* Largest relative residuals of a simulation, which has no spikes but is not random. */
 #define NEGLIGIBLE_RELATIVE 1e-6
-#define TOLERANCE_MIN 1e-11 /* tolerance of the integration */
+#define TOLERANCE_MIN 1e-11 /* bounds of the integration's tolerance */
 #define TOLERANCE_MAX 1e-7
 
 /* ---- the start ---- */
 
-/* Returns true if the whole start is free, so that it can be at the first sample. */
+/* Returns true if the whole start is free, so that it can be moved to the first sample. */
 static bool start_is_free(const struct scene_curve *c)
 {
     struct parameter_change *d = malloc(sizeof *d);
@@ -52,7 +53,8 @@ static int free_index(const struct scene_curve *c, const char *name)
     return -1;
 }
 
-static void propose(struct scene_curve *c, int j, double value, double *start)
+/* Sets start j and the scene to a value, unless j is negative or the value not allowed. */
+static void propose_start(struct scene_curve *c, int j, double value, double *start)
 {
     struct scene trial = c->scene;
     struct error ignored;
@@ -63,7 +65,7 @@ static void propose(struct scene_curve *c, int j, double value, double *start)
     c->scene = trial;
 }
 
-/* Sets the start and a spring's parameters from a damped oscillation through the samples. */
+/* Sets the start and a spring's parameters from a damped sine fitted to the samples. */
 static void improve_start(struct scene_curve *c, const struct fit *fit, double *start)
 {
     struct system system;
@@ -74,13 +76,13 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
         const struct measured mass = {value_of(&c->scene, "m"), 0};
         const bool other_drag = value_of(&c->scene, "C") > 0 || value_of(&c->scene, "mu") != 0;
         if (value_of(&c->scene, "k3") == 0)
-            propose(c, free_index(c, "k"), fit_stiffness(fit, mass).value, start);
-        propose(c, free_index(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
+            propose_start(c, free_index(c, "k"), fit_stiffness(fit, mass).value, start);
+        propose_start(c, free_index(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
     }
     if (!scene_bind(&c->scene, &system, &ignored) || system.order != 2)
         return;
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth`,
-     * earlier by `turn`. */
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is larger by the factor `growth` and
+     * earlier by the phase `turn`. */
     const int order = c->rate ? 2 : c->variable > 0;
     const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma),
                  t = system.t0 - fit->t0;
@@ -97,7 +99,8 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
         for (int half = 0; half < 2; half++) {
             const int i = half * system.n / 2;
             if (d->start[i] != 0)
-                propose(c, j, start[j] + (wanted[half] - system.start[i]) / d->start[i], start);
+                propose_start(c, j, start[j] + (wanted[half] - system.start[i]) / d->start[i],
+                              start);
         }
     }
     free(d);
@@ -105,7 +108,9 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
         start[c->frees] = fit->offset.value - (order == 0 ? middle : 0);
 }
 
-static void bounds(const struct scene_curve *c, const double *start, double *low, double *high)
+/* Sets the bounds [parameters] to the ranges of the scene's parameters. */
+static void parameter_bounds(const struct scene_curve *c, const double *start, double *low,
+                             double *high)
 {
     for (int j = 0; j < c->frees + c->offset; j++) {
         const struct param_row *row = j < c->frees
@@ -121,6 +126,7 @@ static void bounds(const struct scene_curve *c, const double *start, double *low
 
 /* ---- the fit ---- */
 
+/* State of a fit. */
 struct scene_fitting {
     const struct scene_fit_request *request;
     struct scene_curve *curve;
@@ -128,9 +134,9 @@ struct scene_fitting {
     struct curve_options options;
     struct arena *arena;
     double spread;     /* standard deviation of the series */
-    double sigma;      /* the same of the residuals of the last fit */
-    double *parameter; /* [parameters] */
-    size_t stretch;    /* samples that are judged together, see struct curve_options */
+    double sigma;      /* the same of the last fit's residuals */
+    double *parameter; /* [parameters] current point */
+    size_t stretch;    /* samples judged together, see struct curve_options */
 };
 
 static double spread_of(const struct series *series)
@@ -143,7 +149,8 @@ static double spread_of(const struct series *series)
     return sqrt(square);
 }
 
-/* One fit of a part from f->at, where it then stays if that is an answer. */
+/* Fits the first n samples from f->parameter, which becomes the answer. All but the last fit are
+ * rough. Returns false with the error. */
 static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_fit *fit,
                      struct error *error)
 {
@@ -169,11 +176,9 @@ static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_
     return true;
 }
 
-/*
- * The whole at once where the start is good enough; else a few periods first, then more and more,
- * so that the phase is never lost.
- */
-static bool approach(struct scene_fitting *f, double period, struct error *error)
+/* Fits all samples at once if the start is good enough; else a few periods first, then more and
+ * more, so that the phase is never lost. Returns false with the error. */
+static bool approach_by_parts(struct scene_fitting *f, double period, struct error *error)
 {
     const struct series *series = f->request->series;
     double start[CURVE_PARAMETERS], direct[CURVE_PARAMETERS];
@@ -214,23 +219,23 @@ static bool approach(struct scene_fitting *f, double period, struct error *error
 }
 
 /* Adds the uncertainties of held values (the mass …): a change dq moves the answer by (J^T W J)^-1
- * J^T W dF/dq dq. */
+ * J^T W dF/dq dq. Returns false with the error if out of memory. */
 static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
     struct scene_curve both = *f->curve;
     struct curve_fit *curve = &fit->curve;
-    const int own = f->curve->frees;
+    const int fitted_frees = f->curve->frees;
     for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1;
          i++) {
         struct parameter_change d;
         bool is_free = both.scene.uncertainty[i] == 0;
-        for (int j = 0; j < own; j++)
+        for (int j = 0; j < fitted_frees; j++)
             is_free = is_free || both.index[j] == i;
         if (!is_free && direction_find(&both.scene, i, &d) && (d.changes > 0 || d.starts))
             both.index[both.frees++] = i;
     }
-    if (both.frees == own || both.variation->base.n * (both.frees + 1) > LIMIT_VARIABLES)
+    if (both.frees == fitted_frees || both.variation->base.n * (both.frees + 1) > LIMIT_VARIABLES)
         return true;
     const int total = both.frees + both.offset;
     const size_t columns = (size_t)total;
@@ -244,21 +249,20 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
         return error_memory(error);
     }
     for (int j = 0; j < both.frees; j++)
-        parameter[j] = j < own ? curve->value[j].value : both.scene.value[both.index[j]];
-    parameter[both.frees] = both.offset ? curve->value[own].value : 0;
+        parameter[j] = j < fitted_frees ? curve->value[j].value : both.scene.value[both.index[j]];
+    parameter[both.frees] = both.offset ? curve->value[fitted_frees].value : 0;
     const bool there = scene_curve_evaluate(&both, parameter, series->t, series->n, value, slope);
-    both.mesh = NULL; /* the other's */
+    both.mesh = NULL; /* owned by the other curve */
     both.linear = NULL;
     scene_curve_free(&both);
-    for (int q = own; q < both.frees && there; q++) {
+    for (int q = fitted_frees; q < both.frees && there; q++) {
         double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};
         for (size_t i = 0; i < series->n; i++)
-            for (int j = 0; j < curve->parameters; j++) /* the offset stands behind what is held */
+            for (int j = 0; j < curve->parameters; j++) /* the offset comes after held values */
                 pull[j] += curve->weight[i] *
-                           slope[i * columns + (size_t)(j < own ? j : both.frees)] *
+                           slope[i * columns + (size_t)(j < fitted_frees ? j : both.frees)] *
                            slope[i * columns + (size_t)q];
-        /* The inverse is the covariance over the widened variance: formal^2/variance is on its
-         * diagonal. */
+        /* The inverse of J^T W J is the covariance divided by the widened variance. */
         for (int j = 0; j < curve->parameters; j++) {
             const double wide = curve->value[j].uncertainty / curve->formal[j];
             for (int l = 0; l < curve->parameters && wide > 0; l++)
@@ -280,7 +284,8 @@ static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct erro
     return true;
 }
 
-/* Chooses the variable, or the rate of one, that a series of this quantity shows. */
+/* Chooses the variable, or the derivative of one, that the series shows. Returns false with the
+ * error. */
 static bool choose_variable(struct scene_curve *c, const struct system *system,
                             enum quantity quantity, struct error *error)
 {
@@ -305,8 +310,9 @@ static bool choose_variable(struct scene_curve *c, const struct system *system,
             : "choose another scene, or another column of the file");
 }
 
-static bool set_up(const struct scene_fit_request *request, struct scene_curve *c,
-                   struct arena *arena, struct error *error)
+/* Sets up the curve of the scene with its free parameters. Returns false with the error. */
+static bool set_up_curve(const struct scene_fit_request *request, struct scene_curve *c,
+                         struct arena *arena, struct error *error)
 {
     struct system system;
     const double first = request->series->t[0];
@@ -339,8 +345,8 @@ static bool set_up(const struct scene_fit_request *request, struct scene_curve *
     return error_hint(error, "set t0, or choose a window");
 }
 
-/* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves
- * of the phase. */
+/* Returns a tolerance such that errors of the integration add at most a tenth of the noise's phase
+ * error. */
 static double tolerance(const struct scene_fitting *f, const struct overview *overview)
 {
     const double periods = isfinite(overview->period) ? fmax(overview->periods, 1) : 100;
@@ -348,11 +354,8 @@ static double tolerance(const struct scene_fitting *f, const struct overview *ov
     return fmin(fmax(0.1 * known / periods, TOLERANCE_MIN), TOLERANCE_MAX);
 }
 
-/*
- * Accepts a fit of a simulation. Its residuals are errors of two integrations, and the sum of
- * squares is too rough for the last digits: a curve this close, all of whose parameters are
- * determined, has converged.
- */
+/* Accepts a fit of a simulation as converged if all parameters are determined. Its residuals are
+ * errors of two integrations, with which the sum of squares is too rough for the last digits. */
 static void accept_simulation(const struct scene_fitting *f, struct curve_fit *fit)
 {
     bool determined = fit->sigma < NEGLIGIBLE_RELATIVE * f->spread;
@@ -371,10 +374,8 @@ static void accept_simulation(const struct scene_fitting *f, struct curve_fit *f
              fit->sigma / f->spread);
 }
 
-/*
- * Returns the number of samples in two periods: an error of the scene's law over such a stretch, as
- * in a loud start, is no outlier. Bad echoes are few in it.
- */
+/* Returns the number of samples in two periods. An error of the scene's law over such a stretch, as
+ * in a loud start, is no outlier; bad echoes are few in it. */
 static size_t stretch_of(const struct series *series, const struct overview *overview)
 {
     enum { LEAST = 40, PARTS = 20 };
@@ -382,15 +383,12 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
     return (size_t)fmax(LEAST, overview->oscillates ? 2 * n / overview->periods : n / PARTS);
 }
 
-/*
- * Tries other searches if more than noise is left: from the given start, and with friction changed
- * by about a half swing. The sum of squares has a minimum for each number of half swings before a
- * body sticks.
- */
+/* If more than noise is left, searches from the given start and with friction changed by about half
+ * a swing: the sum of squares has a minimum for each number of half swings before a body sticks. */
 static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
                              struct error *error)
 {
-    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0 means as asked */
+    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0 means from the given start */
     const int friction = free_index(f->curve, "friction");
     const size_t bytes = (size_t)f->as_curve.parameters * sizeof *proposed;
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
@@ -416,7 +414,7 @@ static bool try_other_swings(struct scene_fitting *f, const double *proposed, do
     return true;
 }
 
-/* Whole turns of a pendulum are no motion: they belong to the offset. */
+/* Moves whole turns of a pendulum from the angle to the offset. */
 static void take_off_turns(struct scene_fitting *f)
 {
     const struct scene_curve *c = f->curve;
@@ -428,7 +426,8 @@ static void take_off_turns(struct scene_fitting *f)
     }
 }
 
-static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
+/* Fits a damped sine, the scene in parts, then all samples. Returns false with the error. */
+static bool fit_in_stages(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
     struct overview overview;
@@ -448,7 +447,7 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
             improve_start(f->curve, motion, f->parameter);
     }
     arena_reset(&scratch);
-    if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
+    if (!approach_by_parts(f, overview.oscillates ? overview.period : NAN, error) ||
         !try_other_swings(f, proposed, overview.noise, error))
         return false;
     take_off_turns(f);
@@ -464,7 +463,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
     double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], parameter[CURVE_PARAMETERS] = {0};
     struct scene_curve curve = {.frees = 0};
     *fit = (struct scene_fit){.scene = *request->scene};
-    if (!set_up(request, &curve, arena, error))
+    if (!set_up_curve(request, &curve, arena, error))
         return false;
     const int count = curve.frees + curve.offset;
     for (int j = 0; j < count; j++) {
@@ -482,8 +481,8 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
         .arena = arena,
         .spread = spread_of(request->series),
         .parameter = parameter};
-    bounds(&curve, parameter, low, high);
-    const bool ok = fit_all(&f, fit, error);
+    parameter_bounds(&curve, parameter, low, high);
+    const bool ok = fit_in_stages(&f, fit, error);
     scene_curve_free(&curve);
     if (!ok)
         return false;

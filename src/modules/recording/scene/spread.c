@@ -82,7 +82,7 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
 
 /* Computes the derivatives [n][count] from differences of runs, one-sided if the other side is not
  * allowed, as for negative friction. Returns false with the error. */
-static bool differences(const struct spread_request *request, double *slope, struct error *error)
+static bool slopes_by_runs(const struct spread_request *request, double *slope, struct error *error)
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
     for (int j = 0; j < request->known->count; j++) {
@@ -114,8 +114,8 @@ static bool differences(const struct spread_request *request, double *slope, str
 
 /* Computes the derivatives [n][count] from the variational equations. Returns false with the
  * error. */
-static bool slopes(struct scene_curve *c, const struct spread_request *request, double *value,
-                   double *slope, struct error *error)
+static bool slopes_by_variation(struct scene_curve *c, const struct spread_request *request,
+                                double *value, double *slope, struct error *error)
 {
     const struct series series = {.t = request->t, .y = request->t, .n = request->n};
     double parameter[CURVE_PARAMETERS];
@@ -153,8 +153,8 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
     if (!value || !slope || !c.variation)
         return error_memory(error);
     memcpy(c.index, request->known->index, count * sizeof *c.index);
-    const bool ok = system.switches > 0 ? differences(request, slope, error)
-                                        : slopes(&c, request, value, slope, error);
+    const bool ok = system.switches > 0 ? slopes_by_runs(request, slope, error)
+                                        : slopes_by_variation(&c, request, value, slope, error);
     scene_curve_free(&c);
     for (size_t i = 0; i < n && ok; i++)
         deviation[i] = sqrt(fmax(quadratic_form((int)count, (int)count, slope + i * count,

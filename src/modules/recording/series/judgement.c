@@ -24,7 +24,7 @@
 /* Computes the full Gauss-Newton step, adds the covariance for residuals of variance 1 to
  * fit->covariance, and clears `determined` of parameters that have no influence. Returns the length
  * of what the step would take out of the residuals. */
-static double solve(const struct triangle *t, double *step, struct curve_fit *fit)
+static double gauss_newton_solve(const struct triangle *t, double *step, struct curve_fit *fit)
 {
     struct linear_problem l;
     linear_problem_of(t, 0, fit->bound, NULL, &l);
@@ -47,7 +47,8 @@ static double solve(const struct triangle *t, double *step, struct curve_fit *fi
 /* Returns the variance of a residual, with `free` fitted parameters: sum of squares over degrees of
  * freedom. For robust fits it is the mean weight times E psi^2/(E psi')^2 (Huber 1981, 7.6), to be
  * multiplied by a covariance that contains the weights. */
-static double variance(const struct curve_problem *p, const struct curve_fit *fit, size_t free)
+static double residual_variance(const struct curve_problem *p, const struct curve_fit *fit,
+                                size_t free)
 {
     double n = (double)p->n;
     if (!p->robust)
@@ -107,8 +108,9 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
     fit->rss = triangle_squares(&t, 0);
     if (!isfinite(fit->rss))
         return;
-    const double offset = solve(&t, step, fit), left = variance(p, fit, free), sigma = sqrt(left),
-                 length = sqrt(fit->rss), rounding = 32 * DOUBLE_EPSILON * p->size;
+    const double offset = gauss_newton_solve(&t, step, fit), left = residual_variance(p, fit, free),
+                 sigma = sqrt(left), length = sqrt(fit->rss),
+                 rounding = 32 * DOUBLE_EPSILON * p->size;
     fit->sigma = sigma;
     fit->small_step = isfinite(left);
     fit->small_gradient = offset <= fmax(GRADIENT_MAX * length, rounding);
@@ -125,8 +127,8 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
         }
         fit->formal[j] = sigma * deviation;
         double part = p->costly ? STEP_COSTLY : STEP_MAX;
-        double own = fmax(STEP_MAX * fabs(x[j]), part * fit->formal[j]);
-        fit->small_step = fit->small_step && fabs(step[j]) <= fmax(own, rounding * deviation);
+        double step_max = fmax(STEP_MAX * fabs(x[j]), part * fit->formal[j]);
+        fit->small_step = fit->small_step && fabs(step[j]) <= fmax(step_max, rounding * deviation);
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */
         fit->determined[j] =
             fit->determined[j] && (exact || !probe ||
@@ -141,7 +143,7 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
 
 /* Counts used and rejected samples, and computes the residuals' lag-1 autocorrelation and number of
  * runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940). */
-static void diagnose(const struct curve_problem *p, struct curve_fit *fit)
+static void residuals_diagnose(const struct curve_problem *p, struct curve_fit *fit)
 {
     double product = 0, square = 0, plus = 0, minus = 0, runs = 0, previous = 0;
     for (size_t i = 0; i < p->n; i++) {
@@ -225,7 +227,7 @@ static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit
 void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
 {
     double rounding[CURVE_PARAMETERS] = {0};
-    diagnose(p, fit);
+    residuals_diagnose(p, fit);
     rounding_doubts(p, fit, rounding);
     fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
     /* Correlated residuals count as fewer: uncertainties grow by sqrt(factor), degrees of freedom

@@ -8,25 +8,30 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PERIODS_MIN 1.8    /* [periods] fewer are no oscillation: nothing repeats */
-#define DECREMENT_MAX 3.2  /* gamma T/2: the amplitude changes by a factor 25 in a period */
-#define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
-#define SAMPLES_A_PERIOD 2.02
-#define FEW_PERIODS 4          /* periods */
-#define FEW_LEAVE 0.1          /* share of the power of few periods that the sine may leave, */
-#define FEW_NOISES 2.0         /* if that exceeds the noise by this factor */
-#define FEW_TOGETHER 0.5       /* and its autocorrelation is at least this */
-#define DRIFT_SLOPE_SIGMAS 3.0 /* a slope of the offset is fitted above this */
-/* Least -ln of the chance, per frequency, that noise looks the same; large for wandering
- * records. */
+/* Limits of what counts as an oscillation. */
+#define PERIODS_MIN 1.8       /* [periods] with fewer nothing repeats */
+#define DECREMENT_MAX 3.2     /* gamma T/2: the amplitude changes by a factor 25 in a period */
+#define WEAKLY_DAMPED 0.01    /* gamma/omega: the amplitude changes by 6 % in two periods */
+#define SAMPLES_A_PERIOD 2.02 /* samples per period, above the Nyquist limit of 2 */
+/* A record of few periods does not oscillate if the sine leaves more than this share of the power,
+ * more than this multiple of the noise, and residuals of at least this autocorrelation. */
+#define FEW_PERIODS 4
+#define FEW_LEAVE 0.1
+#define FEW_NOISES 2.0
+#define FEW_TOGETHER 0.5
+/* standard deviations from which on a slope of the offset is fitted */
+#define DRIFT_SLOPE_SIGMAS 3.0
+/* Smallest -ln(probability), per frequency, that noise looks the same: large for records that
+ * wander, smaller if residuals are hardly correlated. */
 #define CHANCE_LOG 20.0
-#define WHITE_CHANCE 11.0 /* the same where the residuals are not correlated */
+#define WHITE_CHANCE 11.0
 #define WHITE_CORRELATION 0.2
 #define GONE_DECAY_EXPONENT 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
 
-static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
+static void refuse_overview(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
 
-static void refuse(struct overview *overview, const char *format, ...)
+/* Notes the reason for which a series counts as not oscillating, formatted as by printf(). */
+static void refuse_overview(struct overview *overview, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -36,7 +41,8 @@ static void refuse(struct overview *overview, const char *format, ...)
     overview->period = overview->periods = NAN;
 }
 
-static void extremes(struct motion *m)
+/* Computes low, high and mean of the samples in use. */
+static void overview_extremes(struct motion *m)
 {
     struct overview *o = &m->overview;
     double sum = 0;
@@ -59,8 +65,8 @@ bool overview_is_constant(const struct overview *o)
     return !(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)));
 }
 
-/* Returns the time at which the energy of exp(-gamma t/2) cos lies on average; the parameters are
- * least correlated there. */
+/* Returns the mean time, weighted by energy, of exp(-gamma t/2) cos; the parameters are least
+ * correlated with their origin there. */
 static double centre(const struct samples *x, double gamma)
 {
     double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
@@ -68,8 +74,8 @@ static double centre(const struct samples *x, double gamma)
     return x->t[0] + position * span;
 }
 
-/* The damping rate to start from: the best of a few, from none to gone within a hundredth of the
- * record. */
+/* Sets the harmonic to the best of a few damping rates, from none to a decay within a hundredth of
+ * the record, at that frequency. Returns false if none can be fitted. */
 static bool start_gamma(struct motion *m, double omega)
 {
     static const double rates[] = {0, 2, 6, 18, 54, 162};
@@ -80,19 +86,16 @@ static bool start_gamma(struct motion *m, double omega)
         trial.origin = centre(&m->samples, trial.gamma);
         if (!harmonic_fit(&m->samples, FREE_LINEAR, &trial, NULL))
             continue;
-        if (found && trial.rss > m->harmonic.rss) {
+        if (found && trial.rss > m->harmonic.rss)
             break;
-        }
         m->harmonic = trial;
         found = true;
     }
     return found;
 }
 
-/*
- * Refuses an oscillation that noise could have produced. Tests the variance ratio of the damped
- * sine against the residuals about a straight line; correlated residuals count as fewer.
- */
+/* Refuses an oscillation that noise could have produced: tests the variance ratio of the damped
+ * sine against the residuals about a straight line; correlated residuals count as fewer. */
 static void require_significant(struct motion *m)
 {
     const struct samples *x = &m->samples;
@@ -113,19 +116,20 @@ static void require_significant(struct motion *m)
            independent = n / autocorrelation_factor(m->autocorrelation);
     const bool wanders = m->autocorrelation > 0.5;
     const double chance = m->autocorrelation < WHITE_CORRELATION ? WHITE_CHANCE : CHANCE_LOG;
-    /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
-    if (wanders) {
+    /* This is no white noise but a wandering offset, with 1/k^2 of its variance in k periods. */
+    if (wanders)
         independent = fmax(independent, m->overview.periods * m->overview.periods);
-    }
     if (wanders && explained < m->harmonic.rss) {
-        refuse(&m->overview,
-               "one damped sine explains less than half of it (steps, drift, several frequencies)");
+        refuse_overview(
+            &m->overview,
+            "one damped sine explains less than half of it (steps, drift, several frequencies)");
     } else if (!(0.5 * independent * explained > (log(0.5 * n) + chance) * m->harmonic.rss)) {
-        refuse(&m->overview, "no oscillation is above the noise");
+        refuse_overview(&m->overview, "no oscillation is above the noise");
     }
 }
 
-static void judge(struct motion *m)
+/* Decides by the fitted harmonic whether the series oscillates, and sets the period. */
+static void judge_oscillation(struct motion *m)
 {
     struct overview *o = &m->overview;
     const struct harmonic *h = &m->harmonic;
@@ -134,11 +138,12 @@ static void judge(struct motion *m)
     o->period = TWO_PI / h->omega;
     o->periods = span / o->period;
     if (o->periods < PERIODS_MIN) {
-        refuse(o, "the window of %.3g s has only %.2g periods; two are needed", span, o->periods);
+        refuse_overview(o, "the window of %.3g s has only %.2g periods; two are needed", span,
+                        o->periods);
     } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
-        refuse(o, "fewer than %.2g samples per period", SAMPLES_A_PERIOD);
+        refuse_overview(o, "fewer than %.2g samples per period", SAMPLES_A_PERIOD);
     } else if (fabs(decrement) > DECREMENT_MAX) {
-        refuse(o, "it decays within one cycle");
+        refuse_overview(o, "it decays within one cycle");
     } else {
         o->oscillates = true;
         o->mean = h->c;
@@ -146,33 +151,32 @@ static void judge(struct motion *m)
     }
 }
 
+/* Refuses a series of which the damped sine leaves out too many samples. */
 static void judge_rejected(struct motion *m)
 {
     if (fit_discards_much(m->rejected, m->samples.n)) {
-        refuse(&m->overview, "a damped sine would leave out %zu of %zu samples", m->rejected,
-               m->samples.n);
+        refuse_overview(&m->overview, "a damped sine would leave out %zu of %zu samples",
+                        m->rejected, m->samples.n);
     }
 }
 
-/* A random walk looks like two periods now and then: so few must be a damped sine, but for little
- * of the power. */
+/* Refuses few periods that a damped sine does not explain, as a random walk may look like two
+ * periods. */
 static void judge_few(struct motion *m)
 {
     const struct samples *x = &m->samples;
     const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
     double power = 0;
-    for (size_t i = 0; i < x->n; i++) {
+    for (size_t i = 0; i < x->n; i++)
         power += x->use[i] ? (x->y[i] - m->harmonic.c) * (x->y[i] - m->harmonic.c) : 0;
-    }
     if (m->overview.periods < FEW_PERIODS && m->autocorrelation > FEW_TOGETHER &&
         left > FEW_NOISES * m->overview.noise && m->harmonic.rss > FEW_LEAVE * power) {
-        refuse(&m->overview, "a damped sine does not explain %.0f %% of the %.2g periods",
-               100 * sqrt(m->harmonic.rss / power), m->overview.periods);
+        refuse_overview(&m->overview, "a damped sine does not explain %.0f %% of the %.2g periods",
+                        100 * sqrt(m->harmonic.rss / power), m->overview.periods);
     }
 }
 
-/* An offset that drifts has a line of its own, where it stands out of the residuals as they are
- * with it. */
+/* Gives the offset a slope if it is significant beside the residuals that remain then. */
 static void find_drift(struct motion *m)
 {
     struct harmonic drifting = m->harmonic;
@@ -190,10 +194,8 @@ static void find_drift(struct motion *m)
     }
 }
 
-/*
- * Returns true if the damped sine from which a fit begins leaves more than half of what is no
- * noise: no better start makes it describe the series.
- */
+/* Returns true if the first damped sine leaves more than half of the variance beyond noise: no
+ * better start would make it describe the series. */
 static bool is_hopeless(const struct motion *m)
 {
     static const double left_max = 0.5;
@@ -211,36 +213,37 @@ static bool is_hopeless(const struct motion *m)
     return h->rss - noise > left_max * (power - noise);
 }
 
+/* Policy for a first sine that is hopeless: fit anyway, or give up. */
 enum sine_hope { SINE_TRIED_ANYWAY, SINE_TRIED_IF_NEAR };
 
-/* The damped sine of the whole, from the given frequency on, and whether it is an oscillation.
- * Returns false if out of memory. */
-static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struct arena *arena)
+/* Fits the damped sine to all samples, starting from omega [rad/s], and decides whether they
+ * oscillate. Returns false if out of memory. */
+static bool fit_all_samples(struct motion *m, double omega, enum sine_hope hope,
+                            struct arena *arena)
 {
     struct overview *o = &m->overview;
     m->harmonic = (struct harmonic){.omega = omega};
     if (!isfinite(omega)) {
-        refuse(o, "its spectrum has no peak besides drift");
+        refuse_overview(o, "its spectrum has no peak besides drift");
         return true;
     }
     /* The start shows outliers after two periods, unless the amplitude changes much by then. */
     bool found = start_gamma(m, omega);
     if (found && hope == SINE_TRIED_IF_NEAR && is_hopeless(m)) {
-        refuse(o, "one damped sine explains less than half of it");
+        refuse_overview(o, "one damped sine explains less than half of it");
         return true;
     }
-    if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega) {
+    if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega)
         found = harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, NULL);
-    }
     if (found && !reject_outliers(m, arena))
         return false;
     if (!found || !harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, m->residual)) {
-        refuse(o, "no damped sine can be fitted to it");
+        refuse_overview(o, "no damped sine can be fitted to it");
         return true;
     }
     m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
-    extremes(m);
-    judge(m); /* judged before a drift of the offset can make wandering look like an oscillation */
+    overview_extremes(m);
+    judge_oscillation(m); /* drift comes later, as it could make wandering look like this */
     if (!o->oscillates)
         return true;
     find_drift(m);
@@ -250,7 +253,7 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
     if (!o->oscillates)
         return true;
     m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
-    extremes(m);
+    overview_extremes(m);
     o->mean = m->harmonic.c;
     o->period = TWO_PI / m->harmonic.omega;
     o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
@@ -258,15 +261,14 @@ static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struc
     return true;
 }
 
-/*
- * Takes a series that no single damped sine describes, but that was followed window by window at a
- * mean frequency: the period is the mean over the recording, the damped sine the nearest one.
- */
+/* Takes a series as oscillating that no single damped sine describes, but that was followed window
+ * by window at the mean frequency omega. The period is the mean over the recording, the harmonic
+ * the nearest one. Returns false if out of memory. */
 static bool fit_tracked(struct motion *m, double omega, double noise, struct arena *arena)
 {
     struct overview *o = &m->overview;
     o->noise = noise;
-    if (!fit_whole(m, omega, SINE_TRIED_ANYWAY, arena))
+    if (!fit_all_samples(m, omega, SINE_TRIED_ANYWAY, arena))
         return false;
     m->harmonic.converged = m->harmonic.converged && !fit_discards_much(m->rejected, m->samples.n);
     m->tracked = true;
@@ -277,9 +279,9 @@ static bool fit_tracked(struct motion *m, double omega, double noise, struct are
     return true;
 }
 
-/* Fits the frequency of the first part, because an oscillation that decays within a few periods has
- * no peak in the spectrum of the whole. Does nothing if a fit with that frequency was refused
- * already. */
+/* Fits with the frequency of the first 1/part of the samples, because an oscillation that decays
+ * within a few periods has no peak in the spectrum of the whole. Does nothing if a fit with that
+ * frequency was refused already. Returns false if out of memory. */
 static bool fit_beginning(struct motion *m, size_t part, double noise, double refused_omega,
                           struct arena *arena)
 {
@@ -294,21 +296,17 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, double re
     char reason[sizeof o->reason];
     memcpy(reason, o->reason, sizeof reason);
     o->noise = noise;
-    memory = fit_whole(m, omega, SINE_TRIED_IF_NEAR, arena);
-    if (o->oscillates && !(m->harmonic.gamma * span > GONE_DECAY_EXPONENT)) {
-        refuse(o, "%s", reason);
-    }
-    if (!o->oscillates) {
+    memory = fit_all_samples(m, omega, SINE_TRIED_IF_NEAR, arena);
+    if (o->oscillates && !(m->harmonic.gamma * span > GONE_DECAY_EXPONENT))
+        refuse_overview(o, "%s", reason);
+    if (!o->oscillates)
         memcpy(o->reason, reason, sizeof reason);
-    }
     return memory;
 }
 
-/*
- * Returns true for a long recording of which each sample is little but noise, and in which means of
- * neighbours neither oscillate as a whole nor in a part. Nothing is left to look for then but a
- * fast oscillation that neither the spectrum of the whole nor a single sample shows.
- */
+/* Returns true for a long recording in which each sample is mostly noise, and means of neighbours
+ * do not oscillate as a whole or in part. Only a fast oscillation that is in neither could
+ * remain. */
 static bool is_buried(const struct motion *m, double noise, struct arena *arena)
 {
     enum { ROWS_LONG = 65536, MEANS = 8192 };
@@ -331,7 +329,7 @@ static bool is_buried(const struct motion *m, double noise, struct arena *arena)
            !find_swing(&means, &swing);
 }
 
-/* Takes the frequency that means of neighbours show, if they oscillate. Returns false if out of
+/* Fits with the frequency of means of neighbours, if they oscillate. Returns false if out of
  * memory. */
 static bool fit_as_means(struct motion *m, const struct series *means, double noise,
                          struct arena *arena)
@@ -342,12 +340,15 @@ static bool fit_as_means(struct motion *m, const struct series *means, double no
     if (few.overview.oscillates && few.tracked)
         return fit_tracked(m, TWO_PI / few.overview.period, noise, arena);
     m->overview.noise = noise;
-    return !few.overview.oscillates || fit_whole(m, few.harmonic.omega, SINE_TRIED_ANYWAY, arena);
+    return !few.overview.oscillates ||
+           fit_all_samples(m, few.harmonic.omega, SINE_TRIED_ANYWAY, arena);
 }
 
-/* Looks for what the spectrum of the whole did not show. use [n]: the mask from before that. The
- * reason of the refusal stays where this finds nothing either. Returns false if out of memory. */
-static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
+/* Searches an oscillation that the spectrum of the whole did not show: in means, at the beginning,
+ * window by window. use [n] is the mask from before the first fit. If nothing is found, the earlier
+ * reason stays. Returns false if out of memory. */
+static bool search_hidden_oscillation(struct motion *m, const unsigned char *use,
+                                      struct arena *arena)
 {
     const double seen = samples_noise(&m->samples, m->scratch),
                  noise = fmax(seen, m->quantum / sqrt(12.0));
@@ -380,9 +381,10 @@ static bool look_closer(struct motion *m, const unsigned char *use, struct arena
            fit_tracked(m, track.omega, noise, arena);
 }
 
-/* Fits one damped sine to the whole series. *use [n] receives the mask from before the fit. */
-static bool fit_once(struct motion *m, const struct series *series, struct arena *arena,
-                     const struct cancel *cancel, enum sine_hope hope, unsigned char **use)
+/* Prepares the samples and fits one damped sine to all of them. *use [n] receives the mask from
+ * before the fit. Returns false if out of memory or cancelled. */
+static bool fit_first_sine(struct motion *m, const struct series *series, struct arena *arena,
+                           const struct cancel *cancel, enum sine_hope hope, unsigned char **use)
 {
     *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
     m->residual = arena_array(arena, series->n + 1, sizeof(double));
@@ -391,16 +393,16 @@ static bool fit_once(struct motion *m, const struct series *series, struct arena
         return false;
     m->samples.cancel = cancel ? cancel : series->cancel;
     struct overview *o = &m->overview;
-    extremes(m);
+    overview_extremes(m);
     if (cancelled(m->samples.cancel))
         return false;
     if (series->n < 8 || !(m->samples.dt > 0)) {
-        refuse(o, "it has only %zu samples", series->n);
+        refuse_overview(o, "it has only %zu samples", series->n);
         return true;
     }
     if (overview_is_constant(o)) {
         o->noise = 0;
-        refuse(o, "it is constant");
+        refuse_overview(o, "it is constant");
         return true;
     }
     m->quantum = samples_quantum(&m->samples);
@@ -414,28 +416,27 @@ static bool fit_once(struct motion *m, const struct series *series, struct arena
     memcpy(*use, m->samples.use, m->samples.n);
     bool memory;
     const double omega = peak_frequency(&m->samples, &memory);
-    return memory && fit_whole(m, omega, hope, arena);
+    return memory && fit_all_samples(m, omega, hope, arena);
 }
 
 bool motion_one_sine(struct motion *m, const struct series *series, struct arena *arena)
 {
     unsigned char *use;
-    return fit_once(m, series, arena, NULL, SINE_TRIED_IF_NEAR, &use);
+    return fit_first_sine(m, series, arena, NULL, SINE_TRIED_IF_NEAR, &use);
 }
 
 bool motion_init(struct motion *m, const struct series *series, struct arena *arena,
                  const struct cancel *cancel)
 {
     unsigned char *use = NULL;
-    if (!fit_once(m, series, arena, cancel, SINE_TRIED_ANYWAY, &use))
+    if (!fit_first_sine(m, series, arena, cancel, SINE_TRIED_ANYWAY, &use))
         return false;
     if (!m->overview.oscillates && use && !cancelled(m->samples.cancel) &&
-        !look_closer(m, use, arena)) {
+        !search_hidden_oscillation(m, use, arena)) {
         return false;
     }
-    if (m->overview.oscillates) {
+    if (m->overview.oscillates)
         m->samples.pace = hypot(m->samples.pace, quantum_pace(m));
-    }
     return true;
 }
 
@@ -467,7 +468,8 @@ bool motion_refuse_known(const struct motion *m, const struct mode_pair *pair,
     return error_hint(error, "choose another window or column; at least two periods are needed");
 }
 
-/* The same, looking for two lines and for a part that swings. */
+/* Finds out whether the series has two frequencies or a part that oscillates, and sets the error.
+ * Returns false. */
 static bool motion_refuse(const struct motion *m, const struct series *series, struct error *error)
 {
     struct mode_pair pair;
@@ -492,7 +494,7 @@ void series_overview(const struct series *series, struct arena *arena, struct ov
     if (!motion_init(&motion, series, arena, NULL) || cancelled(series->cancel)) {
         motion.overview = (struct overview){
             .mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
-        refuse(&motion.overview, cancelled(series->cancel) ? "stopped" : "out of memory");
+        refuse_overview(&motion.overview, cancelled(series->cancel) ? "stopped" : "out of memory");
     }
     *overview = motion.overview;
 }

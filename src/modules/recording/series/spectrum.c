@@ -22,8 +22,8 @@ enum { PART_MIN = 16, CANDIDATES = 5 };
 
 /* Combines the transforms of even and odd values, in GSL's half-complex order, to the transform of
  * all n values (Cooley and Tukey 1965). Returns false if cancelled. */
-static bool combine(const double *even, const double *odd, size_t n, double *result,
-                    const struct cancel *cancel)
+static bool combine_halves(const double *even, const double *odd, size_t n, double *result,
+                           const struct cancel *cancel)
 {
     const size_t half = n / 2;
     const double angle = TWO_PI / (double)n, turn_c = cos(angle), turn_s = sin(angle);
@@ -61,7 +61,7 @@ bool transform_real(double *data, size_t n, double *scratch, const struct cancel
     }
     return transform_real(scratch, half, data, cancel) &&
            transform_real(scratch + half, half, data, cancel) &&
-           combine(scratch, scratch + half, n, data, cancel);
+           combine_halves(scratch, scratch + half, n, data, cancel);
 }
 
 /* ---- spectra ---- */
@@ -111,7 +111,7 @@ static void fill_even(const struct samples *x, double *filled)
 
 /* Computes the power spectrum of samples without gaps, under a Hann window and with zeros appended.
  * Check `memory` of the result. */
-static struct transform transform(const struct samples *x, struct arena *arena)
+static struct transform power_spectrum(const struct samples *x, struct arena *arena)
 {
     struct transform result = {.memory = true};
     size_t length = 32;
@@ -177,7 +177,7 @@ static double peak_of_transform(const struct samples *x, struct arena *arena, bo
     const bool gap = samples_have_gap(x, arena, memory);
     struct transform spectrum = !*memory ? (struct transform){.memory = false}
                                 : gap    ? transform_with_gap(x, arena)
-                                         : transform(x, arena);
+                                         : power_spectrum(x, arena);
     *memory = spectrum.memory;
     if (!spectrum.memory || spectrum.bins < 3) {
         return NAN;
@@ -209,7 +209,7 @@ double peak_frequency(const struct samples *x, bool *memory)
 
 /* Sets omega [max] to the highest local maxima of a spectrum, highest first. span is the length [s]
  * of the record, which sets the lowest frequency. Returns their number. */
-static int highest(const struct transform *spectrum, double span, double *omega, int max)
+static int highest_peaks(const struct transform *spectrum, double span, double *omega, int max)
 {
     const double *p = spectrum->power;
     const size_t first = (size_t)ceil(LOWEST_PERIODS / span / spectrum->step);
@@ -242,7 +242,7 @@ static struct transform mean_transform(const struct samples *x, size_t parts, st
     struct transform mean = {.memory = true};
     for (size_t k = 0; k < parts && mean.memory; k++) {
         const struct samples part = samples_part(x, k * n, (k + 1) * n);
-        const struct transform one = transform(&part, arena);
+        const struct transform one = power_spectrum(&part, arena);
         if (k == 0 || !one.memory) {
             mean = one;
             continue;
@@ -263,7 +263,8 @@ int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, in
         const struct transform spectrum = mean_transform(x, parts, &arena);
         *memory = spectrum.memory;
         if (spectrum.memory)
-            count = highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts, omega, max);
+            count =
+                highest_peaks(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts, omega, max);
     }
     arena_reset(&arena);
     return count;
@@ -311,7 +312,7 @@ double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log
 /* Returns the minimum near omega of the least-squares misfit of a sine with floating mean
  * (Zechmeister & Kürster 2009), by a parabola through three frequencies; omega itself if that
  * fails. */
-static double refine(const struct samples *x, double omega)
+static double refine_frequency(const struct samples *x, double omega)
 {
     double span = x->t[x->n - 1] - x->t[0], step = PI / (4 * span), rss[3];
     for (int i = 0; i < 3; i++) {
@@ -335,7 +336,7 @@ double series_peak_frequency(const struct series *series, struct arena *arena)
     }
     samples_flag_spikes(&samples, scratch);
     double omega = peak_frequency(&samples, &memory);
-    return isfinite(omega) ? refine(&samples, omega) : NAN;
+    return isfinite(omega) ? refine_frequency(&samples, omega) : NAN;
 }
 
 /* Returns the power of the series at `multiple` times the frequency of a period [s]. The Hann

@@ -40,7 +40,7 @@ static double usual_step(const struct samples *x, double *scratch, double *gap)
 
 /* Sets duration [n] to the time [s] that each sample represents: half the step to either neighbour,
  * without gaps. */
-static void durations(const struct samples *x, double gap, double step, double *duration)
+static void sample_durations(const struct samples *x, double gap, double step, double *duration)
 {
     for (size_t i = 0; i < x->n; i++)
         duration[i] = 0;
@@ -73,7 +73,7 @@ static void line_of(const struct samples *x, const double *weight, double middle
 }
 
 /* Adds the value at a position between the points of a grid to the four points around it. */
-static void spread(double position, double value, double *grid)
+static void grid_add(double position, double value, double *grid)
 {
     const double lower = floor(position + 1e-6), s = position - lower;
     double *cell = grid + (size_t)lower;
@@ -90,8 +90,8 @@ static void spread(double position, double value, double *grid)
 /* Spreads the samples, minus their line and under a Hann window over the whole span, on a grid of
  * that spacing [s]. weight [n] is the duration of each sample, `step` the usual step. Returns the
  * sum of the weights. */
-static double spread_all(const struct samples *x, double *weight, double spacing, double step,
-                         double *grid)
+static double grid_fill(const struct samples *x, double *weight, double spacing, double step,
+                        double *grid)
 {
     const double first = x->t[0], span = x->t[x->n - 1] - first + step;
     const double middle = first + 0.5 * (span - step);
@@ -103,14 +103,14 @@ static double spread_all(const struct samples *x, double *weight, double spacing
         const double s = x->t[i] - middle;
         const double w = weight[i] * 0.5 * (1 + cos(TWO_PI * s / span));
         gain += w;
-        spread(GRID_MARGIN_POINTS + (x->t[i] - first) / spacing,
-               w * (x->y[i] - line[0] - line[1] * s), grid);
+        grid_add(GRID_MARGIN_POINTS + (x->t[i] - first) / spacing,
+                 w * (x->y[i] - line[0] - line[1] * s), grid);
     }
     return gain;
 }
 
 /* Copies the samples that are in use. Returns false if out of memory. */
-static bool take_used(const struct samples *x, struct arena *arena, struct samples *used)
+static bool copy_used(const struct samples *x, struct arena *arena, struct samples *used)
 {
     double *t = arena_array(arena, x->n + 1, sizeof *t);
     double *y = arena_array(arena, x->n + 1, sizeof *y);
@@ -159,7 +159,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     struct samples x;
     double gap = 0, *weight = arena_array(arena, all->n + 1, sizeof *weight);
     *spectrum = (struct spectrum){.amplitude = NULL};
-    if (!weight || !take_used(all, arena, &x) || cancelled(all->cancel))
+    if (!weight || !copy_used(all, arena, &x) || cancelled(all->cancel))
         return false;
     const double step = x.n < 8 ? 0 : usual_step(&x, weight, &gap);
     if (!(step > 0))
@@ -171,8 +171,8 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     double *grid = arena_array(arena, 2 * finer * length, sizeof *grid);
     if (!grid || cancelled(x.cancel))
         return false;
-    durations(&x, gap, step, weight);
-    const double gain = spread_all(&x, weight, apart / (double)finer, step, grid);
+    sample_durations(&x, gap, step, weight);
+    const double gain = grid_fill(&x, weight, apart / (double)finer, step, grid);
     if (cancelled(x.cancel) ||
         !transform_real(grid, finer * length, grid + finer * length, x.cancel))
         return false;

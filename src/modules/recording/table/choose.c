@@ -82,12 +82,12 @@ static struct profile profile_of(const struct recording *recording, const double
     return p;
 }
 
-static bool rises(const struct profile *p)
+static bool profile_rises(const struct profile *p)
 {
     return p->numbers > 1 && p->ahead && p->rising >= TIME_STEPS_UP_MIN;
 }
 
-static bool constant(const struct profile *p)
+static bool is_constant(const struct profile *p)
 {
     return !(p->high > p->low);
 }
@@ -98,7 +98,7 @@ static bool is_time(const struct column *column)
            (column->quantity == QUANTITY_OTHER && name_has_word(column->name, TIME_WORDS));
 }
 
-static bool unnamed(const struct column *column, int i)
+static bool is_unnamed(const struct column *column, int i)
 {
     char plain[LIMIT_NAME + 1];
     snprintf(plain, sizeof plain, "column %d", i + 1);
@@ -110,10 +110,10 @@ static bool is_index(const struct recording *recording, const struct profile *p,
 {
     const struct column *column = &recording->column[i];
     /* The only column is what was recorded, even if it counts. */
-    return recording->columns > 1 && p->whole && rises(p) && p->by_one >= TIME_STEPS_UP_MIN &&
-           !is_time(column) &&
+    return recording->columns > 1 && p->whole && profile_rises(p) &&
+           p->by_one >= TIME_STEPS_UP_MIN && !is_time(column) &&
            (name_has_word(column->name, INDEX_WORDS) ||
-            (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
+            (i == 0 && is_unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
 
 /* Returns true if column i belongs to the chosen run, to all runs, or if none is chosen. */
@@ -139,8 +139,8 @@ static bool starts_with(const char *name, struct text wanted)
     return strlen(name) >= wanted.len && strncasecmp(name, wanted.data, wanted.len) == 0;
 }
 
-/* Returns how many columns `wanted` may mean, and sets *column to the last of them: by name, number
- * from 1 or, within the run, the beginning of its name with or without the run's name. */
+/* Returns how many columns `wanted` may mean, by name, number from 1 or, within the run, by the
+ * beginning of its name with or without the run's; sets *column to the last of them. */
 static int match_column(const struct recording *recording, struct text wanted, int *column)
 {
     struct text name = text_trim(wanted);
@@ -210,7 +210,7 @@ static bool quantity_column_pick(struct recording *recording, const struct profi
         const struct column *column = &recording->column[i];
         if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 ||
             is_time(column) || is_index(recording, &profile[i], i) ||
-            name_has_word(column->name, ERROR_WORDS) || constant(&profile[i]) != flat)
+            name_has_word(column->name, ERROR_WORDS) || is_constant(&profile[i]) != flat)
             continue;
         const enum quantity quantity =
             column->quantity == QUANTITY_VOLTAGE ? QUANTITY_OTHER : column->quantity;
@@ -223,8 +223,7 @@ static bool quantity_column_pick(struct recording *recording, const struct profi
         /* Values in the first rows only were typed into the table. */
         if (rank > COUNT_OF(order) && 2 * profile[i].numbers < recording->rows)
             rank++;
-        /* The first of the positions is chosen, and of other columns (axes of an accelerometer) the
-         * one that moves most. */
+        /* The first position is chosen; of accelerations and others the one that moves most. */
         if (rank < best_rank ||
             (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
             best = i;
@@ -306,9 +305,9 @@ static int guessed_time(const struct recording *recording, const struct profile 
     const int index = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
     const struct column *first = &recording->column[index];
     const bool could = recording->columns > 1 && in_run(recording, index) &&
-                       first->quantity == QUANTITY_OTHER && rises(&profile[index]) &&
+                       first->quantity == QUANTITY_OTHER && profile_rises(&profile[index]) &&
                        !is_index(recording, &profile[index], index);
-    if (could && ((index == 0 && unnamed(first, 0)) || profile[index].even >= TIME_STEPS_UP_MIN))
+    if (could && ((index == 0 && is_unnamed(first, 0)) || profile[index].even >= TIME_STEPS_UP_MIN))
         return index;
     return recording->columns > 1 && !(recording->header_rate > 0) ? only_clock(recording, profile)
                                                                    : -1;
@@ -383,6 +382,7 @@ static bool choose_time(struct recording *recording, const struct profile *profi
     return true;
 }
 
+/* Chooses the column of values: the named one, else the likeliest. */
 static bool choose_value(struct recording *recording, const struct profile *profile,
                          const struct load_options *options, struct error *error)
 {
@@ -441,7 +441,7 @@ int recording_clock(const struct recording *recording)
     for (int i = 0; i < recording->columns; i++)
         if (is_time(&recording->column[i]))
             return i;
-    return recording->columns > 1 && unnamed(&recording->column[0], 0) ? 0 : -1;
+    return recording->columns > 1 && is_unnamed(&recording->column[0], 0) ? 0 : -1;
 }
 
 int recording_counter(struct recording *recording)
@@ -494,7 +494,7 @@ bool recording_choose(struct recording *recording, const struct load_options *op
     if (profile[recording->value].numbers == 0)
         return error_set(error, ERROR_IO, "column '%s' has no numbers", value->name);
     cut_run(recording);
-    if (constant(&profile[recording->value]))
+    if (is_constant(&profile[recording->value]))
         recording_warn(recording, "%s has the same value in every row", value->name);
     return true;
 }

@@ -35,15 +35,15 @@ static bool rows_agree(const struct recording *recording, size_t a, size_t b)
  * times. */
 static bool is_repetition(const struct recording *recording, size_t begin, size_t i)
 {
-    size_t again = 0, rows = 0;
+    size_t repeated = 0, rows = 0;
     for (size_t k = i, j = begin; k < recording->rows && recording->t[k] <= recording->t[i - 1];
          k++) {
         while (j < i && recording->t[j] < recording->t[k])
             j++;
-        again += j < i && rows_agree(recording, j, k);
+        repeated += j < i && rows_agree(recording, j, k);
         rows++;
     }
-    return 2 * again > rows;
+    return 2 * repeated > rows;
 }
 
 /* Returns the longest time step, or 0 if a time is not a number. */

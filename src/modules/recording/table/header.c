@@ -21,7 +21,7 @@ static bool is_same_word(struct text a, struct text b)
 }
 
 /* Returns true if the word is one of the blank-separated words, in any case. */
-static bool listed(struct text word, const char *words)
+static bool is_listed_word(struct text word, const char *words)
 {
     struct text rest = text_of(words), one;
     while (text_split(&rest, ' ', &one))
@@ -32,13 +32,13 @@ static bool listed(struct text word, const char *words)
 
 bool name_has_word(const char *name, const char *words)
 {
-    if (listed(text_of(name), words))
+    if (is_listed_word(text_of(name), words))
         return true;
     for (const char *cursor = name; *cursor;) {
         size_t len = 0;
         while (is_header_letter(cursor[len]))
             len++;
-        if (len > 0 && listed((struct text){cursor, len}, words))
+        if (len > 0 && is_listed_word((struct text){cursor, len}, words))
             return true;
         cursor += len ? len : 1;
     }
@@ -104,7 +104,7 @@ static const struct unit *find_unit(struct text text, double *factor)
     const struct unit *unit = unit_find(text);
     *factor = 1;
     for (size_t i = 0; i < COUNT_OF(spellings) && !unit; i++)
-        if (listed(text, spellings[i].spelled)) {
+        if (is_listed_word(text, spellings[i].spelled)) {
             unit = unit_find(text_of(spellings[i].unit));
             *factor = spellings[i].factor;
         }
@@ -116,15 +116,15 @@ bool unit_spelled(struct text text, struct arena *arena, const struct unit **uni
 {
     double factor;
     const struct unit *known = find_unit(text, &factor);
-    struct unit *own = known ? arena_alloc(arena, sizeof *own) : NULL;
-    *unit = own;
-    if (!own)
+    struct unit *copy = known ? arena_alloc(arena, sizeof *copy) : NULL;
+    *unit = copy;
+    if (!copy)
         return known == NULL;
-    *own = *known;
-    own->row.name = arena_text(arena, text);
-    own->factor = factor;
-    own->use = UNIT_READ;
-    return own->row.name != NULL;
+    *copy = *known;
+    copy->row.name = arena_text(arena, text);
+    copy->factor = factor;
+    copy->use = UNIT_READ;
+    return copy->row.name != NULL;
 }
 
 /* Returns true for "in", which is an inch only in brackets: V_in is an input. */
@@ -165,7 +165,7 @@ bool number_with_unit(struct text field, char decimal, double *value, struct tex
 
 /* Sets output to the text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for
  * Latin-1 (m/s², °C). Returns false if out of memory. */
-static bool clean(struct text text, struct buffer *output)
+static bool text_clean(struct text text, struct buffer *output)
 {
     struct buffer utf8 = {0};
     for (size_t used; text.len > 0; text.data += used, text.len -= used) {
@@ -292,7 +292,7 @@ static bool name_column(struct column *column, struct text field, struct text un
                         bool units, struct buffer *scratch)
 {
     struct text stem, unit, suffix = TEXT(""), none = TEXT("");
-    if (!clean(field, scratch))
+    if (!text_clean(field, scratch))
         return false;
     struct text whole = buffer_text(scratch);
     double factor;
@@ -317,7 +317,7 @@ static bool name_column(struct column *column, struct text field, struct text un
     column_unit(column, unit);
     if (unit_field.len == 0)
         return true;
-    if (!clean(unit_field, scratch))
+    if (!text_clean(unit_field, scratch))
         return false;
     unit = buffer_text(scratch);
     if (find_bracket(unit, &stem, &suffix, &whole))

@@ -243,7 +243,7 @@ static void find_names(const struct table_text *text, size_t first, size_t first
 }
 
 /* Returns true if the user's options permit the pair. */
-static bool allowed(struct separator_pair reading, const struct load_options *options)
+static bool is_allowed(struct separator_pair reading, const struct load_options *options)
 {
     return (!options->separator || options->separator == reading.separator ||
             reading.separator == '\n') &&
@@ -325,7 +325,7 @@ static bool find_best(const struct table_text *text, size_t first_line,
             struct separator_pair reading = readings[i];
             reading.grouped = grouped;
             if ((readings[i].separator == '\n') != (passes[pass].min == 1) ||
-                !allowed(readings[i], options) ||
+                !is_allowed(readings[i], options) ||
                 !find_rows(text, first_line, reading, passes[pass].min, passes[pass].words,
                            passes[pass].run, &found) ||
                 (grouped && !found.fraction) || found.score < best.score)

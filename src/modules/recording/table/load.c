@@ -171,7 +171,7 @@ static bool read_parts(const struct contents *contents, const char *shown,
                        const struct load_options *options, struct recording *recording,
                        struct error *error)
 {
-    struct load_options own = *options;
+    struct load_options part_options = *options;
     struct recording tables = {0};
     size_t taken = 0;
     bool done = name_runs(contents, &tables, error);
@@ -179,14 +179,14 @@ static bool read_parts(const struct contents *contents, const char *shown,
         int wanted;
         done = run_find(&tables, options->run, &wanted, error);
         taken = done ? (size_t)wanted : 0;
-        own.run = TEXT("");
+        part_options.run = TEXT("");
     } else {
         while (done && taken + 1 < contents->parts &&
                !part_has_table(&contents->part[taken], shown, options, error))
             taken++;
     }
-    done =
-        done && read_part(buffer_text(&contents->part[taken].text), shown, &own, recording, error);
+    done = done && read_part(buffer_text(&contents->part[taken].text), shown, &part_options,
+                             recording, error);
     if (done && recording->runs == 0) {
         done = name_runs(contents, recording, error);
         recording->taken = (int)taken;

@@ -116,7 +116,7 @@ static bool read_parts(struct text field, char mark, double *whole, double *part
 }
 
 /* Adds a field of the next row to the evidence. */
-static void look_at_column(struct unpadded_column *column, struct text field, char mark)
+static void unpadded_column_update(struct unpadded_column *column, struct text field, char mark)
 {
     double whole, part;
     int digits;
@@ -155,7 +155,7 @@ void find_unpadded(const struct table_text *text, struct table_layout *layout)
             continue;
         for (int c = 0; c < COLUMNS_LOOKED_AT && table_field(&line, layout->separator, &field); c++)
             if (!column[c].excluded)
-                look_at_column(&column[c], field, layout->decimal);
+                unpadded_column_update(&column[c], field, layout->decimal);
     }
     for (int c = COLUMNS_LOOKED_AT; c-- > 0;) {
         const int digits = column[c].digits_max;

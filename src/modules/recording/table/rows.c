@@ -43,7 +43,7 @@ struct row_reader {
 
 /* ---- memory ---- */
 
-static bool resize(void *array, size_t count, size_t size)
+static bool array_resize(void *array, size_t count, size_t size)
 {
     void *old, *fresh;
     memcpy(&old, array, sizeof old);
@@ -54,7 +54,7 @@ static bool resize(void *array, size_t count, size_t size)
 }
 
 /* Allocates space for `rows` rows, up to the limit; unused memory costs nothing. */
-static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
+static bool reserve_rows(struct row_reader *reader, size_t rows, struct error *error)
 {
     struct recording *recording = reader->recording;
     const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t),
@@ -66,10 +66,10 @@ static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
                   recording->columns, TABLE_BYTES >> 20);
         return error_hint(error, "export a part of it, or fewer columns");
     }
-    bool done = resize(&recording->t, rows, sizeof *recording->t) &&
-                resize(&recording->line, rows, sizeof *recording->line);
+    bool done = array_resize(&recording->t, rows, sizeof *recording->t) &&
+                array_resize(&recording->line, rows, sizeof *recording->line);
     for (int i = 0; i < recording->columns && done; i++)
-        done = resize(&recording->column[i].value, rows, sizeof(double));
+        done = array_resize(&recording->column[i].value, rows, sizeof(double));
     reader->capacity = rows;
     return done || error_memory(error);
 }
@@ -398,7 +398,7 @@ static bool is_full(struct row_reader *reader, struct error *error)
 {
     const size_t capacity = reader->capacity;
     return reader->recording->rows == capacity &&
-           !reserve(reader, capacity + capacity / 2 + 64, error);
+           !reserve_rows(reader, capacity + capacity / 2 + 64, error);
 }
 
 /* Reads the next line, whatever it is; *data counts the lines of the table. Returns false at the
@@ -451,9 +451,9 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     while (lines < ESTIMATE_LINES && table_line(&line, &first))
         lines++;
     const size_t bytes = rest.len - line.len;
-    if (!reserve(&reader,
-                 (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64,
-                 error))
+    if (!reserve_rows(&reader,
+                      (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64,
+                      error))
         return false;
     recording->separator = layout->separator;
     recording->decimal = layout->decimal;

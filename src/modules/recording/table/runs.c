@@ -15,6 +15,7 @@
 /* Runs that a list shows. */
 #define LISTED_RUNS_MAX 12
 
+/* Names a run by a text of the file, made safe to show. */
 static void set_name(struct recording_run *run, struct text name)
 {
     struct buffer safe = {0};

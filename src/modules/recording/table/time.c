@@ -350,7 +350,7 @@ bool enough_rows(const struct recording *recording, struct error *error)
 
 /* Returns false with the error if reading was cancelled; called between two passes over the
  * rows. */
-static bool goes_on(const struct recording *recording, struct error *error)
+static bool reading_continues(const struct recording *recording, struct error *error)
 {
     return !cancelled(recording->cancel) ||
            error_set(error, ERROR_CANCELLED, "reading was stopped");
@@ -373,14 +373,14 @@ bool recording_time(struct recording *recording, const struct load_options *opti
             const double index = time ? time->value[i] : recording->t[i];
             recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) + index / rate;
         }
-    if (!goes_on(recording, error) || !take_run_below(recording, options, error))
+    if (!reading_continues(recording, error) || !take_run_below(recording, options, error))
         return false;
     mend_clock_jumps(recording);
     spread_stamps(recording);
-    if (!goes_on(recording, error))
+    if (!reading_continues(recording, error))
         return false;
     drop_rows(recording);
-    if (!goes_on(recording, error) || !enough_rows(recording, error))
+    if (!reading_continues(recording, error) || !enough_rows(recording, error))
         return false;
     recording_set_step(recording);
     recording->rate = recording->source != TIME_COLUMN ? rate : 1 / recording->dt;
@@ -388,5 +388,5 @@ bool recording_time(struct recording *recording, const struct load_options *opti
     if (!fill_values(recording))
         return error_memory(error);
     recording_restore(recording);
-    return goes_on(recording, error);
+    return reading_continues(recording, error);
 }
