@@ -5,6 +5,7 @@
 
 #include "modules/words/describe.h"
 
+/* Executes `describe`: the named plot, or the one in the focus, in sentences. */
 HANDLER(describe)
 {
     struct figure_request request = {.charset = &charset_braille, .width = WORDS_COLUMNS};

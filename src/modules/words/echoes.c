@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds echoes that a sensor missed: samples far from their neighbours, which do not belong to
- * the course of a curve. */
+/* Removes echoes that a distance sensor missed: samples far from their neighbours, which do not
+ * belong to the course of a curve. */
 #include "modules/words/internal.h"
 
 #include <hooke/base/numeric.h>
 
 #include <math.h>
 
-#define ECHO_NEIGHBOURS 2  /* Samples on each side; one or two echoes in a row are found. */
-#define ECHO_POINTS_MIN 50 /* Each of fewer points counts. */
-/* Factor of what 95 % of the samples deviate from the median around them (Hampel 1974). */
+/* number of samples on each side of one; one or two echoes in a row are found */
+#define ECHO_NEIGHBOURS 2
+#define ECHO_POINTS_MIN 50 /* fewer points are not examined */
+/* A sample is an echo if it deviates from the median around it by this many times the deviation
+ * that 95 % of the samples do not exceed (Hampel 1974). */
 #define ECHO_DISTANCE_FACTOR 8.0
 
+/* Returns the median of a sample and its neighbours. */
 static double median_about(const struct points *points, size_t i)
 {
     double y[2 * ECHO_NEIGHBOURS + 1];
@@ -20,7 +23,7 @@ static double median_about(const struct points *points, size_t i)
     return values_quantile(y, COUNT_OF(y), 0.5);
 }
 
-/* Returns how far a sample is off the median about it; 0 at the ends. */
+/* Returns how far a sample is from the median around it, 0 at the ends. */
 static double off_median(const struct points *points, size_t i)
 {
     return i < ECHO_NEIGHBOURS || i + ECHO_NEIGHBOURS >= points->n
@@ -28,7 +31,8 @@ static double off_median(const struct points *points, size_t i)
                : fabs(points->y[i] - median_about(points, i));
 }
 
-/* Returns the distance beyond which a sample is an echo, by some thousand samples all along. */
+/* Returns the distance beyond which a sample is an echo, from a few thousand samples spread over
+ * the curve. */
 static double echo_distance(const struct points *points)
 {
     enum { LOOKED_AT = 4096 };

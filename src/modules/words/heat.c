@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Heat maps as sentences. */
+/* Describes heat maps in sentences. */
 #include "modules/words/internal.h"
 
 #include <math.h>
 
+/* Appends the number and the range of the values on an axis. */
 static void put_heat_axis(const struct heat_axis *axis, struct buffer *output)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
@@ -15,6 +16,7 @@ static void put_heat_axis(const struct heat_axis *axis, struct buffer *output)
         buffer_format(output, " %s", axis->unit);
 }
 
+/* Appends a sentence on the extreme value at that index and where it is. */
 static void put_heat_place(const struct heat *heat, size_t index, const char *what,
                            struct buffer *output)
 {

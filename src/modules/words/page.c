@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Figures for those who are read to: sentences, and some rows of numbers in columns. */
+/* Figures for screen readers: sentences, and a few rows of numbers in columns. */
 #include "modules/words/internal.h"
 
 #include <hooke/figure/layout.h>
@@ -8,12 +8,13 @@
 
 #include <math.h>
 
-#define CURVE_ROWS 11 /* Rows of a table, which divide it into ten equal parts. */
-#define COLUMN_CELLS 14
-#define CURVES_MAX 12 /* largest number of curves in a table */
+#define CURVE_ROWS 11   /* number of rows of a table, which divide the axis into ten equal parts */
+#define COLUMN_CELLS 14 /* least width of a column [cell] */
+#define CURVES_MAX 12   /* largest number of curves in a table */
 
-/* ---- a table of equally spaced places ---- */
+/* ---- a table of values at equally spaced x ---- */
 
+/* Returns true if x never decreases, so that y is a function of x. */
 static bool is_ascending(const struct curve *curve)
 {
     for (size_t i = 1; curve_goes_on(curve, i); i++)
@@ -22,7 +23,8 @@ static bool is_ascending(const struct curve *curve)
     return curve->n > 1;
 }
 
-/* Linear between samples; NAN outside, and where one beside it is missing. */
+/* Returns the value of a curve at x, linear between samples; NAN outside, and beside a missing
+ * sample. */
 static double curve_at(const struct curve *curve, double x)
 {
     const size_t high = first_from(curve->x, curve->n, x);
@@ -34,6 +36,7 @@ static double curve_at(const struct curve *curve, double x)
     return curve->y[high - 1] + part * (curve->y[high] - curve->y[high - 1]);
 }
 
+/* Appends a text aligned to the right in `width` cells. */
 static void page_cell_put(struct text text, int width, struct buffer *output)
 {
     for (int i = text_width(text); i < width; i++)
@@ -41,14 +44,15 @@ static void page_cell_put(struct text text, int width, struct buffer *output)
     buffer_put(output, text);
 }
 
+/* Returns the width of a column with that heading. */
 static int column_width(const struct buffer *heading)
 {
     const int needed = text_width(buffer_text(heading));
     return needed > COLUMN_CELLS ? needed : COLUMN_CELLS;
 }
 
-/* Puts the heading where there is room for its column, and returns how wide that is; 0 if there is
- * none. */
+/* Appends the heading of a column, if it fits into `room` cells. Returns the width of the column,
+ * or 0. */
 static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *output)
 {
     struct buffer text = {0};
@@ -61,6 +65,7 @@ static int put_heading(const char *name, const struct axis *axis, int room, stru
     return width;
 }
 
+/* Appends a number as the axis shows it, or "-" if it is NAN. */
 static void page_number_put(double value, const struct axis *axis, int width, struct buffer *output)
 {
     struct buffer text = {0};
@@ -70,6 +75,8 @@ static void page_number_put(double value, const struct axis *axis, int width, st
     buffer_free(&text);
 }
 
+/* Appends the table of all curves, as many columns as fit; nothing if a curve is no function of
+ * x. */
 static void page_table_put(const struct figure *figure, int room, struct buffer *output)
 {
     double x_begin = HUGE_VAL, x_end = -HUGE_VAL;
@@ -141,6 +148,7 @@ bool words_heat(const struct heat *heat, int width, struct buffer *output)
 
 /* ---- in a rectangle of cells ---- */
 
+/* Returns the number of lines of a text. */
 static int lines_of(const struct buffer *folded)
 {
     int lines = 1;
@@ -149,7 +157,7 @@ static int lines_of(const struct buffer *folded)
     return lines;
 }
 
-/* Removes the last sentence; returns false if there is only one. */
+/* Removes the last sentence of a text. Returns false if there is only one. */
 static bool drop_sentence(struct buffer *text)
 {
     size_t end = text->len > 1 ? text->len - 1 : 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A figure read curve by curve: ends, extremes, trends, distances, order. */
+/* Describes a figure in numbers, curve by curve: ends, extremes, trends, distances, order. */
 #include "modules/words/internal.h"
 
 #include <hooke/figure/layout.h>
@@ -8,10 +8,13 @@
 
 #include <stdlib.h>
 
-#define STEADY_ROUNDING 1e-9 /* Rounding of many steps, relative to the size. */
-#define ALL_NOISE 1.3        /* standard deviations of the noise: no more is in it */
-#define HUGE_SIZE 1e150      /* sums of squares of more may overflow: ends and extremes only */
-/* Deviation of a logarithm from its line, as a part of its change. */
+/* a smaller range, relative to the values, is rounding of many steps */
+#define STEADY_ROUNDING 1e-9
+/* a curve whose standard deviation is below this many times its noise has nothing else in it */
+#define ALL_NOISE 1.3
+/* larger values, whose squares may overflow, are described by ends and extremes only */
+#define HUGE_SIZE 1e150
+/* Largest deviation of a logarithm from its line, as a fraction of its change. */
 #define LINE_DEVIATION_MAX 0.05
 
 const struct axis *curve_axis(const struct figure *figure, const struct curve *curve, bool vertical)
@@ -21,6 +24,7 @@ const struct axis *curve_axis(const struct figure *figure, const struct curve *c
     return vertical ? &figure->y : &figure->x;
 }
 
+/* Returns true if the horizontal axis of the curve is time. */
 static bool is_timed(const struct figure *figure, const struct curve *curve)
 {
     const struct axis *x = curve_axis(figure, curve, false);
@@ -30,12 +34,15 @@ static bool is_timed(const struct figure *figure, const struct curve *curve)
 
 /* ---- points ---- */
 
+/* Returns true if the axis can show a value; with `window` it must lie between the axis's fixed
+ * ends, too. */
 static bool axis_shows(const struct axis *axis, double value, bool window)
 {
     return isfinite(value) && (!axis->log || value > 0) &&
            (!window || !axis->fixed || (value >= axis->first_value && value <= axis->last_value));
 }
 
+/* Returns true if point i of the curve can be shown. */
 static bool curve_is_shown(const struct figure *figure, const struct axis *x, const struct axis *y,
                            const struct curve *curve, size_t i)
 {
@@ -43,13 +50,15 @@ static bool curve_is_shown(const struct figure *figure, const struct axis *x, co
            axis_shows(y, curve->y[i], false);
 }
 
+/* Orders points for qsort() by x. */
 static int compare_x(const void *a, const void *b)
 {
     const struct curve_point *p = a, *q = b;
     return (p->x > q->x) - (p->x < q->x);
 }
 
-/* Copies the points that the axes show. Returns false if out of memory. */
+/* Copies the points that the axes show, by ascending x if `sorted`. Returns false if out of
+ * memory. */
 static bool copy_points(const struct figure *figure, const struct curve *curve, bool sorted,
                         struct arena *arena, struct points *points)
 {
@@ -74,7 +83,8 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
     return true;
 }
 
-/* Collects the points of a curve. Points outside of the window of time do not count as a gap. */
+/* Collects the points of a curve that can be shown, and its ends and gaps. Points outside of the
+ * window of time are not gaps. Returns false if out of memory. */
 static bool points_gather(const struct figure *figure, const struct curve *curve,
                           struct arena *arena, struct points *points, struct curve_reading *reading)
 {
@@ -97,12 +107,12 @@ static bool points_gather(const struct figure *figure, const struct curve *curve
     return (n == i && !sorted) || copy_points(figure, curve, sorted, arena, points);
 }
 
-/* Computes the noise of measured values. */
+/* Computes the noise of measured values; lines have none. */
 static void find_noise(const struct curve *curve, struct arena *arena, struct points *points)
 {
     if (!curve->points)
         return;
-    enum { ROWS = 16384 }; /* tell the noise as well as all */
+    enum { ROWS = 16384 }; /* so many points suffice to estimate the noise */
     const size_t n = points->n < ROWS ? points->n : ROWS, first = (points->n - n) / 2;
     const struct series series = {points->x + first, points->y + first, n,
                                   QUANTITY_OTHER,    curve->cancel,     0};
@@ -113,7 +123,8 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
 
 /* ---- trends ---- */
 
-/* Slope of ln|y| over x, or over ln x; NAN if that is no line. */
+/* Returns the slope of ln|y| over x, or over ln x, by least squares; NAN if deviations from the
+ * line are too large. */
 static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;
@@ -141,7 +152,7 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
     return NAN;
 }
 
-/* Largest way back of a curve that rises or falls. */
+/* Returns how far a curve that rises or falls goes back at most. */
 static double goes_back(const struct points *p, bool rises)
 {
     double furthest = p->y[0], back = 0;
@@ -153,7 +164,8 @@ static double goes_back(const struct points *p, bool rises)
     return back;
 }
 
-/* Noise about a level: the means of the first and the last third do not tell a direction. */
+/* Returns true, and the level, if the curve is noise around a level: the means of its first and
+ * last third do not differ. */
 static bool scatters(const struct points *p, struct curve_reading *reading)
 {
     const size_t third = p->n / 3;
@@ -176,6 +188,8 @@ static bool scatters(const struct points *p, struct curve_reading *reading)
     return true;
 }
 
+/* Finds how a curve without a period rises, falls or scatters: factor, exponential rate, or
+ * power. */
 static void read_trend(const struct figure *figure, const struct curve *curve,
                        const struct points *p, struct curve_reading *reading)
 {
@@ -203,6 +217,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
         reading->rate = slope_of_logarithm(p, false);
 }
 
+/* Finds the widest point of the band around a curve. */
 static void read_band(const struct curve *curve, struct curve_reading *reading)
 {
     for (size_t i = 0; curve->spread && curve_goes_on(curve, i); i++)
@@ -210,6 +225,7 @@ static void read_band(const struct curve *curve, struct curve_reading *reading)
             reading->widest = (struct curve_point){curve->x[i], curve->spread[i]};
 }
 
+/* Returns the label of a curve, its mark, or "the curve"; NULL if out of memory. */
 static const char *name_of(const struct figure *figure, int i, struct arena *arena)
 {
     const char mark[2] = {figure_mark(figure, i), '\0'};
@@ -218,6 +234,7 @@ static const char *name_of(const struct figure *figure, int i, struct arena *are
     return *mark ? arena_text(arena, text_of(mark)) : "the curve";
 }
 
+/* Describes curve i, and collects its points. Returns false if out of memory. */
 static bool read_curve(const struct figure *figure, int i, struct arena *arena,
                        struct points *points, struct curve_reading *reading)
 {
@@ -263,7 +280,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     find_noise(curve, arena, points);
     reading->noise = points->noise;
     if (scatters(points, reading) && reading->spread < ALL_NOISE * points->noise) {
-        reading->course = COURSE_SCATTERS; /* a few that are far off are no swings */
+        reading->course = COURSE_SCATTERS; /* a few outliers are not swings */
         return true;
     }
     struct points whole = *points;
@@ -278,6 +295,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
 
 /* ---- curves beside each other ---- */
 
+/* Returns the value of a curve at x, linear between points; NAN outside. */
 static double points_value(const struct points *p, double x)
 {
     size_t low = 0, high = p->n;
@@ -296,8 +314,8 @@ static double points_value(const struct points *p, double x)
     return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
 }
 
-/* Computes the distance at the points of the curve whose samples are measured, or closer
- * together. */
+/* Computes the distance between two curves at the points of `source` if at_from is set, otherwise
+ * at those of `target`. */
 static struct curve_distance distance_between(const struct points *source,
                                               const struct points *target, bool at_from)
 {
@@ -324,6 +342,8 @@ static struct curve_distance distance_between(const struct points *source,
     return distance;
 }
 
+/* Chooses the reference and computes the distances of other curves from it. Returns false if out of
+ * memory. */
 static bool read_distances(const struct figure *figure, const struct points *points,
                            struct arena *arena, struct figure_reading *reading)
 {
@@ -352,6 +372,7 @@ static bool read_distances(const struct figure *figure, const struct points *poi
     return true;
 }
 
+/* Sorts the curves by their right ends. Returns false if out of memory. */
 static bool read_order(const struct figure *figure, struct arena *arena,
                        struct figure_reading *reading)
 {
@@ -373,12 +394,14 @@ static bool read_order(const struct figure *figure, struct arena *arena,
 
 /* ---- what the axes hold ---- */
 
+/* Extends the range so that it holds [low, high]. */
 static void extend(double range[2], double low, double high)
 {
     range[0] = low < range[0] ? low : range[0];
     range[1] = high > range[1] ? high : range[1];
 }
 
+/* Finds the ranges of all axes: their fixed ends, or those of the curves. */
 static void read_ranges(const struct figure *figure, const struct points *points,
                         struct figure_reading *reading)
 {

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readings of figures as sentences. */
+/* Writes descriptions of figures as sentences. */
 #include "modules/words/internal.h"
 
 #include <hooke/result.h>
 
 #include <math.h>
 
-#define SPOKEN_DIGITS 4
-#define CURVES_DESCRIBED 3         /* Number of curves that get a sentence each. */
-#define ZERO_RELATIVE 1e-12        /* A value below this part of the range is 0. */
-#define RANGE_ROUNDING 1e-9        /* A range below this part of its size is rounding. */
-#define AMPLITUDE_CHANGE_MIN 0.005 /* Amplitudes that differ by less are the same. */
-/* A middle that moves by more than this part of the amplitude is no level. */
-#define LEVEL_CHANGE_MAX 0.3
+#define SPOKEN_DIGITS 4            /* number of digits of numbers */
+#define CURVES_DESCRIBED 3         /* number of curves that get a sentence each */
+#define ZERO_RELATIVE 1e-12        /* a value below this fraction of the range is 0 */
+#define RANGE_ROUNDING 1e-9        /* a range below this fraction of its values is rounding */
+#define AMPLITUDE_CHANGE_MIN 0.005 /* amplitudes that differ by less are equal */
+#define LEVEL_CHANGE_MAX 0.3       /* a level moves by at most this fraction of the amplitude */
 
 /* ---- numbers as the axes show them ---- */
 
+/* Appends a number with so many digits. */
 static void put_digits(double value, int digits, struct buffer *output)
 {
     buffer_format(output, "%.*g", digits, value == 0 ? 0 : value);
@@ -26,7 +26,7 @@ void figure_number(double value, struct buffer *output)
     put_digits(value, SPOKEN_DIGITS, output);
 }
 
-/* So many that a thousandth of the range can be told. */
+/* Returns the number of digits that show a thousandth of the range. */
 static int digits_for(const double range[2])
 {
     const double size = fmax(fabs(range[0]), fabs(range[1])), span = range[1] - range[0];
@@ -48,6 +48,7 @@ void figure_value(const struct axis *axis, double value, const double *range, st
     put_unit(axis, output);
 }
 
+/* Appends "LABEL from A to B UNIT". */
 static void put_range(const struct axis *axis, const double range[2], struct buffer *output)
 {
     buffer_format(output, "%s from ", axis->label && *axis->label ? axis->label : "values");
@@ -57,7 +58,7 @@ static void put_range(const struct axis *axis, const double range[2], struct buf
     put_unit(axis, output);
 }
 
-/* "1/s" of a rate over that axis, in the numbers that it shows. */
+/* Appends a rate per unit of the axis, such as "2 1/s". */
 static void put_rate(const struct axis *axis, double rate, struct buffer *output)
 {
     figure_number(rate * axis_factor(axis), output);
@@ -69,13 +70,15 @@ static void put_rate(const struct axis *axis, double rate, struct buffer *output
 
 /* ---- what a curve does ---- */
 
+/* A curve with what sentences about it need. */
 struct described {
     const struct figure_reading *figure;
     const struct curve_reading *curve;
     const struct axis *x, *y;
-    const double *x_range, *y_range; /* ranges */
+    const double *x_range, *y_range; /* ranges of its axes */
 };
 
+/* Returns curve i with its axes. */
 static struct described subject_of(const struct figure_reading *reading, int i)
 {
     const struct figure *figure = reading->figure;
@@ -89,6 +92,7 @@ static struct described subject_of(const struct figure_reading *reading, int i)
                               reading->y[panel]};
 }
 
+/* Appends "Y at x = X". */
 static void put_place(const struct described *s, struct curve_point point, struct buffer *output)
 {
     figure_value(s->y, point.y, s->y_range, output);
@@ -96,6 +100,7 @@ static void put_place(const struct described *s, struct curve_point point, struc
     figure_value(s->x, point.x, s->x_range, output);
 }
 
+/* Appends where the curve starts and ends. */
 static void put_ends(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -115,6 +120,7 @@ static void put_ends(const struct described *s, struct buffer *output)
     figure_value(s->y, c->end.y, s->y_range, output);
 }
 
+/* Appends the lowest and the highest point. */
 static void put_extremes(const struct described *s, struct buffer *output)
 {
     buffer_put(output, TEXT("lowest "));
@@ -123,6 +129,7 @@ static void put_extremes(const struct described *s, struct buffer *output)
     put_place(s, s->curve->high, output);
 }
 
+/* Appends how the curve rises or falls. */
 static void put_trend(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -144,6 +151,7 @@ static void put_trend(const struct described *s, struct buffer *output)
     }
 }
 
+/* Appends how the amplitude of an oscillation changes. */
 static void put_amplitudes(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -172,6 +180,7 @@ static void put_amplitudes(const struct described *s, struct buffer *output)
     }
 }
 
+/* Appends level, period, crossings and amplitude of an oscillation. */
 static void put_oscillation(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -202,6 +211,7 @@ static void put_oscillation(const struct described *s, struct buffer *output)
     put_amplitudes(s, output);
 }
 
+/* Appends how often a curve winds, around what, and how its distance changes. */
 static void put_winding(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -233,8 +243,7 @@ static void put_winding(const struct described *s, struct buffer *output)
     buffer_format(output, " in %.0f turn%s", turns, turns > 1 ? "s" : "");
 }
 
-/* Writes the course of a curve without its subject. Returns false if nothing but its ends is
- * known. */
+/* Appends what a curve does, or appends nothing and returns false if only its ends are known. */
 static bool put_course(const struct described *s, struct buffer *output)
 {
     switch (s->curve->course) {
@@ -277,6 +286,7 @@ static bool put_course(const struct described *s, struct buffer *output)
 
 /* ---- sentences ---- */
 
+/* Appends how many samples cannot be shown, and the longest interval without any. */
 static void put_gaps(const struct described *s, struct buffer *output)
 {
     if (s->curve->gaps > 0)
@@ -320,6 +330,7 @@ static void put_alone(const struct described *s, const char *name, struct buffer
     buffer_put(output, TEXT("."));
 }
 
+/* Appends a sentence on one of several curves, without its full stop. */
 static void put_curve(const struct described *s, bool briefly, struct buffer *output)
 {
     struct buffer course = {0};
@@ -360,6 +371,7 @@ static const char *title_of(const struct figure *figure)
     return figure->title && *figure->title ? figure->title : "A figure";
 }
 
+/* Appends the first sentence: title, axes with their ranges, and curves. */
 static void put_intro(const struct figure_reading *reading, struct buffer *output)
 {
     const struct figure *figure = reading->figure;
@@ -400,6 +412,7 @@ static void put_intro(const struct figure_reading *reading, struct buffer *outpu
     buffer_put(output, TEXT("."));
 }
 
+/* Appends a sentence on the distances from the reference. */
 static void put_distances(const struct figure_reading *reading, struct buffer *output)
 {
     if (reading->distances == 0)
@@ -419,6 +432,7 @@ static void put_distances(const struct figure_reading *reading, struct buffer *o
     buffer_put(output, TEXT("."));
 }
 
+/* Appends a sentence on the order of the curves at the right end. */
 static void put_order(const struct figure_reading *reading, struct buffer *output)
 {
     if (reading->ordered < 2 || reading->figure->plane || reading->figure->second)
@@ -429,6 +443,7 @@ static void put_order(const struct figure_reading *reading, struct buffer *outpu
     buffer_put(output, TEXT("."));
 }
 
+/* Appends a sentence on the widest band. */
 static void put_bands(const struct figure_reading *reading, struct buffer *output)
 {
     for (int i = 0; i < reading->figure->curves; i++) {

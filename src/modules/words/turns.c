@@ -1,32 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds the turns of a curve and derives its crossings, its period and the change of its swing. */
+/* Finds the turning points of a curve, and from these its crossings, its period and the change of
+ * its amplitude. */
 #include "modules/words/internal.h"
 
 #include <hooke/base/numeric.h>
 
 #include <string.h>
 
-#define TURN_MIN 0.05 /* A movement below this part of the swing before is no turn. */
-/* Largest deviation of a regular period from the median, as a part of it. */
+/* a movement below this fraction of the swing before is not a turning point */
+#define TURN_MIN 0.05
+/* Largest deviation of a regular period from the median, as a fraction of it. */
 #define PERIOD_DEVIATION_MAX 0.25
-#define PERIOD_DEVIATION_SIGMAS 5.0 /* The same in robust standard deviations. */
-#define REGULAR_SHARE_MIN 0.75      /* Share of periods that have to be regular. */
-/* Share of the time with crossings; less is a spike or a start. */
+#define PERIOD_DEVIATION_SIGMAS 5.0 /* the same in robust standard deviations */
+#define REGULAR_SHARE_MIN 0.75      /* fraction of periods that have to be regular */
+/* Least fraction of the time that crossings have to span; less is a spike or a transient. */
 #define CROSSINGS_SHARE_MIN 0.4
-#define LINE_DEVIATION_MAX 0.05 /* Deviation of a logarithm from its line. */
-/* Deviation of the slope from end to end, as a part of the change. */
+#define LINE_DEVIATION_MAX 0.05 /* largest deviation of a logarithm from its line */
+/* Largest deviation of the change by the fitted slope from the change of the ends, as a fraction of
+ * it. */
 #define END_DEVIATION_MAX 0.25
-/* Largest movement of the middle between turns, as a part of the swing. */
+/* Largest movement of the middle between turning points, as a fraction of the swing. */
 #define MIDDLE_JUMP_MAX 0.1
-/* A longer time without samples, in half periods, leaves turns and crossings unknown. */
+/* An interval without samples that is longer, in half periods, leaves turning points and crossings
+ * unknown. */
 #define HOLE_HALF_PERIODS 0.5
 
+/* A turning point. */
 struct turn {
     double x, y;
     size_t index; /* index of the point */
 };
 
-/* Vertex of the parabola through the point and its neighbours. */
+/* Returns the vertex of the parabola through point i and its neighbours, or the point itself if it
+ * is noisy or at an end. */
 static struct turn refined(const struct points *p, size_t i)
 {
     const struct turn plain = {p->x[i], p->y[i], i};
@@ -41,8 +47,8 @@ static struct turn refined(const struct points *p, size_t i)
     return (struct turn){plain.x + dx, plain.y + dx * (slope + curvature * dx), i};
 }
 
-/* Points from which the curve goes back by more than a part of its swing. turn NULL: only counts.
- */
+/* Finds turning points, from which the curve goes back by more than `least` and a fraction of its
+ * swing. Returns their number; `turn` receives them unless it is NULL. */
 static size_t find_turns(const struct points *p, double least, struct turn *turn)
 {
     size_t count = 0, high = 0, low = 0;
@@ -70,8 +76,8 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
     return count;
 }
 
-/* The middle about a turn: of it and its neighbours, so that what grows or decays has it in the
- * same place of every period. */
+/* Returns the middle around turning point i, a mean of it and its neighbours that has the same
+ * place in each period of a growing or decaying motion. */
 static double middle(const struct turn *turn, size_t count, size_t i)
 {
     if (count < 3)
@@ -83,7 +89,7 @@ static double middle(const struct turn *turn, size_t count, size_t i)
     return 0.25 * (turn[i - 1].y + 2 * turn[i].y + turn[i + 1].y);
 }
 
-/* It does not change over from one middle to another and back, as between two wells. */
+/* Returns true if the middle rarely jumps, as it does for a motion between two wells. */
 static bool keeps_middle(const struct turn *turn, size_t count)
 {
     size_t jumps = 0;
@@ -115,7 +121,7 @@ static double crossing(const struct points *p, size_t search_first, size_t searc
     return sum;
 }
 
-/* Samples are missing between two places. */
+/* Returns true if two samples between x_begin and x_end are farther apart than `least`. */
 static bool has_hole(const struct points *p, double x_begin, double x_end, double least)
 {
     size_t low = 0, high = p->n;
@@ -131,7 +137,9 @@ static bool has_hole(const struct points *p, double x_begin, double x_end, doubl
     return false;
 }
 
-/* Finds gaps in measured samples. Turns and crossings within longer gaps are left out. */
+/* Finds the longest gap between measured samples, and *least, the length of gaps in which turning
+ * points and crossings are unknown (HUGE_VAL if there are too few crossings). Returns false if out
+ * of memory. */
 static bool find_holes(const struct points *p, const double *x_crossing, size_t crossings,
                        struct arena *arena, double *least, struct curve_reading *reading)
 {
@@ -151,8 +159,8 @@ static bool find_holes(const struct points *p, const double *x_crossing, size_t 
     return true;
 }
 
-/* Computes the period from the ascending crossings x_crossing; crossings that are two apart have
- * the same direction. */
+/* Computes period and spread from the crossings in ascending order, of which those two apart have
+ * the same direction, if most of them are regular. Returns false if out of memory. */
 static bool read_period(const struct points *p, const double *x_crossing, size_t crossings,
                         double least, struct arena *arena, struct curve_reading *reading)
 {
@@ -191,7 +199,7 @@ static bool read_period(const struct points *p, const double *x_crossing, size_t
     return true;
 }
 
-/* A swing that is seen whole: with the samples on both sides of its turns. */
+/* Returns true if no samples are missing between two successive turning points and beside them. */
 static bool is_whole(const struct points *p, const struct turn *turn, double least)
 {
     const size_t first = turn[0].index, last = turn[1].index;
@@ -199,7 +207,8 @@ static bool is_whole(const struct points *p, const struct turn *turn, double lea
                      least);
 }
 
-/* Half the swings between turns: first and last, and the slope of their logarithm. */
+/* Finds the first and the last amplitude and level, and the growth of the amplitude if its
+ * logarithm is a line. */
 static void read_amplitudes(const struct points *p, const struct turn *turn, size_t count,
                             double least, struct curve_reading *reading)
 {
@@ -231,7 +240,7 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
             far =
                 fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - intercept - slope * x));
     }
-    /* a line of the logarithm says how something grows where it tells both ends */
+    /* the line must also agree with the amplitudes at both ends */
     const double change = log(reading->amplitude[1] / reading->amplitude[0]),
                  told = slope * (0.5 * (turn[count - 2].x + turn[count - 1].x) -
                                  0.5 * (turn[0].x + turn[1].x));
@@ -251,7 +260,7 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
     if (!turn || !x_crossing)
         return false;
     find_turns(points, least, turn);
-    /* a ripple at the start, which only what follows shows to be one */
+    /* a ripple at the start is known as such only by the larger swings that follow */
     while (count > 2 && fabs(turn[1].y - turn[0].y) < TURN_MIN * fabs(turn[2].y - turn[1].y)) {
         memmove(turn, turn + 1, (count - 1) * sizeof *turn);
         count--;

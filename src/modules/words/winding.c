@@ -4,25 +4,29 @@
 
 #include <hooke/base/numeric.h>
 
-/* The origin is the centre if it has this part of the turns around the middle. */
+/* The origin is the centre if the curve winds around it at least this fraction of the times that it
+ * winds around the middle. */
 #define ORIGIN_TURNS_MIN 0.9
 
+/* A centre with the units of both directions. */
 struct frame {
     struct curve_point centre, half;
 };
 
+/* Returns the direction of a point from the centre. */
 static double angle(const struct frame *f, struct curve_point p)
 {
     return atan2((p.y - f->centre.y) / f->half.y, (p.x - f->centre.x) / f->half.x);
 }
 
+/* Returns the distance of a point from the centre, in units of x. */
 static double frame_distance(const struct frame *f, struct curve_point p)
 {
-    /* returns the distance in units of x */
     return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
 }
 
-/* Signed turns; after the last whole one the distance, by interpolation in the angle. */
+/* Returns the signed number of turns around the centre. *last is the distance from it after the
+ * last whole turn, interpolated in the angle. */
 static double turns_about(const struct frame *f, const struct points *p, double *last)
 {
     double sum = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The module words: what figures show, in sentences and tables, for those who are read to. */
+/* The module words: figures in sentences and tables, for screen readers. Its charset makes all
+ * plots words. */
 #include <hooke/module.h>
 #include "modules/words/internal.h"
 
