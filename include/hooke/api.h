@@ -34,36 +34,41 @@ extern "C" {
 #define HOOKE_PUBLIC
 #endif
 
-struct hooke;       /* a session */
-struct hooke_table; /* columns of values or texts, the caller's own */
+struct hooke;       /* A session. */
+struct hooke_table; /* Columns of values or texts, owned by the caller. */
 
+/* Flags of hooke_open(). */
 enum hooke_open_flag {
-    HOOKE_SAFE = 1, /* as the option --safe: writes below the current directory alone */
+    HOOKE_SAFE = 1, /* As the option --safe: writes only below the current directory. */
 };
 
+/* An error; texts belong to the session. */
 struct hooke_error {
-    int status; /* exit status that the program would have: 1 a command failed, 2 wrong usage, 3 the
-                 * numbers, 4 reading or writing, 130 stopped */
+    /* Exit status that the program would have: 1 a command failed, 2 wrong usage, 3 numerical
+     * failure, 4 reading or writing failed, 130 stopped. */
+    int status;
     /* Position in the text given to hooke_run() or in `file`, counted from 1, or 0 if unknown. */
     int line, column;
     /* File in which the error occurred, or NULL for the text given to hooke_run(). */
     const char *file;
-    const char *code, *message, *hint; /* "usage"; a sentence; what to do, or "" */
+    /* Name of the status ("usage"), the message as a sentence, and advice or "". */
+    const char *code, *message, *hint;
 };
 
-/* "0.1.0" */
+/* Returns the version, such as "0.1.0". */
 HOOKE_PUBLIC const char *hooke_version(void);
 
 /* Creates a session with the defaults of the lab. The flags are those of enum hooke_open_flag.
  * Returns NULL if out of memory. */
 HOOKE_PUBLIC struct hooke *hooke_open(unsigned flags);
+/* Frees a session; NULL is allowed. */
 HOOKE_PUBLIC void hooke_close(struct hooke *hooke);
 
-/* Executes one or more lines, as a file of commands; the first error ends them. Returns 0, or the
+/* Executes one or more lines like a file of commands; the first error ends them. Returns 0, or the
  * status of the error. */
 HOOKE_PUBLIC int hooke_run(struct hooke *hooke, const char *lines);
-/* Stops what goes on as Ctrl-C does: from any thread, or a handler of a signal. What is stopped
- * says so with status 130; where nothing goes on, nothing is stopped later. */
+/* Stops the current hooke_run() or hooke_table() as Ctrl-C does; may be called by any thread or a
+ * signal handler. That call then returns status 130. Without effect if nothing is executed. */
 HOOKE_PUBLIC void hooke_cancel(struct hooke *hooke);
 
 /* Return the results, and the warnings, notes and errors, that the last hooke_run() printed, in
@@ -73,14 +78,14 @@ HOOKE_PUBLIC const char *hooke_messages(const struct hooke *hooke);
 /* Returns the error of the last hooke_run() or hooke_table(), or NULL if it succeeded. */
 HOOKE_PUBLIC const struct hooke_error *hooke_error(const struct hooke *hooke);
 
-/* Finds anything with a name, in SI units: a parameter, a derived quantity, a variable of the
+/* Finds a value by its name, in SI units: a parameter, a derived quantity, a variable of the
  * current run, a result such as measured_period. The standard uncertainty is 0 if none is known;
- * both pointers may be NULL. Returns 1, or 0 if there is no such name or if it has no value. */
+ * both pointers may be NULL. Returns 1, or 0 if the name is unknown or has no value. */
 HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double *value,
                              double *uncertainty);
 
-/* Returns the names of the results that the session keeps, such as "compare" and "sweep", at place
- * 0, 1, …, or NULL if there are no more. Each is hooke_table(hooke, "table of NAME"). */
+/* Returns the name of result number `place`, from 0, that the session has stored, such as "compare"
+ * or "sweep", or NULL if there are no more. Its table is hooke_table(hooke, "table of NAME"). */
 HOOKE_PUBLIC const char *hooke_result(const struct hooke *hooke, size_t place);
 
 /* Returns what `export FILE WHAT` would write. WHAT is "" for the current run, "t y energy" for
@@ -88,17 +93,19 @@ HOOKE_PUBLIC const char *hooke_result(const struct hooke *hooke, size_t place);
  * a copy that stays valid after the session is closed; free it with hooke_table_free(). Returns
  * NULL on failure, which hooke_error() explains. */
 HOOKE_PUBLIC struct hooke_table *hooke_table(struct hooke *hooke, const char *what);
+/* Frees a table; NULL is allowed. */
 HOOKE_PUBLIC void hooke_table_free(struct hooke_table *table);
+/* Return the number of rows, and of columns. */
 HOOKE_PUBLIC size_t hooke_rows(const struct hooke_table *table);
 HOOKE_PUBLIC size_t hooke_columns(const struct hooke_table *table);
-/* Return name and unit of the column at that place, from 0, or NULL if there is none. A unit is ""
- * if the column has none. */
+/* Return name and unit of column number `place`, from 0, or NULL if there is none. A unit is "" if
+ * the column has none. */
 HOOKE_PUBLIC const char *hooke_column_name(const struct hooke_table *table, size_t place);
 HOOKE_PUBLIC const char *hooke_column_unit(const struct hooke_table *table, size_t place);
-/* Returns the values [hooke_rows] of the first column of that name, NAN where a row has no value,
- * or NULL if there is no such column or if it has texts. */
+/* Returns the values [hooke_rows] of the first column of this name, NAN for missing ones, or NULL
+ * if there is no such column or if it has texts. The array belongs to the table. */
 HOOKE_PUBLIC const double *hooke_column(const struct hooke_table *table, const char *name);
-/* Returns the text of a column with texts; rows count from 0. Returns NULL if there is none. */
+/* Returns the text in row `row`, from 0, of a column of texts, or NULL if there is none. */
 HOOKE_PUBLIC const char *hooke_text(const struct hooke_table *table, const char *name, size_t row);
 
 #ifdef __cplusplus

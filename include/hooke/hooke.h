@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library part of hooke: base, result, scene, method, run, data, figure. */
+/* hooke: includes the layers of the library that need no session: base, result, scene, method, run,
+ * data and figure. */
 #pragma once
 
 #include <hooke/base/cancel.h>

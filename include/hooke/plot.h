@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * plot: figures of a session, panes that make sense, cursors, a recording beside a run.
+ * plot: figures of a session (runs, recordings, studies), the rows that describe plots, cursors,
+ * and the comparison of a recording with a run.
+ *
+ * A caller fills a struct figure_request and calls session_figure(), which returns a struct figure
+ * in the arena (<hooke/figure.h>). A new plot is a row of plot_catalog (src/plot/plots.c).
  */
 #pragma once
 
@@ -12,317 +16,344 @@ struct catalog;
 
 /* ---- figures of the session ---- */
 
-/* Those that others ask for by themselves; rows that stand behind them need no name here. */
+/* Plots that code refers to by name: the first rows of plot_catalog; further rows need no name
+ * here. */
 enum plot_kind {
     PLOT_POSITION,
     PLOT_ENERGY,
     PLOT_PHASE,
     PLOT_VELOCITY,
     PLOT_ERROR,
-    PLOT_ORBIT, /* one coordinate against another */
+    PLOT_ORBIT, /* One coordinate against another. */
     PLOT_ACCELERATION,
 };
 
+/* Kind of the horizontal axis. */
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
-/* The variable on the vertical axis: of first order the rate is the second value. */
+/* Variables on the vertical axis: positions; velocities (in a first-order scene the second
+ * variable); or second derivatives. */
 enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
-/* Kind of recorded values that such a plot shows without conversion. */
+/* Kind of recorded values that the plot shows without conversion. */
 enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
 
 struct reply;
-struct drawing; /* a figure while it is built up: hooke/plot/drawing.h */
+struct drawing; /* a figure in the making: <hooke/plot/drawing.h> */
 struct figure_request;
 
-/* The plane of a plot whose points are states of the scene. */
+/* The plane of a plot whose points are states of the scene, such as a portrait. */
 struct plot_plane {
-    const struct scene *scene; /* the scene that was drawn */
-    int variable[2];           /* variables on the axes, horizontal first */
+    const struct scene *scene; /* Scene that was drawn. */
+    int variable[2];           /* Variables on the axes, the horizontal one first. */
+    /* Ranges [SI] of these variables. */
     double box[2][2];
-    double state[LIMIT_VARIABLES]; /* SI; gives the variables that are not shown */
+    double state[LIMIT_VARIABLES]; /* [SI] values of all variables, for those that are not shown. */
 };
 
-/* Functions that move the cursors' point on such a plane. */
+/* Functions that move the point of the cursors on such a plane. */
 struct plane_row {
-    /* Gives the plane as it was drawn last. Returns false if none was drawn of this scene. */
+    /* Fills *plane as it was drawn last. Returns false if none was drawn of this scene. */
     bool (*drawn)(const struct session *session, struct plot_plane *plane);
-    /* Moves the point to the next, or the previous, special state. */
+    /* Moves the point to the next or previous special state. Returns false with `error` set. */
     bool (*next)(const struct session *session, const struct plot_plane *plane, bool forward,
                  double point[2], struct error *error);
-    /* Appends what is special where the point stands. */
+    /* Appends a description of the special state at the point, if there is one. */
     void (*say)(const struct session *session, const struct plot_plane *plane, struct buffer *text);
 };
 
-/* One kind of curves in the figure of a study. */
+/* One kind of curves in the figure of a study, by columns of the study's table. */
 struct study_layer {
-    const char *y;     /* column on the vertical axis, or NULL behind the last layer */
-    const char *part;  /* word in column `part` of its rows, or NULL if all rows are */
-    const char *value; /* column whose value stands behind a curve's name, or NULL */
-    const char *named; /* name of that value, such as "slope" */
-    double max;        /* larger values are left out, unless it is 0 */
-    bool line;         /* a line with a gap at each row without numbers; otherwise points */
-    bool guide;        /* a thin straight line from the first to the last row with numbers */
+    const char *y;     /* Column on the vertical axis; NULL ends the layers. */
+    const char *part;  /* Word in the column "part" of its rows; NULL for all rows. */
+    const char *value; /* Column whose value is appended to a curve's name, or NULL. */
+    const char *named; /* Name of that value, such as "slope". */
+    double max;        /* Larger values are left out; 0 for no limit. */
+    bool line;         /* A line with a gap at each row without numbers; otherwise points. */
+    bool guide;        /* A thin straight line from the first to the last row with numbers. */
 };
 
-/* Describes how the table of a study is drawn. */
+/* Largest number of layers of a study's figure. */
 enum { STUDY_LAYERS_MAX = 4 };
+/* Description of a figure that is drawn from the table of a study. */
 struct study_picture {
-    const char *table, *made_by; /* kind of the table, and what makes one */
-    const char *x;               /* column on the horizontal axis */
-    const char *group;           /* column of names that tell curves apart, or NULL */
+    const char *table, *made_by; /* Kind of the table, and the command that makes it. */
+    const char *x;               /* Column on the horizontal axis. */
+    const char *group;           /* Column of names that distinguish curves, or NULL. */
     struct study_layer layer[STUDY_LAYERS_MAX];
-    const char *shade;             /* column shown as shades over x and the first layer's y */
-    const char *x_label, *y_label; /* names of the axes, or NULL for those of the columns */
-    const char *note;              /* explanation of the lines, or NULL */
-    bool log_x, log_y;             /* axes that are logarithmic */
-    bool equal;                    /* one length for a unit on both axes */
+    const char *shade; /* Column shown as shades over x and the first layer's y, or NULL. */
+    const char *x_label, *y_label; /* Names of the axes, or NULL for those of the columns. */
+    const char *note;              /* Explanation of the lines, or NULL. */
+    bool log_x, log_y;             /* Logarithmic axes. */
+    bool equal;                    /* A unit has the same length on both axes. */
 };
 
-/* Row that describes a plot, which can also be a pane of the screen (src/plot/plots.c). */
+/* A plot, which can also be a pane of the screen: a row of plot_catalog (src/plot/plots.c). Zero
+ * members are the defaults. */
 struct plot_row {
     struct row row;
-    enum plot_across horizontal; /* the horizontal axis */
-    enum plot_vertical vertical; /* state that the vertical axis shows, if it shows the state */
-    /* observable on the vertical axis, or NULL for state variables or something else */
+    enum plot_across horizontal; /* Kind of the horizontal axis. */
+    enum plot_vertical vertical; /* Variables on the vertical axis, if it shows the state. */
+    /* Observable on the vertical axis, or NULL for state variables or something else. */
     const char *observable;
-    const char *label; /* label of the vertical axis, if not the names of the variables */
-    /* label of the magnitude on a logarithmic axis, or NULL if the plot has no values of
-     * both signs */
+    const char *label; /* Label of the vertical axis, or NULL for the names of the variables. */
+    /* Label of the magnitude on a logarithmic axis, or NULL if the values do not have both signs.
+     */
     const char *log_label;
-    /* title of the figure; name of the vertical axis in a pane, or NULL for its usual one */
+    /* Title of the figure, and label of the vertical axis in a pane (NULL for its usual one). */
     const char *title, *pane_label;
-    /* Requirements of the plot. */
     /* Returns true if the plot makes sense for the model; NULL accepts any model. */
     bool (*fits)(const struct model *model);
-    const char *needs; /* requirement that other models lack, for the message */
-    /* Returns true if the session has what the plot shows. If NULL, the plot needs a run that
-     * fits or such a recording. */
+    const char *needs; /* Requirement that other models lack, for messages. */
+    /* Returns true if the session has what the plot shows; NULL stands for a run that fits, or such
+     * a recording. */
     bool (*offered)(const struct session *session);
+    /* Kind of recorded values that it shows. */
     enum plot_recorded recorded;
-    bool any_recording; /* shows any recording if there is no run */
-    bool of_motion;     /* shows velocities of a recording, which are computed from its positions */
-    /* draws what is left of a recording beside a fit or a run; NULL if it is no such plot */
+    bool any_recording; /* It shows any recording if there is no run. */
+    bool of_motion;     /* It shows velocities of a recording that are computed from positions. */
+    /* Draws the residuals of a recording from a fit or a run; NULL for other plots. */
     bool (*residual)(struct drawing *d, const struct recording *recording);
-    bool of_study; /* Shows the results of a study, not runs; its figure fails if there is none. */
-    /* Command whose `> FILE.svg` writes it, or NULL for the one of its own name, if any. */
+    /* It shows the results of a study, not runs; its figure fails if there are none. */
+    bool of_study;
+    /* Command whose `> FILE.svg` writes it; NULL for the command of its own name, if any. */
     const char *command;
-    /* Description of how the table of its study is drawn, in place of `figure`, or NULL. */
+    /* Description of how the table of its study is drawn, instead of figure(), or NULL. */
     const struct study_picture *picture;
-    /* Computes that table as records of the reply for these methods (rows of the catalog; with
-     * none given, those that were studied last or the current one). NULL if no words may follow
-     * the plot's name. */
+    /* Computes that table, as records of the reply, for these methods (rows of the catalog; without
+     * any, those studied last or the current one). NULL if no methods may follow the plot's name.
+     * Returns false with `error` set. */
     bool (*study)(struct session *session, const struct row *const *method, int methods,
                   struct reply *reply, struct error *error);
-    bool whole;    /* its axes hold all points: ranges are refused */
-    bool of_scene; /* shows the scene, and its run if there is one */
-    /* Make its curves; if NULL they are columns of the trace. With `figure`, which makes the
-     * whole figure, nothing else is called. */
+    bool whole;    /* Its axes contain all points: options for ranges are refused. */
+    bool of_scene; /* It shows the scene, and its run if there is one. */
+    /* Make the curve of a run, and of a recording; if NULL they are columns of the trace. figure()
+     * makes the whole figure: then no other function is called. All return false with d->error set.
+     */
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
-    /* Writes the plot's own note; NULL if it has none. */
+    /* Appends the plot's own note; NULL if it has none. */
     void (*note)(const struct drawing *d, struct buffer *text);
-    struct axis (*axis)(const struct drawing *d); /* horizontal, in place of the usual; or NULL */
-    const struct plane_row *plane;                /* NULL where its points are no states */
-    /* Adds the numbers behind the figure to the reply. NULL if there are none. */
+    /* Returns the horizontal axis if it is not the usual one, or NULL. */
+    struct axis (*axis)(const struct drawing *d);
+    /* Functions for the point of the cursors; NULL if points are not states. */
+    const struct plane_row *plane;
+    /* Adds the numbers of the figure to the reply; NULL if there are none. */
     void (*reply)(const struct session *session, const struct figure_request *request,
                   struct reply *reply);
-    /* Gives curves that have only marks their names, for pictures and in words; may be NULL. */
+    /* Sets names of curves that have only marks, for pictures and words; may be NULL. */
     bool (*name_curves)(const struct session *session, struct arena *arena, struct figure *figure,
                         struct error *error);
-    /* Appends lines of that width [cell] that stand below the figure in cells; may be NULL. */
+    /* Appends lines, `width` cells wide, for below a text figure; may be NULL. */
     void (*legend)(const struct session *session, int width, struct buffer *text);
-    const char *planned; /* a line of `plan` while its pane has the focus; NULL if there is none */
-    bool takes_column;   /* a column may follow its name: what is drawn of it */
-    bool coordinates;    /* all of one quantity, on one axis */
-    /* shows an energy that all runs have, which is the kinetic energy if some have no potential */
+    const char *planned; /* Line of the command `plan` while its pane has the focus, or NULL. */
+    bool takes_column;   /* A column may follow its name, which is then drawn. */
+    bool coordinates;    /* It shows all coordinates of one quantity on one axis. */
+    /* It shows an energy that all its runs have: the kinetic energy if some have no potential. */
     bool energy;
-    bool scaled; /* 'set phase-axes': v over omega0 */
-    bool equal;  /* axes of the same scale */
-    /* Its limits. */
-    bool periods; /* each period has to be seen: the window is limited to what the width can show */
-    bool positive;   /* never below zero: curves of different size get a logarithmic axis */
-    bool from_zero;  /* zero belongs to the vertical range, without a line */
-    bool flat;       /* drawn from zero where it hardly varies */
-    bool in_layouts; /* some layout has it: any other takes the first place of each */
+    bool scaled; /* 'set phase-axes' applies: v/omega0. */
+    bool equal;  /* A unit has the same length on both axes. */
+    /* Each period has to be visible: the window is limited to what the width can show. */
+    bool periods;
+    bool positive;  /* Never below zero: curves of different size get a logarithmic axis. */
+    bool from_zero; /* The vertical range includes zero, without a line. */
+    bool flat;      /* It is drawn from zero if it hardly varies. */
+    /* Some layout contains it; any other plot with the focus replaces the first pane of each
+     * layout. */
+    bool in_layouts;
 };
 
-extern const struct catalog plot_catalog; /* struct plot_row, at the enum's place */
+/* All plots: struct plot_row, the first at the index of enum plot_kind. */
+extern const struct catalog plot_catalog;
 
+/* Returns the row of a plot. */
 const struct plot_row *plot_row(enum plot_kind kind);
-bool plot_is_timed(enum plot_kind kind);      /* the horizontal axis is the time */
-bool plot_is_plane(enum plot_kind kind);      /* one part of the state against another */
-bool plot_shows_state(enum plot_kind kind);   /* variables on its vertical axis */
-bool plot_of_recordings(enum plot_kind kind); /* some recordings have one */
-/* Returns true if such a plot makes sense for a model; not every model has velocities or a
- * second coordinate. */
+bool plot_is_timed(enum plot_kind kind); /* Returns true if the horizontal axis is the time. */
+/* Returns true if it shows one part of the state against another. */
+bool plot_is_plane(enum plot_kind kind);
+/* Returns true if the vertical axis shows state variables. */
+bool plot_shows_state(enum plot_kind kind);
+bool plot_of_recordings(enum plot_kind kind); /* Returns true if it can show recordings. */
+/* Returns true if the plot makes sense for a model: not every model has velocities or a second
+ * coordinate. */
 bool plot_fits(enum plot_kind kind, const struct model *model);
-/* Returns true if the plot makes sense for this session; for example, an error plot needs a
+/* Returns true if the session has what the plot shows; an error plot, for example, needs a
  * reference. */
 bool plot_offered(const struct session *session, enum plot_kind kind);
-/* Returns the quantity on an axis of the plot for the session's run or scene. */
+/* Returns the quantity on the horizontal (x) or vertical axis of the plot for the session's run or
+ * scene. */
 enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x);
 
-/* The pane that commands and zooming act on. */
+/* Return, and set, the pane on which commands and zooming act. */
 enum plot_kind view_focus(const struct view *view);
 void view_focus_on(struct view *view, enum plot_kind kind);
 
-/* The part of the time that plots over each other share. */
+/* A window of time that several plots share. */
 struct figure_window {
-    struct axis axis;    /* common axis of all plots, fixed */
-    double shown, total; /* [s] of what there is: how long the window is, and all of it */
+    struct axis axis;    /* Common time axis, fixed. */
+    double shown, total; /* [s] length of the window, and of all that could be shown */
 };
 
-/* Range that an axis shall show. An open end is where the curves end; if both ends are open the
- * range is as narrow as the curves. */
+/* Range that the user gives for an axis. An open end is where the curves end; if both ends are open
+ * the range is as narrow as the curves. */
 struct figure_range {
-    double end[2]; /* ends, NAN where open */
-    /* quantity of the unit that was given, or QUANTITY_OTHER if the axis decides */
+    double end[2]; /* Ends, NAN if open. */
+    /* Quantity of the unit that was given, or QUANTITY_OTHER if the axis decides. */
     enum quantity quantity;
-    struct text text; /* as typed, for messages */
+    struct text text; /* Text as typed, for messages. */
 };
 
-/* A side of a portrait: a variable and its range, SI. */
+/* One side of a portrait: a variable and its range [SI]. */
 struct figure_side {
     int variable;
     double range[2];
 };
 
-#define PEAKS_EACH 3 /* lines that are named of one spectrum */
-#define PEAKS_MAX 16 /* and in all */
+#define PEAKS_EACH 3 /* Number of lines that are named in one spectrum. */
+#define PEAKS_MAX 16 /* Number of lines that are named in all. */
 
+/* A line of a spectrum that was drawn. */
 struct figure_peak {
-    const char *label; /* label of the curve */
+    const char *label; /* Label of its curve. */
     struct spectrum_peak line;
-    enum quantity quantity; /* quantity of the amplitude */
+    enum quantity quantity; /* Quantity of the amplitude. */
 };
 
+/* The lines of all spectra of a figure. */
 struct figure_peaks {
     struct figure_peak peak[PEAKS_MAX];
     int count;
 };
 
+/* The description of a figure to be made, owned by the caller. Zero members are the defaults,
+ * except `recording` and NAN where stated. */
 struct figure_request {
     enum plot_kind kind;
-    const int *run; /* places in the session */
+    const int *run; /* [runs] indices of the runs in the session. */
     int runs;
-    int recording;                   /* place, -1 if there is none */
-    const struct row *const *method; /* [methods] of a study's plot: rows of the catalog */
-    int methods;                     /* number of methods, 0 if none was named */
-    /* Columns drawn instead in PLOT_POSITION and PLOT_ORBIT: names of variables and observables, or
-     * NULL if the kind of plot decides. horizontal_column is for PLOT_ORBIT. */
+    int recording; /* Index of the recording, or -1. */
+    /* [methods] methods for the plot of a study: rows of the catalog. */
+    const struct row *const *method;
+    int methods; /* Number of methods. */
+    /* [columns] names of variables and observables that are drawn in PLOT_POSITION and PLOT_ORBIT,
+     * or NULL if the plot decides. horizontal_column is for PLOT_ORBIT. */
     const struct text *column;
     int columns;
     struct text horizontal_column;
-    const struct table *table; /* table that has these columns, or NULL for columns of runs */
-    const char *title;         /* title of the table */
-    /* Event at whose moments points are drawn, or empty to draw the whole course. */
+    const struct table *table; /* Table that has these columns, or NULL for columns of runs. */
+    const char *title;         /* Title of the table. */
+    /* Event at whose times points are drawn, or empty to draw the whole course. */
     struct text event;
-    /* then the columns at the event after the one where `against` is taken: a return map */
+    /* If there is an event, the column at the next event is drawn against that at this event
+     * (return map).
+     */
     bool next;
-    double window[2];                 /* [s] NAN: choose */
-    const struct figure_range *x, *y; /* ranges of the axes, or NULL if automatic */
-    struct figure_side side[2];       /* sides of a portrait */
+    double window[2];                 /* [s] window of time, NAN to choose */
+    const struct figure_range *x, *y; /* Ranges of the axes, or NULL if automatic. */
+    struct figure_side side[2];       /* [sides] sides of a portrait. */
     int sides;
-    struct text band; /* band of the adopted fit's uncertainty as typed, or empty for none */
-    bool stored_band; /* draw the band that the session keeps, if it belongs to this run */
-    bool full;        /* all of it: the whole time, all curves on one axis */
-    int width;        /* [cell] that will be drawn on */
-    bool log;         /* vertical axis */
-    const struct charset *charset; /* NULL counts as charset_ascii */
-    double trail; /* number of periods in phase plot and orbit; 0 stands for 2, HUGE_VAL for all */
-    /* Shows the newest part instead of the first one on a fixed time axis, for a lasting view. */
+    /* The option --band as typed, or empty: the confidence band of the adopted fit. */
+    struct text band;
+    bool stored_band; /* Draws the band that the session has stored, if it belongs to this run. */
+    bool full;        /* Draws everything: the whole time, all curves on one axis. */
+    int width;        /* [cell] width on which it will be drawn */
+    bool log;         /* The vertical axis is logarithmic. */
+    const struct charset *charset; /* Characters; NULL stands for charset_ascii. */
+    double trail; /* Number of periods in phase plot and orbit; 0 stands for 2, HUGE_VAL for all. */
+    /* Shows the newest part instead of the first one on a fixed time axis, for a live view. */
     bool follow;
-    /* no other plot shares the time axis: each period has to be seen only where this one needs
-     * it */
+    /* No other plot shares the time axis, so that periods have to be visible only if this plot
+     * needs it. */
     bool alone;
-    bool running; /* the end moves: nothing that is written depends on it */
+    bool running; /* The run is in progress: texts must not depend on its end. */
     double span;  /* [s] length of time shown, or 0 for as much as the width can show */
-    int pages;    /* the window moves on by span / pages */
-    double t_end; /* [s] the axis reaches to here at least, where known; NAN */
-    struct figure_peaks *peaks; /* takes the lines of spectra; NULL if nobody asks */
+    int pages;    /* The window moves by span / pages at a time. */
+    double t_end; /* [s] time to which the axis extends at least; NAN if unknown */
+    struct figure_peaks *peaks; /* Receives the lines of spectra, or NULL. */
     /* Window that all time plots of a screen share, or NULL to choose one for this plot. */
     const struct figure_window *shared;
 };
 
-/* Chooses the window for such a time plot and all that share it; returns false if there is nothing
- * to show, or no memory. */
+/* Chooses the window for this time plot and all that share it. Returns false if there is nothing to
+ * show or if out of memory. */
 bool session_window(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure_window *window);
 
-/* Builds the figure; all memory from the arena. */
+/* Makes the figure, whose memory is the arena's. Returns false with `error` set. */
 bool session_figure(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure *figure, struct error *error);
-/* Coordinates of the same quantity, which share the plot of the position: those of a second-order
- * scene, the values of one of first order; at most as many as have marks of their own. */
+/* Returns the number of coordinates that share the plot of the position: those of a second-order
+ * scene, or the variables of a first-order one, of the same quantity; at most as many as there are
+ * marks. */
 int plot_coordinates(const struct model *model);
-/* Place of the recording that belongs into such a plot without being asked for: the current one,
- * where it overlaps the run; -1 if there is none. */
+/* Returns the index of the recording that the plot shows by default: the current one if it overlaps
+ * the run; -1 if there is none. */
 int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- cursors ---- */
 
-/* Readings of the two cursors, computed from struct cursors. NAN marks unknown values. */
+/* Readings of the two cursors, computed from struct cursors; NAN marks unknown values. */
 struct cursor_reading {
     double dt;                 /* [s] B - A */
-    double periods;            /* number of periods between them */
+    double periods;            /* Number of periods between them. */
     struct measured period;    /* [s] */
     struct measured frequency; /* [Hz] */
     double theory;             /* [s] period of the scene, with its linear damping */
-    const char *theory_name;   /* T0, T_d; period in other scenes than those of an oscillator */
+    const char *theory_name;   /* Its name: T0 or T_d for an oscillator, else period. */
     double deviation;          /* (period - theory)/theory */
-    /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
+    /* Logarithmic decrement from the amplitudes at A and B, and Q = pi/decrement. */
     double decrement, quality;
 };
 
-/* Computes the readings. Returns false if the cursors are hidden or not both set. Cheap enough
- * to be called for each frame. */
+/* Computes the readings, fast enough for each frame. Returns false if the cursors are hidden or not
+ * both set. */
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading);
-/* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
+/* Appends the readings in four lines, as `cursor` prints them, without a newline at the end. */
 void session_cursor_lines(const struct session *session, struct buffer *text);
 
-/* Finds the plane that the point of the cursors moves on: the plane of the focused plot. Returns
- * false if that plot has none or has not been drawn yet. */
+/* Finds the plane of the focused plot, on which the point of the cursors moves. Returns false if
+ * that plot has none or has not been drawn yet. */
 bool cursor_plane(const struct session *session, struct plot_plane *plane);
-/* Writes the command that begins a trajectory at the point, such as "start x=1,y=0.5". */
+/* Appends the command that begins a trajectory at the point, such as "start x=1,y=0.5". */
 void cursor_plane_start(const struct session *session, struct buffer *line);
-/* Two lines for people: where it stands, and what is there. */
+/* Appends two lines: the position of the point, and what is special there. */
 void cursor_plane_lines(const struct session *session, struct buffer *text);
 
-/* Finds the positions of the cursors again after a command that has changed what they point at. */
+/* Restores the cursors after a command that has changed the run or recording on which they are. */
 void cursors_refresh(struct session *session);
 
-/* ---- a recording beside a run (compared.c) ---- */
+/* ---- comparison of a recording with a run (compared.c) ---- */
 
-/*
- * Rms distance of the run from the recording where they overlap in time and hold the same quantity.
- * The recording alone decides which samples are bad, however far off the run is: those that the fit
- * of a damped sine leaves out; where none describes it, those that find_faults() masks.
- */
+/* Root mean square distance of a run from a recording, where they overlap in time and have the same
+ * quantity. The recording alone decides which samples are bad, however far the run is from it:
+ * those that the fit of a damped sine rejects or, if no such fit describes it, those that the
+ * search for faults masks. */
 struct data_distance {
-    double rms;     /* NAN if they do not overlap */
-    size_t bad;     /* samples left out: missed echoes would hide how well the run fits */
-    int derivative; /* derivative that was recorded: 0 position, 1 velocity, 2 acceleration */
-    enum quantity quantity; /* quantity of the rms, which is the recording's own */
-    /* The recorded Y is compared with gain Y + at_zero of the run's first variable. For a
-     * voltage or a force (scaled) both are fitted by least squares, and NAN if the recording
+    double rms;     /* Rms distance; NAN if they do not overlap. */
+    size_t bad;     /* Number of samples that were left out as bad. */
+    int derivative; /* Derivative that was recorded: 0 position, 1 velocity, 2 acceleration. */
+    enum quantity quantity; /* Quantity of the rms, the recording's. */
+    /* The recorded Y is compared as gain Y + at_zero with the run's first variable. For a voltage
+     * or a force (scaled) both numbers are fitted by least squares, and are NAN if the recording
      * does not follow the run. */
     bool scaled;
     double gain, at_zero;
-    /* Mean of the recording minus the run where it is most of the rms, else NAN. */
+    /* Mean difference of recording and run if that makes up most of the rms, else NAN. */
     double offset;
 };
-/* A sensor's quantity that moves with the position in a proportion that nobody knows: a voltage, a
- * force. */
+/* Returns true for quantities of sensors that are proportional to the position by an unknown
+ * factor: a voltage, a force. */
 bool quantity_is_scaled(enum quantity quantity);
-/* "1 V = 2.31 cm, 0 V at y = 1.2 cm" */
+/* Appends the scale that was fitted: "1 V = 2.31 cm, 0 V at y = 1.2 cm". */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
-/* Numbers whose unit is missing or unknown are taken as positions, in metres or radians, and said
- * to be: by adopt and wherever they are compared with a run. */
+/* Returns true if the unit of a recording is missing or unknown. Its numbers are then taken as
+ * positions in metres or radians, and commands that compare them with a run state that. */
 bool recorded_bare(const struct recording *recording);
 /* Appends "has no unit", or "has the unit 'au', which is not known". */
 void put_bare(const struct recording *recording, struct buffer *text);
-/* Returns the same for a recording and the first coordinate of a run (if run is NULL, by the
- * quantity alone), or -1 if it is neither. */
+/* Returns the derivative of a run's first coordinate that was recorded, 0 to 2, or -1 if none; if
+ * `run` is NULL, by the recording's quantity alone. */
 int recorded_derivative(const struct recording *recording, const struct run *run);
-struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
+/* Returns name and quantity of that derivative. */
+struct variable run_derivative(const struct run *run, int derivative);
+/* Computes the distance of a run from a recording. */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* report: tables that are written into files, studies as tables, what the lab hands in. */
+/* report: results as tables (struct export): of runs, events, studies and methods, with the facts
+ * about their origin as keys, for `export`, `> FILE` and documents. Functions return false with
+ * `error` set; memory of tables is the arena's of their struct export. */
 #pragma once
 
 #include <hooke/run.h>
@@ -11,44 +13,51 @@ struct catalog;
 
 /* ---- tables made from a session; all memory from the arena ---- */
 
+/* A table in the making. */
 struct export
 {
     struct arena *arena;
     struct table table;
 };
 
-/* runs: none means the current one; column: none means t, y, v, energy; every: a count of rows, or
- * a time. */
+/* Makes the table of runs (by default the current one) with columns (by default t, y, v, energy);
+ * `every` thins the rows by a count or a time. Each argument may be without items. */
 bool export_runs(const struct session *session, const struct argument_value *runs,
                  const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error);
-/* Fills the keys of the table: what made this run. */
+/* Sets the keys of the table: scene, method and settings of a run by its index. */
 bool export_run_keys(const struct session *session, int index, struct export *export,
                      struct error *error);
-/* The same: the present scene. */
+/* Sets the keys of the table: the current scene. */
 bool export_scene_keys(const struct session *session, struct export *export, struct error *error);
 
-/* ---- coefficients of a method (coefficients.c) ----
+/*
+ * ---- coefficients of a method ----
  *
- * All return false for methods that have none: those that are algorithms, and external ones.
+ * The functions return false for methods without coefficients: those that are algorithms, and
+ * external ones.
  */
 
-/* Appends lines of at most max cells, set in by two; also returns false if they would be longer. */
+/* Appends lines of at most `max` cells, indented by two; also returns false if they would be
+ * longer. */
 bool coefficients_text(const struct method *method, int max, struct buffer *output);
-/* Appends a displayed array. */
+/* Appends an array for LaTeX. */
 bool coefficients_tex(const struct method *method, struct buffer *output);
-/* Fills in a row for each stage, and one for each kind of weights; also returns false if out of
- * memory. */
+/* Makes a table with a row for each stage and one for each kind of weights; also returns false if
+ * out of memory. */
 bool coefficients_table(const struct method *method, struct arena *arena, struct table *table);
 
 /* ---- files of tables ---- */
 
+/* A format of tables in files. */
 struct table_kind {
-    struct row row; /* its name is what files end in */
+    struct row row; /* Its name is the ending of the files, such as "csv". */
+    /* Writes the table. */
     table_format *format;
 };
-extern const struct catalog table_format_catalog; /* rows are struct table_kind */
+extern const struct catalog table_format_catalog; /* Formats, struct table_kind. */
 
+/* Returns the function of a format's row. */
 static inline table_format *format_of_kind(const struct row *kind)
 {
     return ((const struct table_kind *)(const void *)kind)->format;
@@ -56,54 +65,64 @@ static inline table_format *format_of_kind(const struct row *kind)
 
 /* ---- results that are tables (results.c) ---- */
 
+/* A kind of result that is a table: a row of result_catalog. */
 struct result_row {
     struct row row;
-    const char *kind; /* kind of its records; NULL if it is the name of the row */
-    /* Makes the table of the present state; NULL for the last table that was found. */
+    const char *kind; /* Kind of its records; NULL if it is the name of the row. */
+    /* Makes the table from the current state of the session; NULL if the last table of this kind is
+     * stored. */
     bool (*table)(const struct session *session, struct export *export, struct error *error);
-    /* Replies with records of the present state; NULL for the last ones of a command. */
+    /* Replies with records of the current state; NULL if the records are those of the last command.
+     */
     void (*say)(const struct session *session, struct reply *reply);
-    /* `export FILE table` alone writes it, until there is another run */
+    /* `export FILE table` writes it if no run has been made since. */
     bool study;
-    const char *type; /* commands that make one */
-    bool sceneless;   /* no scene had a part in it */
+    const char *type; /* Commands that make one, for messages. */
+    bool sceneless;   /* It does not depend on the scene. */
 };
 
-extern const struct catalog result_catalog; /* rows are struct result_row */
+extern const struct catalog result_catalog; /* Kinds of results, struct result_row. */
 
-/* The table of a row of that catalog. It lives as long as the session keeps it, or the arena. */
+/* Makes, or finds, the table of a result. It lives as long as the session stores it, or as the
+ * arena. */
 bool export_result(struct session *session, const struct row *result, struct export *export,
                    struct error *error);
 /* Returns true if the session has such a result. */
 bool result_is_kept(const struct session *session, const struct row *result);
-/* Exports the result of the last study, or the runs if there were runs since. */
+/* Makes the table of the last study, or of the runs if a run was made since. */
 bool export_latest(struct session *session, struct export *export, struct error *error);
-/* A row for each run. */
+/* Makes a table with a row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
-/* The table of a result whose records say more, or less. method, reference: what is said of it
- * beside duration and scene; NULL if there is nothing. Without memory it is lost. */
+/* Stores the table of a result whose records have other fields. `method` and `reference` are keys
+ * beside duration and scene, or NULL. The table is lost if out of memory. */
 void reply_result(const struct session *session, struct reply *reply, const char *kind,
                   const struct result_columns *columns, const void *rows, size_t count,
                   const char *method, const char *reference);
-/* Makes everything that a statement has reported the last result of its kind. Returns the row of
+/* Stores the tables of a statement's records as the last results of their kinds. Returns the row of
  * the command's result, or NULL if it has no table. */
 const struct row *session_keep_results(struct session *session, struct table_store *said,
                                        const char *command);
 
-/* Selection of the rows that are written, by a number of rows or by a time [s]. */
+/* Selection of the rows that are written, by the option every=. */
 struct thinning {
+    /* Number of rows, or time [s] if by_time, between two rows that are written. */
     double step;
     bool by_time;
+    /* Number of the next one in units of `step`; private. */
     int64_t next;
 };
 
+/* Initialises the selection from every=, which may be without items. Returns false with `error`
+ * set. */
 bool thinning_begin(struct thinning *thinning, const struct argument_value *every,
                     struct error *error);
-/* Row i, `elapsed` after the first; to be asked of one after another. */
+/* Returns true if row i, `elapsed` [s] after the first one, is written. Call it for one row after
+ * the other. */
 bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed);
 
-/* ---- what the numbers of a table were made with: its `# key = value` lines ---- */
+/* ---- keys: the facts about the origin of a table, its lines `# key = value` ---- */
 
+/* Keys in the making: keys_begin(), keys_add…(), keys_finish(). */
 struct keys {
     struct arena *arena;
     struct table_key *key;
@@ -111,50 +130,63 @@ struct keys {
     bool failed;
 };
 
+/* Begins the keys of a table. */
 bool keys_begin(struct keys *keys, struct export *export, struct error *error);
-void keys_add(struct keys *keys, const char *name, struct buffer *value); /* frees the value */
+/* Adds a key with the content of a buffer, which is freed. */
+void keys_add(struct keys *keys, const char *name, struct buffer *value);
+/* Adds a key with a text. */
 void keys_add_text(struct keys *keys, const char *name, const char *text);
+/* Adds the scene and its parameters. */
 void keys_add_scene(struct keys *keys, const struct scene *scene);
+/* Adds scene, method and settings of runs by their indices. */
 void keys_add_runs(struct keys *keys, const struct session *session, const int *index, int count);
-/* The table has them. */
+/* Sets the keys of the table. Returns false, with `error` set, if out of memory. */
 bool keys_finish(const struct keys *keys, struct export *export, struct error *error);
 
-/* ---- what events have noticed (event_report.c) ---- */
+/* ---- events of a run ---- */
 
-/* Warns once of events that may have been missed; with `format json` writes a record of each event
- * with the number that were noticed. */
+/* Warns once of events that may have been missed; in JSON writes a record of each event with its
+ * number of times. */
 void reply_event_doubts(struct run_slot *slot, struct reply *reply);
-/* Lines and records of all that happened in the current run. */
+/* Replies with lines and records of all events of the current run. */
 void reply_event_records(const struct session *session, struct reply *reply);
+/* Makes the table of these events. */
 bool export_event_records(const struct session *session, struct export *export,
                           struct error *error);
 
-/* ---- a run as it is now (run_record.c) ---- */
+/* ---- the state of a run, as a record ---- */
 
+/* The current state of a run with its errors, as `run` reports it. */
 struct run_record {
     const struct run *run;
+    /* Number of the run. */
     int number;
+    /* Name of the method, and stop_name(). */
     const char *method, *status;
-    double dt, tol; /* NAN if the other one is used */
-    /* NAN if the scene has no such variable, or if none of its digits is certain */
+    double dt, tol; /* Fixed step [s] or tolerance; NAN if the other one is used. */
+    /* First position and velocity [SI]; NAN if the scene has no such variable, or if no digit is
+     * reliable. */
     double y, v;
-    double rest;    /* [s] held by dry friction from then on; NAN */
-    double seconds; /* [s] that it took; NAN with 'timing off' */
+    double rest;    /* [s] time since which dry friction has held it at rest, or NAN */
+    double seconds; /* [s] wall time of the run; NAN with 'timing off' */
+    /* Distance from the current recording. */
     struct data_distance data;
-    double t; /* [s] */
+    double t; /* Current time [s]. */
     int64_t steps;
     struct cost cost;
-    /* Only for records: */
-    double kinetic; /* [J] where there is no potential for all of it */
-    /* Results of the second solution; NAN if nothing is known. */
+    double kinetic; /* [J] kinetic energy if no total energy is known */
+    /* Estimated error (struct opinion); NAN if unknown. */
     double opinion_error, opinion_max, opinion_t, opinion_lost;
     struct ledger ledger;
     struct run_errors errors;
+    /* [n] magnitudes below which variables have no reliable digit, see run_below_tolerance(). */
     double error_floor[LIMIT_VARIABLES];
 };
 
+/* Fills *record with the current state of a run. */
 void run_record_init(struct run_record *record, const struct session *session,
                      const struct run *run);
+/* Replies with the record. */
 void reply_run_record(struct run_record *record, struct reply *reply);
-/* Replies with the current run, if there is one. */
+/* Replies with the record of the current run, if there is one. */
 void reply_current_run(const struct session *session, struct reply *reply);

@@ -1,27 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The arguments of commands that draw or describe a figure. */
+/* figure_arguments: the arguments shared by commands that draw or describe a figure, plot and say,
+ * and the figure that they describe. Call choose_figure(), then make_figure(). */
 #pragma once
 
 #include <hooke/command/handler.h>
 
 #include <hooke/plot.h>
 
-/* A kind of plot, or columns of runs or of a result: over time, or against another. */
+/* Sets the kind of plot, or the columns of runs or of a result over time or against another, from
+ * the arguments. Returns false with `error` set. */
 bool choose_figure(const struct arguments *args, struct figure_request *request,
                    struct error *error);
 
-/* The figure of the runs, recordings, window and ranges that were named; kind, width and charset
- * are chosen before. Methods behind the name of a study's plot are studied first, which adds notes
- * to the reply. Memory from the arena of the statement. */
+/* Makes the figure for the runs, recordings, window and ranges of the arguments; kind, width and
+ * charset of *request must be set. Methods after the name of a study's plot are studied first,
+ * which adds notes to the reply. Memory is the statement's arena. Returns false with `error` set.
+ */
 bool make_figure(struct session *session, const struct arguments *args,
                  struct figure_request *request, struct figure *figure, struct reply *reply,
                  struct error *error);
 
-/* Puts the legend below a text figure into the figure itself, where there is room for it. */
+/* Replaces the legend below a text figure by labels in the figure itself, if there is room. Returns
+ * false, with `error` set, if out of memory. */
 bool label_curves(const struct session *session, const struct figure_request *request,
                   struct arena *arena, struct figure *figure, struct error *error);
 
-/* Arguments that both commands take; WHAT and special arguments are placed before and behind. */
+/* Arguments of both commands; WHAT and special arguments come before and behind them. */
 #define FIGURE_ARGUMENTS                                                                           \
     WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),                         \
         WORD("of", TYPE_CHOICE, .choices = &result_catalog),                                       \

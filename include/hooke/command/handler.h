@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Declarations that the handlers of commands share. */
+/* handler: how commands are written (HANDLER, COMMAND and the macros of arguments), and the
+ * functions that handlers of several files share. */
 #pragma once
 
 #include <hooke/run.h>
@@ -10,25 +11,31 @@
 
 struct row;
 
-/* ---- how a command is written ----
+/*
+ * ---- how a command is written ----
  *
- * A file holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
- * below it their rows, COMMAND(name, …). commands.c includes all of them again through commands.def
- * to collect the rows.
+ * A file contains, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
+ * below it their rows, COMMAND(name, …). commands.c includes all of them again by commands.def to
+ * collect the rows.
  */
 
+/* Parameters of a handler, see struct command. */
 #define HANDLER_PARAMETERS                                                                         \
     struct session *session, const struct arguments *args, struct reply *reply, struct error *error
+/* Begins the definition of the handler of a command. It returns false with `error` set. */
 #define HANDLER(name)                                                                              \
     bool command_##name(HANDLER_PARAMETERS);                                                       \
     bool command_##name(HANDLER_PARAMETERS)
+/* Marks a parameter as unused. */
 #define UNUSED(thing) ((void)(thing))
 
+/* The arguments of a command in its row, made by the macros below. */
 #define ARGUMENTS(...)                                                                             \
     .argument = (const struct argument[]){__VA_ARGS__},                                            \
     .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
 
-/* name, type, then what else differs from zero: PLACE("N", TYPE_INTEGER, .flags = ARG_REQUIRED) */
+/* An argument of each form: name, type, then other members that differ from zero, as in PLACE("N",
+ * TYPE_INTEGER, .flags = ARG_REQUIRED). */
 #define PLACE(...)                                                                                 \
     {                                                                                              \
         .form = FORM_PLACE, .name = __VA_ARGS__                                                    \
@@ -50,93 +57,100 @@ struct row;
 #define COMMAND(...)
 #endif
 
-/*
- * Finds how a value that is read depends on the state of the run and on time (slope [n + 1]), by
- * reading it beside them. Returns false if it cannot be read there. (scene/slopes.c)
- */
+/* Computes slope [n + 1], the derivatives of the value of an expression by the state of the run and
+ * by time, by finite differences. Returns false if the expression cannot be evaluated near the
+ * current state. */
 bool find_slopes(const struct parser *value, struct run *run, const char *what,
                  enum quantity quantity, double *slope);
-/* Returns true for a value that an event sets, and that depends on the state of the run. */
+/* Returns true for a value that commands of an event set and that depends on the state of the run.
+ */
 bool value_depends(struct session *session, const struct parser *value);
-/* Marks the run's response to another state as unknown from the present state on. */
+/* Marks the derivatives of the last jump of the current run as unknown. */
 void forget_jump_slopes(struct session *session);
-/* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (scene/scene.c). */
+/* Returns a parser for the argument VALUE of a statement NAME = VALUE, for read_value(). */
 struct parser value_parser(struct session *session, const struct arguments *args);
+/* Reads a value and refuses remaining text. Returns false with `error` set. */
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
-/* '-' is for data where no commands come from there. */
+/* Returns false, with `error` set, if standard input ('-') is not free for data because commands
+ * come from it. */
 bool check_input(const struct session *session, struct text where, struct error *error);
 
-/* ---- answers in one screen (short_form.c) ---- */
+/* ---- replies that fit on one screen ---- */
 
-/* Returns true if the statement asks for everything, by --full. */
+/* Returns true if the statement has the option --full. */
 bool asks_full(const struct arguments *arguments);
-/* Text is not left out of less than this: on smaller screens it scrolls. */
+/* Smallest size of a screen [row, cell] for which text is shortened: on smaller screens it scrolls.
+ */
 enum { ANSWER_ROWS_MIN = 22 /* [row] */, ANSWER_WIDTH_MIN = 80 /* [cell] */ };
-/* [row] The length of an answer that fits below the line that was typed. */
+/* Returns the number of rows of a reply that fits below the line that was typed. */
 int answer_rows(const struct session *session);
-/* [row] Rows that a text takes on a screen of this width [cell]. */
+/* Returns the number of rows of a text on a screen of this width [cell]. */
 int text_rows(struct text text, int width);
 
-/* The line and the record of a table that was written. */
+/* Replies with the line and the record of a table that was written to a file. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 
-/* ---- runs in text (run_text.c, run_warnings.c, opinion_text.c) ---- */
+/* ---- replies about runs ---- */
 
-/* Returns true if what is predicted to take that long [s] needs --force or a yes. */
+/* Returns true if a task with this predicted time [s] needs --force or a confirmation. */
 bool takes_long(double seconds);
-/* A prediction above a minute is refused, or asked about at the prompt, unless --force was given.
- */
+/* Returns true if a task with this predicted time [s] may start: it is short, --force was given, or
+ * the user at the prompt has confirmed it. Otherwise returns false with `error` set. */
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error);
-/* The line and the record of a run as it is now. */
+/* Replies with the line and the record of a run's current state. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
-/* Warns of what is wrong with a run or its steps, of most things once a run. */
+/* Warns of what is wrong with a run or its steps, of most things once per run. */
 void reply_run_warnings(struct run *run, struct reply *reply);
-/* Warns once if a step was nonsense. */
+/* Warns once if a step had little to do with the solution (struct unsound_step). */
 void reply_unsound(struct run *run, struct reply *reply);
+/* Notes variables that are so small that no digit is reliable. */
 void reply_below_tolerance(const struct run *run, struct reply *reply);
-/* As `set opinion` says, and as far as the reply shows errors. */
+/* Computes the estimated error of a run with the effort of `set opinion`, if the reply shows it. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
-/* Appends the cost of the opinion on the run that is planned. */
+/* Appends the cost of the estimated error to the text of `plan`. */
 void plan_opinion(const struct session *session, const struct system *system,
                   const struct plan *plan, struct buffer *text);
-/* Replies with the opinion's line, and a warning if the error is large. Returns false, with an
- * error, if nothing of the result is right. */
+/* Replies with a line about the estimated error, and a warning if it is large. Returns false, with
+ * `error` set, if no digit of the result is correct. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error);
 /* Warns of a state whose squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply);
-/* Says once which method a scene of the user's own gets where nobody has chosen one. */
+/* Notes once which method is used for a typed scene while the user has not set one. */
 void reply_unchosen(struct session *session, struct reply *reply);
-/*
- * Says once of each scene of the user's own which duration, tolerance and first step are taken
- * where nobody has set them: those of the lab. adapts: a step control will use the last two;
- * by_setting: 'duration' will be used.
- */
+/* Notes once for each typed scene which duration, tolerance and first step are used while the user
+ * has not set them. `adapts` if step-size control uses the last two; by_setting if the setting
+ * duration is used. */
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
-/* Replies that a study uses the duration that is set, although the present run took longer. */
+/* Notes that a study uses the duration that is set although the current run was longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
-/* Warns where the scene rules out the method that is set, and says what to do. */
+/* Warns if the method that is set cannot be applied to the scene, with advice. */
 void reply_inapplicable(const struct session *session, struct reply *reply);
-/* Warns of a step that is too coarse for the period. */
+/* Warns of a step that is too long for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 
-/* Progress of a study, whose context is the session's front; fraction 2: it is over. going.c */
+/* Shows the progress of a study, a fraction, or 2 when it has ended; `context` is the session's
+ * struct front. */
 void report_fraction(void *context, double fraction);
 
-/* A setting by which a program is run is set neither by files nor by -c, and not with --safe. */
+/* Returns false, with `error` set, if the setting starts a program and the statement does not come
+ * from a prompt, or with --safe. */
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error);
+/* Handler of `set`, which other commands call. */
 bool command_set(HANDLER_PARAMETERS);
-/* Watches for another event: its name, then "when EXPR do …" (scene/event.c). */
+/* Adds an event with this name and the rule "when EXPR do …" to the set-up. Returns false with
+ * `error` set. */
 bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
                struct error *error);
-/* Keeps the present scene, if all of it was typed, so that `scene` finds it by its present name and
- * form. */
+/* Stores the current scene, if all of it was typed, so that `scene NAME` finds it. Returns false,
+ * with `error` set, if there are too many. */
 bool keep_own_scene(struct session *session, struct error *error);
+/* Choices of arguments. */
 extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;
 
-/* A row as `list` shows it: a line, and a record of its catalog's kind. */
+/* Replies with a row as `list` shows it: a line, and a record of its catalog's kind. */
 void reply_listed(const struct catalog *catalog, const struct row *row, struct reply *reply);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: what there is of each kind. */
+/* complete: functions that offer completions of one kind (units, names, columns, …), for types of
+ * arguments and for commands. Each offers those candidates that begin with the word before the
+ * cursor. */
 #pragma once
 
 #include <hooke/language.h>
@@ -7,39 +9,47 @@
 
 struct catalog;
 
+/* State of one completion. */
 struct completion {
     struct session *session;
-    struct text word; /* part of the word before the cursor */
+    struct text word; /* The part of the word before the cursor. */
+    /* Receives a candidate with a line of explanation, "" for none. */
     void (*offer)(void *context, const char *candidate, const char *brief);
     void *context;
-    /* Ending of the files that are possible there, "" for any; NULL if no name of a file is
-     * possible. */
+    /* Set to the ending of the files that are possible here, "" for any, or left NULL if no file
+     * name is possible. The front end completes file names. */
     const char *file;
 };
 
+/* Offers a candidate if it begins with the word. */
 void complete_offer(struct completion *c, const char *candidate, const char *brief);
+/* Offers prefix + name + suffix. */
 void complete_affixed(struct completion *c, const char *prefix, const char *name,
                       const char *suffix, const char *brief);
+/* Offers the names of all rows. */
 void complete_catalog(struct completion *c, const struct catalog *catalog);
-void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER for all */
+/* Offers the units of a quantity, of all with QUANTITY_OTHER. */
+void complete_units(struct completion *c, enum quantity quantity);
+/* Offers everything that `set` can change: parameters, derived quantities, settings. */
 void complete_settable(struct completion *c);
-void complete_names(struct completion *c);    /* names with a value in expressions */
-void complete_operands(struct completion *c); /* these and functions */
-/* Offers state variables and observables of the current run, or of the one that the scene would
- * give, except for names in `besides`, which may be NULL. */
+void complete_names(struct completion *c); /* Offers the names that have a value in expressions. */
+void complete_operands(struct completion *c); /* Offers these names and functions. */
+/* Offers state variables and observables of the current run, or of a run of the current scene,
+ * except for names in `besides`, which may be NULL. */
 void complete_columns(struct completion *c, const struct catalog *besides);
-void complete_events(struct completion *c); /* offers the events that are watched for */
-/* Completes one item of this type; `preceding` is the text to the left of the word. */
+void complete_events(struct completion *c); /* Offers the names of the events. */
+/* Completes an item of the argument's type; `preceding` is the text to the left of the word. */
 void complete_item(struct completion *c, const struct argument *argument, struct text preceding);
 
-char last_letter(struct text text); /* ignores blanks; returns 0 if there is none */
+/* Returns the last character that is no blank, or 0 if there is none. */
+char last_letter(struct text text);
+/* Returns true if the last character that is no blank is a digit. */
 bool ends_in_digit(struct text preceding);
-/* The value that stands before the word ends in an operator, or inside of parentheses. */
+/* Returns true if the text before the word ends in an operator or inside parentheses, so that the
+ * value is incomplete. */
 bool value_is_open(struct text value);
-/*
- * Inside of an expression of which `value` stands before the word: `names` where an operand can
- * stand, units of the quantity after a number, nothing after another operand. The word becomes its
- * part behind the last operator.
- */
+/* Completes inside an expression, of which `value` is the text before the word: names() where an
+ * operand can follow, units of the quantity after a number, nothing after another operand. c->word
+ * becomes the part behind the last operator. */
 void complete_value(struct completion *c, struct text value, enum quantity quantity,
                     void (*names)(struct completion *c));

@@ -1,28 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values that a statement asks for in steps: FROM:TO[:STEP]. */
+/* grid: values of a parameter in even steps, as sweep and basins read them: FROM:TO[:STEP]. */
 #pragma once
 
 #include <hooke/language.h>
 
+/* Values first, …, last of one parameter. */
 struct value_grid {
-    /* name of the parameter or setting with these values, for messages */
+    /* Name of the parameter or setting; set by the caller, as is `quantity`. */
     char name[LIMIT_NAME + 1];
     enum quantity quantity;
-    double first, last; /* SI, both included */
+    double first, last; /* First and last value [SI]. */
+    /* Number of values. */
     int count;
-    bool log; /* each is a multiple of the one before */
+    bool log; /* Values are in a geometric sequence. */
 };
 
-/* The number of values where no step is given. */
+/* Number of values if no step is given. */
 enum { GRID_VALUES_USUAL = 51 };
 
-/*
- * Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, and nothing behind it, for a grid that has a name
- * and a quantity. `last` becomes the last value that the steps reach. Returns false with `error`
- * filled.
- */
+/* Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, with nothing behind it. `last` becomes the last
+ * value that the steps reach. Returns false with `error` set. */
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error);
 
-/* Takes the next of NAME=... or --option from the rest: up to a blank with another, or with 'at',
- * behind it. */
+/* Removes the next NAME=… or --option from *rest and returns it: the text up to a blank before the
+ * next one, or before the word `at`. */
 struct text next_key_argument(struct text *rest);

@@ -1,45 +1,52 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The two cursors: what they stand on and how they move. */
+/* cursor: the two cursors A and B: the run or recording on which they are, and their movements.
+ * Call ground_open(), move them, then cursor_settle(). */
 #pragma once
 
 #include <hooke/plot.h>
 
-/* A point that cursors snap to. */
+/* A point to which cursors snap: a crossing or a peak. */
 struct snap_point {
-    double t, uncertainty, y; /* [s] [s] SI */
-    /* counted in periods from 1 for the first up-crossing, 0 if there is none */
+    double t, uncertainty, y; /* Time [s], its uncertainty [s], and value [SI]. */
+    /* Number of the up-crossing, from 1, or 0. */
     int crossing;
 };
 
-/* Data under the cursors; memory from the arena. */
+/* The series on which the cursors are; memory is the arena's. */
 struct ground {
+    /* Name, such as "run 1" or "data swing3". */
     char name[LIMIT_NAME + 16];
-    bool data; /* a recording */
+    bool data; /* It is a recording. */
     struct series series;
     struct overview overview;
-    struct snap_point *crossing, *peak; /* upward, of the equilibrium; found if asked for */
+    /* [crossings] upward crossings of the equilibrium, and [peaks] peaks, each searched for only if
+     * cursors snap to them. */
+    struct snap_point *crossing, *peak;
     size_t crossings, peaks;
     struct arena *arena;
 };
 
-/* A run or a recording, as session->view.cursors.on_data says; the other where there is only that.
- */
+/* Opens the run or recording according to session->view.cursors.on_data, or the other one if only
+ * that exists. Returns false, with `error` set, if there is neither. */
 bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
                  struct error *error);
-double ground_spacing(const struct ground *ground); /* [s] between samples */
-/* Puts cursor `which` to t, or to the place it snaps to if that is within `reach` [s]. */
+double ground_spacing(const struct ground *ground); /* Returns the mean time [s] between samples. */
+/* Moves cursor `which` (0 for A, 1 for B) to time t [s], or to a point to which it snaps within
+ * `reach` [s]. */
 void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t,
                 double reach);
-/* Moves to the next (forward) or previous crossing, or to a peak if cursors snap to peaks.
- * Returns false if there is none, with error. */
+/* Moves the active cursor to the next (forward) or previous crossing, or to a peak if cursors snap
+ * to peaks. Returns false, with `error` set, if there is none. */
 bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forward,
                  struct error *error);
-/* B to A + n periods. */
+/* Moves B to n periods after A. Returns false, with `error` set, if the series has no period or is
+ * too short. */
 bool cursor_span(struct cursors *cursors, const struct ground *ground, double n,
                  struct error *error);
-/* The first and the last place to snap to, else both ends. */
+/* Moves A and B to the first and the last point to which they snap, else to both ends. */
 void cursor_spread(struct cursors *cursors, const struct ground *ground);
-/* Puts both where they are, on the ground that they stand on now. */
+/* Moves both cursors to their times on a series that has changed, and to the nearest points if they
+ * were at crossings. */
 void cursors_put_again(struct cursors *cursors, const struct ground *ground);
-/* Updates the values that follow from the two positions: periods and amplitudes. */
+/* Updates the members of *cursors that follow from the two positions: periods and amplitudes. */
 void cursor_settle(struct cursors *cursors, const struct ground *ground);

@@ -1,50 +1,56 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers behind the curves of a session's figures: rows of a run, values there. */
+/* curves: the numbers of curves: which rows of a run are drawn, and the values of columns at these
+ * rows. */
 #pragma once
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>
 
-/* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those
- * that look the same on so many columns. */
+/* Rows of a run that a curve needs: all rows in an interval or, for a screen, which is drawn often,
+ * a selection that looks the same. */
 struct row_request {
-    double t_begin, t_end; /* [s] */
+    double t_begin, t_end; /* Interval [s]. */
+    /* Number of columns of the screen. */
     int columns;
-    double period; /* [s] NAN: not known */
-    bool screen;   /* then with the neighbours on both sides, so that a line reaches the ends */
-    /* The state variables [first, first + count) that are drawn against the time: of many rows only
-     * those where one of them is least or largest in its share of the time. A count of 0 takes all
-     * rows. */
+    double period; /* Period [s] of the motion, NAN if unknown. */
+    /* It is for a screen; the rows next to the interval are added, so that lines reach its ends. */
+    bool screen;
+    /* State variables from `first` to first + count - 1 are drawn against the time: if there are
+     * many rows, only those with extremes of one of them in each short interval. A count of 0
+     * selects all rows. */
     int first, count;
 };
 
+/* Selected rows of a run. */
 struct chosen_rows {
-    size_t *row; /* ascending */
+    size_t *row; /* [n] indices of rows, ascending. */
     size_t n;
 };
 
+/* Selects the rows for a curve, in the arena. Returns false, with `error` set, if out of memory. */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error);
-/* Returns true if the initial scene was in force during the whole run, as far as can be
- * determined afterwards. */
+/* Returns true if the run's parameters never changed, as far as its current state shows. */
 bool run_never_changed(const struct run *run);
 
-/* The observable at these rows; one that sums up over the run, and a run whose parameters were
- * changed, are walked through as a whole. */
+/* Computes an observable at these rows into values [rows->n]. All rows are computed if the
+ * observable sums up over the run or parameters have changed. Returns false, with `error` set, if
+ * it is not defined, if cancelled or if out of memory. */
 bool values_at_rows(const struct run *run, const struct observable *observable,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
-/* Likewise of a column. */
+/* Does the same for a column. */
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
-/* State variable i at these rows. */
+/* Copies state variable i at these rows to values [rows->n]. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values);
-/* Finds an observable of the catalog; returns NULL if there is none. */
+/* Returns the observable of this name, or NULL if there is none. */
 const struct observable *observable_named(const char *name);
-/* Returns the first variable at t, interpolated between recorded rows, or NAN outside the run. */
+/* Returns the first variable at t [s], interpolated between recorded rows, or NAN outside the run.
+ */
 double run_position(const struct run *run, double t);
-/* Returns the first coordinate (derivative 0), its velocity (1) or acceleration (2) at t,
- * interpolated between rows by Hermite polynomials. Returns NAN outside of the run and if a
- * scene of first order has no such derivative. */
+/* Returns the first coordinate (derivative 0), its velocity (1) or acceleration (2) at t [s],
+ * interpolated by Hermite polynomials. Returns NAN outside the run and if a first-order scene has
+ * no such derivative. */
 double run_motion(const struct run *run, double t, int derivative);
