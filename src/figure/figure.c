@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Figures: frame, axes, titles, legend and curves in a rectangle of cells. */
+/* Draws figures into cells: the frame, titles, legend and axes of each panel, then its curves by
+ * the functions of raster.c. figure_draw() is the entry, figure_print() writes a figure as lines of
+ * text. */
 #include <hooke/base/safe_text.h>
 #include "figure/internal.h"
 
 #include <stdio.h>
 
-/* Characters that lines are drawn with. Box characters are code points: alternate character sets
- * break in captures and mosh. */
+/* Characters of frames, axes and marks. Box characters are code points, because alternate character
+ * sets break in captures and in mosh. */
 struct strokes {
     uint32_t top_left, top_right, bottom_left, bottom_right, horizontal, vertical, x_tick, y_tick,
         origin, zero, point, band;
 };
 
+/* Returns the strokes of a charset: ASCII if it is plain, else box characters. */
 static const struct strokes *strokes_of(const struct charset *charset)
 {
     static const struct strokes plain = {'+', '+', '+', '+', '-', '|',
@@ -21,16 +24,17 @@ static const struct strokes *strokes_of(const struct charset *charset)
     return charset->plain ? &plain : &box;
 }
 
+/* A panel being drawn: its figure, layout, and rectangle on the canvas. */
 struct text_sheet {
     const struct figure *figure;
     const struct figure_layout *layout;
     const struct strokes *strokes;
     struct canvas *canvas;
-    int x, y, width, height; /* the rectangle */
+    int x, y, width, height; /* [cell] the rectangle, with the frame */
 };
 
-/* The first line is drawn with dots; every other curve has a mark of its own, so that no identity
- * depends on colour. */
+/* Returns the character that draws curve i, or 0 for dots: the first line has dots, every other
+ * curve a mark of its own, so that no curve is identified by colour alone. */
 char figure_mark(const struct figure *figure, int i)
 {
     static const char lines[] = "#x+%", points[] = "o*&=";
@@ -48,12 +52,14 @@ char figure_mark(const struct figure *figure, int i)
     return earlier_curves ? lines[(earlier_curves - 1) % (sizeof lines - 1)] : 0;
 }
 
+/* Returns the colour of curve i. */
 static enum style style_of(const struct figure *figure, int i)
 {
     const int look = figure->curve[i].look;
     return (enum style)(STYLE_CURVE_1 + (look ? look - 1 : i) % 4);
 }
 
+/* Draws a frame along the border of the rectangle. */
 static void draw_frame(const struct text_sheet *sheet)
 {
     const struct strokes *s = sheet->strokes;
@@ -73,8 +79,8 @@ static void draw_frame(const struct text_sheet *sheet)
     canvas_put(sheet->canvas, right, bottom, s->bottom_right, STYLE_DIM);
 }
 
-/* " text " on the frame, from column x to at most `end`; returns the column after it. Nothing if
- * there is no room for a letter. */
+/* Writes " text " on the frame from column x on, cut off before column `end`; nothing if there is
+ * no room for a letter. Returns the column after it. */
 static int frame_text(const struct text_sheet *sheet, int x, int end, int y, struct text text,
                       enum style style)
 {
@@ -146,6 +152,7 @@ const struct curve *figure_band(const struct figure *figure)
     return NULL;
 }
 
+/* Returns the width [cell] of all entries of the legend. */
 static int legend_width(const struct figure *figure)
 {
     int width = 0;
@@ -154,8 +161,8 @@ static int legend_width(const struct figure *figure)
     return width;
 }
 
-/* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit
- * right of column `min_column`. */
+/* Draws the legend ("-- verlet # euler o data"), the name of a band and the caption at the right
+ * end of the upper frame, as many of them as fit right of column `min_column`. */
 static void draw_legend(const struct text_sheet *sheet, int min_column)
 {
     const struct figure *figure = sheet->figure;
@@ -200,7 +207,7 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
     canvas_text(sheet->canvas, x, y, caption, STYLE_PLAIN);
 }
 
-/* Appends "0.1 [ .:-=+*%@#] 2.3 cm": what the shades of a map stand for. */
+/* Appends the scale of a map's shades, "0.1 [ .:-=+*%@#] 2.3 cm". */
 static void put_heat_scale(const struct heat *heat, const struct charset *charset,
                            struct buffer *output)
 {
@@ -217,6 +224,8 @@ static void put_heat_scale(const struct heat *heat, const struct charset *charse
     buffer_put(output, scale.log ? TEXT(", logarithmic") : TEXT(""));
 }
 
+/* Writes title, y axis and legend on the upper frame, the note and the x axis on the lower one. The
+ * figure's title is left out if there is no room for both. */
 static void draw_titles(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -237,7 +246,8 @@ static void draw_titles(const struct text_sheet *sheet)
     buffer_put(&title,
                cut && figure->title && fits.data[fits.len] != ' ' ? text_of(figure->title) : fits);
     if (figure->part &&
-        sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
+        /* a single row has no labels: the title gets the range */
+        sheet->layout->y_ticks.count < 2) {
         const struct scale *y = &sheet->layout->y;
         const double factor = axis_factor(&figure->y);
         buffer_format(&title, " %.2g..%.2g", y->first_value / factor, y->last_value / factor);
@@ -256,6 +266,7 @@ static void draw_titles(const struct text_sheet *sheet)
     buffer_free(&note);
 }
 
+/* Draws the x axis below the plot, with ticks and labels. */
 static void draw_x_axis(const struct text_sheet *sheet)
 {
     const struct figure_layout *layout = sheet->layout;
@@ -274,6 +285,7 @@ static void draw_x_axis(const struct text_sheet *sheet)
     }
 }
 
+/* Draws the y axis left of the plot, with ticks and labels. */
 static void draw_y_axis(const struct text_sheet *sheet)
 {
     const struct figure_layout *layout = sheet->layout;
@@ -295,6 +307,7 @@ static void draw_y_axis(const struct text_sheet *sheet)
 
 #define FEW_ROWS 3
 
+/* Returns true if no other curve is drawn in the panel. */
 static bool alone_in_panel(const struct figure *figure, int curve)
 {
     for (int i = 0; i < figure->curves; i++)
@@ -313,7 +326,7 @@ static bool cells_are_blank(const struct canvas *canvas, int x, int y, int width
     return true;
 }
 
-/* Draws labels left of their points, where they cover nothing. */
+/* Draws labels left of their points, unless they would cover something. */
 static void draw_labels(const struct text_sheet *sheet)
 {
     enum { GAPS = 6 /* [cell] that a label may end left of its point */ };
@@ -335,6 +348,8 @@ static void draw_labels(const struct text_sheet *sheet)
     }
 }
 
+/* Draws everything inside the plot, from back to front: map, guides, bands, the zero line, arrows,
+ * lines, data, exits, labels, the current point. */
 static void draw_curves(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -365,10 +380,11 @@ static void draw_curves(const struct text_sheet *sheet)
             raster.style = style_of(figure, i);
             raster_line(&raster, &figure->curve[i]);
         }
-    for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
+    /* overlays come first, then the first line, data last */
+    for (int pass = 0; pass < 3; pass++) {
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
-            /* A line says more than its marks if it has few rows of its own. */
+            /* A line shows more than marks do if there are few rows. */
             raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points &&
                                   alone_in_panel(figure, i)
                               ? 0
@@ -398,6 +414,7 @@ static void draw_curves(const struct text_sheet *sheet)
         raster_put(&raster, column, row, sheet->strokes->point);
 }
 
+/* Clears the rectangle of a panel and draws frame, titles, axes and curves into it. */
 static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, int x, int y,
                        const struct charset *charset)
 {
@@ -432,7 +449,8 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
     int panels = figure_panels(figure, width, height, charset, panel);
     for (int i = 0; i < panels; i++) {
         draw_panel(&panel[i], canvas, x, y, charset);
-        if (i && !figure->plane && !charset->plain) { /* one frame: corners become branches */
+        /* panels share a frame: corners become branches */
+        if (i && !figure->plane && !charset->plain) {
             canvas_put(canvas, x + panel[i].x, y + panel[i].y, 0x251C, STYLE_DIM);
             canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524,
                        STYLE_DIM);

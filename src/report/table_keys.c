@@ -128,6 +128,7 @@ void keys_add_runs(struct keys *keys, const struct session *session, const int *
         keys_add_text(keys, "note", session->runs.slot[index[0]]->note);
 }
 
+/* Begins the keys of an export with the version of the program. Returns false if out of memory. */
 bool keys_begin(struct keys *keys, struct export *export, struct error *error)
 {
     *keys = (struct keys){.arena = export->arena};

@@ -7,9 +7,9 @@
 
 #define SHOWN_WIDTH 100 /* [column] part of a long line that is shown around the caret */
 
-/* Appends a formatted text with its control characters made visible. */
 static void put_safely(struct buffer *output, const char *format, va_list args) PRINTF_LIKE(2, 0);
 
+/* Appends a formatted text with its control characters made visible. */
 static void put_safely(struct buffer *output, const char *format, va_list args)
 {
     struct buffer raw = {0};

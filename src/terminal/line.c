@@ -408,6 +408,7 @@ void xfree(void *memory)
         put_pointer(&freed, memory);
 }
 
+/* Notes each part of the undo list, so that line_over() can free it (in place of readline's). */
 __attribute__((weak)) void rl_add_undo(enum undo_code what, int start, int end, char *text)
 {
     static void (*own)(enum undo_code, int, int, char *);

@@ -30,6 +30,7 @@ static const int number_of[HAPPENED_COUNT] = {[HAPPENED_RESIZE] = SIGWINCH,
                                               [HAPPENED_CONTINUE] = SIGCONT,
                                               [HAPPENED_ALARM] = SIGALRM};
 
+/* Wakes the loop that waits at the pipe; safe in a signal handler. */
 static void signals_wake(void)
 {
     int saved_errno = errno;

@@ -34,9 +34,9 @@ static const char *wished(void)
     return "C";
 }
 
-/* Linked in place of setlocale (option --wrap), whose object file also contains what newlocale
- * needs. */
 char *__wrap_setlocale(int category, const char *name);
+/* Chooses a locale for LC_CTYPE or LC_ALL, or returns the present one if name is NULL. It is linked
+ * in place of setlocale (option --wrap), whose object file also contains what newlocale needs. */
 char *__wrap_setlocale(int category, const char *name)
 {
     static char plain[] = "C", unicode[] = "C.UTF-8";
@@ -116,6 +116,7 @@ size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
     return MULTIBYTE_PARTIAL;
 }
 
+/* Writes a character in UTF-8. Returns its length, or MULTIBYTE_INVALID with errno set. */
 size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
 {
     const unsigned c = (unsigned)wide;
@@ -153,6 +154,7 @@ int mblen(const char *bytes, size_t count)
     return mbtowc(NULL, bytes, count);
 }
 
+/* Converts a string to wide characters, at most `count`, or only counts them if wide is NULL. */
 size_t mbstowcs(wchar_t *restrict wide, const char *restrict bytes, size_t count)
 {
     mbstate_t state = {0};
@@ -170,6 +172,8 @@ size_t mbstowcs(wchar_t *restrict wide, const char *restrict bytes, size_t count
     return n;
 }
 
+/* Converts wide characters to a string of at most `count` bytes, or only counts the bytes if
+ * `bytes` is NULL. *wide becomes the first character not converted, NULL at the end. */
 size_t wcsrtombs(char *restrict bytes, const wchar_t **restrict wide, size_t count,
                  mbstate_t *restrict state)
 {
