@@ -281,9 +281,9 @@ struct march {
  * the program only while `make bench` shows its gain. */
 typedef int64_t march_function(const struct method *method, const struct march *march);
 
+/* Returns the kernel for marches of this method, kind of system and variant of drag, or NULL if
+ * there is none. */
 march_function *method_kernel(const struct method *method, const struct system *system,
-                              /* Returns the kernel for marches of this method, kind of system and
-                               * variant of drag, or NULL if there is none. */
                               enum drag drag);
 /* Returns the kernel for single steps with an error estimate, whatever the variant of drag, or
  * NULL. */

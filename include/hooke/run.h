@@ -245,6 +245,7 @@ void run_give(struct run *run, const double *row, int64_t count);
  * it by run_destroy(). */
 struct run *run_create(const struct scene *scene, const struct method *method,
                        const struct run_settings *settings, double span, struct error *error);
+/* Frees a run with its trace and work memory; NULL is allowed. */
 void run_destroy(struct run *run);
 
 /* An event: an expression passes through 0 during the run. It is searched for in each step on the

@@ -201,12 +201,15 @@ struct growing {
     double offset;     /* Position of the recording at which `model` is at rest. */
 };
 
-/* The state that modules keep in a session, see session_part() in <hooke/module.h>. */
 struct module;
+
+/* The part of a module: the state that it keeps in a session, see session_part() in
+ * <hooke/module.h>. */
 struct session_part {
     const struct module *module;
     void *state;
 };
+/* The parts of all modules that have one. */
 struct session_parts {
     struct session_part item[LIMIT_MODULES];
     int count;
@@ -425,6 +428,7 @@ void session_size(const struct session *session, int *width, int *height);
 /* Takes a snapshot of set-up and lists, to which undo can return. Returns NULL if out of memory;
  * free it by snapshot_free() unless undo_push() takes it. */
 struct snapshot *snapshot_take(const struct session *session, const char *label);
+/* Frees a snapshot; NULL is allowed. */
 void snapshot_free(struct snapshot *snapshot);
 void run_unmark(struct run_slot *slot); /* Forgets the run's mark of the latest undo entry. */
 /* Returns true if going back to the snapshot would change anything. */

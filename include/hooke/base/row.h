@@ -3,6 +3,7 @@
  * are constants of the program, or live as long as the table. */
 #pragma once
 
+/* The texts of a row that users see. */
 struct row {
     const char *name;     /* Word that users type. */
     const char *unit;     /* Unit of the row's value, such as "kg", or "" if it has none. */

@@ -23,6 +23,7 @@
 
 /* ---- text: a slice of memory that somebody else owns ---- */
 
+/* A slice of text: it does not own its bytes and may be copied freely. */
 struct text {
     const char *data; /* Bytes, usually UTF-8, without a NUL at the end; NULL if unset. */
     size_t len;       /* Length [byte]. */
@@ -86,9 +87,8 @@ void *arena_alloc(struct arena *arena, size_t size);
 /* Returns zeroed memory for `count` items of `size` bytes. Returns NULL if out of memory or if the
  * product overflows. */
 void *arena_array(struct arena *arena, size_t count, size_t size);
-char *arena_text(struct arena *arena,
-                 /* Returns a NUL-terminated copy of the text, or NULL if out of memory. */
-                 struct text text);
+/* Returns a NUL-terminated copy of the text, or NULL if out of memory. */
+char *arena_text(struct arena *arena, struct text text);
 void arena_reset(struct arena *arena); /* Frees all memory of the arena, which can be used again. */
 /* Moves all memory of `source` to `target`, which frees it later; pointers stay valid. */
 void arena_move(struct arena *source, struct arena *target);

@@ -54,9 +54,9 @@ void table_put(const struct table *table, table_format *format, struct buffer *o
 /* Writes a table to a new file. Returns false with `error` set, also if table->cancel was set. */
 bool table_write(const struct table *table, table_format *format, const char *path,
                  struct write_policy policy, struct error *error);
+/* Writes a table to an open file and commits it. Returns false, with `error` set and the file
+ * abandoned, on failure; the writer is closed in every case. */
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
-                /* Writes a table to an open file and commits it. Returns false, with `error` set
-                 * and the file abandoned, on failure; the writer is closed in every case. */
                 struct error *error);
 /* Returns true if the text begins as a table in CSV, TSV or JSON that has keys. */
 bool table_recognise(struct text text);

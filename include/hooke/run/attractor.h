@@ -28,12 +28,14 @@ struct basin {
     int multiple;  /* Period as a multiple of the drive's. */
     /* Measure of stability. For a periodic motion the largest modulus of a Floquet multiplier other
      * than the trivial one; for an equilibrium the largest real part of an eigenvalue [1/s]. NAN if
-     * unknown.
-     */
+     * unknown. */
     double growth;
-    bool stable;
+    bool stable;   /* Small deviations decay. */
     int64_t count; /* Number of starts that end there. */
 };
+
+/* Result of find_attractor() for a motion that does not repeat. */
+#define ATTRACTOR_IRREGULAR (-1)
 
 /* Finds the attractor that the motion from the scene's own start reaches, and returns a number for
  * it: 0 for an equilibrium, 1 for a closed orbit; with a drive the number of drive periods after
@@ -41,6 +43,5 @@ struct basin {
  * NAN if it escapes, if nothing attracts it, if the search was cancelled or could not begin. Unless
  * `basin` is NULL, a search that began fills *basin but for its count, or with BASIN_IRREGULAR and
  * zeros if it found nothing. `cancel` may be NULL. */
-#define ATTRACTOR_IRREGULAR (-1)
 typedef double find_attractor(const struct scene *scene, const struct cancel *cancel,
                               struct basin *basin);

@@ -7,6 +7,7 @@
 /* All steps, decimated if there are too many; all steps; every n-th step; even times. */
 enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
+/* A rule with its parameter. */
 struct recording_rule {
     enum record_rule rule;
     int64_t every; /* Number of steps between two rows (RECORD_EVERY). */

@@ -180,6 +180,7 @@ struct program;   /* immutable; several threads may use it, each with a frame */
  * with `error` set, if out of memory. If a later call fails, nothing more can be added, and what
  * was added before remains valid. */
 struct equations *equations_create(int names, struct error *error);
+/* Frees the equations; NULL is allowed. Programs made from them remain valid. */
 void equations_destroy(struct equations *equations);
 /* Defines a name as this expression of other names for all later calls. Returns false with `error`
  * set. */
@@ -208,6 +209,7 @@ int equations_count(const struct equations *equations); /* Returns the number of
 struct program *program_create(const struct equations *equations, int first, int count,
                                const bool *bound, const double *value, bool native,
                                struct error *error);
+/* Frees a program; NULL is allowed. */
 void program_destroy(struct program *program);
 /* Returns true if the program is machine code. */
 bool program_native(const struct program *program);

@@ -397,24 +397,24 @@ void system_jacobian(const struct system *system, double t, const double *y, dou
  * variables it would fill half a stack. */
 double *system_new_jacobian(const struct system *system, double t, const double *y);
 
+/* An interval in time that adaptive steps must not step over. */
+struct burst {
+    double t_begin, t_end; /* [s] */
+};
+
 /* Finds the bursts between t[0] and t[1] [s]: short intervals in which a typed equation changes
  * faster than samples can show. The path between the states y_begin and y_end is taken as smooth,
  * and bounds of the equation decide. Each burst is shorter than 1/32 of the interval. Appends them
  * to burst [count], merges those that overlap, and returns the new count, at most `max`. With
  * `sure`, which warnings need, smooth forces never give one; otherwise some may be reported without
  * need, which only costs steps. */
-/* An interval in time that adaptive steps must not step over. */
-struct burst {
-    double t_begin, t_end; /* [s] */
-};
-
 int system_bursts(const struct system *system, const double t[2], const double *y_begin,
                   const double *y_end, bool sure, struct burst *burst, int count, int max);
 
 /* Returns the kinetic energy [J]. */
 double system_kinetic(const struct system *system, const double *y);
 /* Returns the potential energy [J] of all terms that have one. */
-double system_potential(const struct system *system, const double *y); /* [J] */
+double system_potential(const struct system *system, const double *y);
 /* Returns true if every term that does not depend on velocity has a potential. */
 bool system_has_potential(const struct system *system);
 /* Returns the power [W] of all terms without a potential. */
@@ -450,12 +450,12 @@ bool system_has_exact(const struct system *system);
  * about eps omega |t - t0| times the amplitude: errors below it mean nothing. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
+struct exact_table; /* private to src/scene/model/exact.c */
 /* Computes exact solutions at many times h [s] apart at a fraction of the cost: the solution is
  * evaluated from time to time, and continued between by the one-step map in long double. The
  * results agree with system_exact() to an ulp, also at other times. exact_table_create() returns
  * NULL if that has no advantage for this system or step, or if out of memory; free the table by
  * exact_table_free(). The system must outlive the table. */
-struct exact_table;
 struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
                                        double h);
 /* Computes the state y [n] at t [s]. */

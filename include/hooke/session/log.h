@@ -12,6 +12,7 @@
  * make it again, bit for bit. Slices and pauses do not change the rows; they appear only as the
  * step at which something else was requested. */
 
+/* Kinds of requests. */
 enum request_kind {
     REQUEST_GO,   /* Advance to a time, a step or a condition. */
     REQUEST_SET,  /* Change a parameter. */

@@ -71,8 +71,9 @@ struct store_array {
             limit, members, COUNT_OF(members), sound                                               \
     }
 
-/* Functions that the module `resume` provides to other modules. */
 struct reader; /* <hooke/session/read.h> */
+
+/* Functions that the module `resume` provides to other modules. */
 struct store_tools {
     /* Append an array, or a scene, as fields to a record; the array's offsets refer to `owner`. */
     void (*put_array)(const struct store_array *array, const void *owner, struct buffer *output);
