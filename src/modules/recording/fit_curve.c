@@ -12,6 +12,7 @@
 
 /* ---- what stays ---- */
 
+/* Copies the times and the fitted values, which the session then owns. */
 bool session_add_curve(const struct fit_request *call, const double *residual,
                        const struct fit *fit, struct error *error)
 {

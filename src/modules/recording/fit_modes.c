@@ -65,6 +65,7 @@ static void put_coupling(const struct fit_summary *summary, struct buffer *text)
         TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
 }
 
+/* Appends a block for each mode, then coupling, rms and offset. */
 void put_modes(const struct fit_summary *summary, struct buffer *text)
 {
     const struct modes_fit *modes = summary->modes;

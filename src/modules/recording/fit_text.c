@@ -38,6 +38,7 @@ void fit_add_window(struct fit_summary *summary, enum window_law law, struct are
         fit_add_warning(summary, "%s", advice.text);
 }
 
+/* Adds warnings about correlated residuals, parameters that cannot be told apart, and bounds. */
 void fit_add_residuals(struct fit_summary *summary)
 {
     const struct curve_fit *curve = summary->curve;

@@ -54,6 +54,8 @@ bool fits_use(const void *part, const struct model *model)
            scene_uses(&fits->band.adopted.scene, model);
 }
 
+/* Replaces the fit of the same model, subject and window; beyond LIMIT_FITS the oldest is
+ * dropped. */
 void session_store_fit(struct session *session, const struct stored_fit *fit)
 {
     struct error ignored;

@@ -136,6 +136,7 @@ static const struct store_array stored_fits = {
 
 /* ---- writing ---- */
 
+/* Gives the curve's times and values, which are stored as bytes. */
 bool fits_content(void *part, struct text piece[2], uint64_t **sum)
 {
     struct fits *fits = part;
@@ -146,6 +147,7 @@ bool fits_content(void *part, struct text piece[2], uint64_t **sum)
     return fits->fit_samples > 0;
 }
 
+/* Writes the members, the last fit, the names of models, and the scenes. */
 void fits_put(const void *part, struct buffer *output)
 {
     const struct fits *fits = part;
@@ -231,6 +233,8 @@ static bool read_last_fit(const struct reader *reader, struct fit *fit)
     return true;
 }
 
+/* Reads the last fit, its curve, the stored fits, and the fitted and the adopted scene; what is
+ * damaged is left out with a note. */
 void fits_read(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -262,6 +266,7 @@ void fits_read(struct reader *reader)
     read_curve(reader, fits);
     struct setup setup;
     struct field_places places;
+    /* store_tools()->scene() reads into the session's set-up, which is restored below. */
     memcpy(&setup, &session->setup, sizeof setup);
     bool fine = true;
     if (field_find(reader->state, "fit_scene", &value)) {

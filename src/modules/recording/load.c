@@ -38,6 +38,7 @@ static const char *word_of(const struct catalog *catalog, const char *letters, c
     return cursor && letter ? catalog_row(catalog, (size_t)(cursor - letters))->name : NULL;
 }
 
+/* Adds name, file, rows, columns, options and warnings as a record. */
 void reply_recording(const struct recording *recording, struct reply *reply)
 {
     reply_begin(reply, "recording");

@@ -54,6 +54,7 @@ static struct measured fall_to_e(const double *t, const struct measured *log_a, 
     return (struct measured){NAN, NAN};
 }
 
+/* Fits ln A by a straight line, and also finds the time to 1/e of the first reading. */
 void measure_fall(struct measuring *m, const struct reading *reading, int count,
                   struct buffer *text)
 {
@@ -116,6 +117,7 @@ static bool reading_times(struct measuring *m, double **reading_time, int *count
     return true;
 }
 
+/* Reads the amplitude at each time, adds it to the list, and reports the decay. */
 bool measure_amplitude(struct measuring *m)
 {
     const enum quantity unit = m->subject.series.quantity;
@@ -200,6 +202,7 @@ static void say_reading(struct measuring *m, const struct period_reading *r, boo
     reply_end(m->reply);
 }
 
+/* Reads the windows, reports each, and then the dependence on the amplitude. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text)
 {
     struct arena *arena = m->args->arena;

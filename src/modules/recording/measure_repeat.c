@@ -238,6 +238,7 @@ static void reply_repeat(struct measuring *m, const struct repeated *r, const st
     reply_end(m->reply);
 }
 
+/* Measures all values, computes their statistics, and reports them. */
 bool measure_repeat(struct measuring *m)
 {
     struct repeated r = {.count = 0};

@@ -87,6 +87,7 @@ static struct measured line_ratio(const struct line_fit *line)
         value, sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
 }
 
+/* Fits each recording with a known mass, then T0^2 against the masses. */
 bool measure_spring(struct measuring *m)
 {
     const struct session *session = m->session;
@@ -95,6 +96,7 @@ bool measure_spring(struct measuring *m)
     struct measured square[LIMIT_RECORDINGS];
     struct line_fit line;
     int count = 0;
+    /* T0^2 and its uncertainty for each mass. */
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
         if (!(recording->mass.value > 0))
@@ -122,6 +124,8 @@ bool measure_spring(struct measuring *m)
         buffer_free(&text);
         return error_set(m->error, ERROR_COMMAND, "these masses give no spring constant");
     }
+    /* The slope of T0^2 against m is 4 pi^2/k, and the intercept over the slope the spring's
+     * mass. */
     const struct measured k = {FOUR_PI_SQUARED / line.slope.value,
                                FOUR_PI_SQUARED * line.slope.uncertainty /
                                    (line.slope.value * line.slope.value)};

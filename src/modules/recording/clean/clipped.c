@@ -61,6 +61,7 @@ static bool in_layer(const struct cleaning *c, size_t i, const struct layer *lay
     return c->y[i] >= layer->low && c->y[i] <= layer->high;
 }
 
+/* Searches a dense layer of values, and checks that it is spread over several cycles. */
 void clean_clipped(struct cleaning *c, bool upper)
 {
     struct finding tops = {.size = NAN}, *clipped = &c->findings->finding[FINDING_CLIPPED];

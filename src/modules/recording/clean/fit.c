@@ -286,6 +286,7 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     put_residuals(c, local);
 }
 
+/* Divides the recording into whole periods on the first call, and fits each one. */
 bool clean_fit(struct cleaning *c)
 {
     const double first = c->t[0], span = c->t[c->n - 1] - first;

@@ -110,6 +110,7 @@ static double stretch_of(const struct motion_rows *x, double period)
     return period * ceil(fmax(min, period < SAMPLES_MIN * step ? pattern : 0) / period - 1e-9);
 }
 
+/* Goes backward from the end by half stretches as long as scatter and mean are those of the end. */
 size_t motion_quiet(const struct motion_rows *x, double period)
 {
     if (!(period > 0) || x->n < 2)
@@ -142,6 +143,7 @@ size_t motion_quiet(const struct motion_rows *x, double period)
     return x->n; /* it never moved */
 }
 
+/* Finds the rest, and tests that the decay before does not explain it. */
 size_t motion_rest(const struct motion_rows *x, double period)
 {
     const size_t rest = motion_quiet(x, period);

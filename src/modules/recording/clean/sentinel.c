@@ -283,6 +283,7 @@ static bool find_sentinel(struct sentinel_search *s)
     return false;
 }
 
+/* Removes up to three sentinels, one after the other. */
 bool recording_leave_out_sentinels(struct recording *recording)
 {
     const struct column *column = &recording->column[recording->value];

@@ -162,6 +162,7 @@ static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path),
     return true;
 }
 
+/* Opens the archive in memory, gzip or zip by its first bytes, and reads its entries. */
 bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
                     struct intake *intake, struct archive_content *content, struct error *error)
 {

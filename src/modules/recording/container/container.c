@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* Allocates the list on first use, and makes the name safe to show. */
 struct container_part *contents_add(struct contents *contents, struct text name)
 {
     if (!contents->part)
@@ -55,6 +56,7 @@ static void civil_date(int64_t day, int64_t *year, int *month, int *date)
     *year = y + era * 400 + (*month <= 2);
 }
 
+/* Rounds to microseconds and writes date and time. */
 void put_stamp(struct buffer *text, double days, bool with_date)
 {
     double day = floor(days), micro = nearbyint((days - day) * 86400e6);
@@ -316,6 +318,7 @@ static bool unpack(const char *path, struct intake *intake, struct buffer *bytes
     return add_text(contents, TEXT(""), bytes, error);
 }
 
+/* Reads the file while examining it, then unpacks it. */
 bool contents_read(const char *path, const char *shown, const struct load_options *options,
                    struct contents *contents, struct error *error)
 {

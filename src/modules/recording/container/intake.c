@@ -30,6 +30,7 @@ enum {
     HEAD = 512
 };
 
+/* Compares the first bytes with signatures, then looks for XML and JSON. */
 enum packing packing_of(struct text bytes)
 {
     const struct text head = {bytes.data, bytes.len < HEAD ? bytes.len : HEAD};
@@ -140,6 +141,7 @@ static bool refuse_endless_line(struct intake *intake, struct text text, size_t 
     return error_hint(error, "export the data as CSV text");
 }
 
+/* Refuses what cannot be a table as early as possible, by the kind of the file. */
 bool intake_look(void *context, struct text content, size_t offset, uintmax_t size,
                  struct error *error)
 {
@@ -166,6 +168,7 @@ bool intake_look(void *context, struct text content, size_t offset, uintmax_t si
            refuse_endless_line(intake, content, offset, error);
 }
 
+/* Reads the file, and cuts off an incomplete last line. */
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error)
 {
     const bool input = strcmp(path, STANDARD_INPUT) == 0;

@@ -354,6 +354,7 @@ static bool read_document(struct workbook *book, const char *path,
     return !document || xml_read(buffer_text(document), book->shown, &reader, book->error);
 }
 
+/* Parses the documents of the workbook, then each sheet. */
 bool workbook_sheets(const struct archive_content *content, const char *shown,
                      struct contents *contents, struct error *error)
 {

@@ -99,6 +99,7 @@ static bool read_sheet(const struct freexl_api *api, const void *book, unsigned 
     return !part->text.failed || error_memory(error);
 }
 
+/* Opens the file by FreeXL and reads each sheet. */
 bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
                          struct error *error)
 {

@@ -153,6 +153,7 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
     return done && !p->stopped;
 }
 
+/* Loads expat and parses the document with the reader's handlers. */
 bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
               struct error *error)
 {

@@ -194,6 +194,7 @@ static bool element_text(void *context, struct text text)
     return !tables->target || !tables->target->failed || error_memory(tables->error);
 }
 
+/* Parses the document, and refuses one of another program. */
 bool xml_tables(struct text document, const char *shown, struct contents *contents,
                 struct error *error)
 {

@@ -46,6 +46,7 @@ static bool is_one_motion(const struct run *run)
     return run_never_changed(run);
 }
 
+/* Compares the run's scene with the adopted one, parameter by parameter. */
 bool band_of_run(const struct session *session, const struct run *run, struct text where,
                  struct error *error)
 {
@@ -66,6 +67,7 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
            refuse_band(where, error, "the adopted fit states no uncertainties");
 }
 
+/* Multiplies the standard deviation of the motion by that of a 95 % interval. */
 bool band_half(const struct session *session, const struct run *run, int variable, const double *t,
                size_t n, struct arena *arena, double *half, struct error *error)
 {
@@ -119,6 +121,8 @@ static double *new_spread(struct drawing *d, int i, bool named)
     return half;
 }
 
+/* Checks that the figure shows one run of the adopted scene, and computes the band of its
+ * curves. */
 bool drawing_band(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -156,6 +160,7 @@ static bool band_is_shown(const struct session *session)
     return setting_of_module(&session->setup.settings, "band") > 0;
 }
 
+/* Interpolates the stored band at the points of the curves. */
 bool drawing_stored_band(struct drawing *d)
 {
     const struct fit_band *band = &fits_of(d->session)->band;
@@ -222,6 +227,7 @@ static bool find_band(struct session *session, const struct run *run, struct fit
     return true;
 }
 
+/* Compares run and adopted fit with those of the stored band, and computes it if they differ. */
 void session_store_band(struct session *session)
 {
     const struct run *run = session_run(session);
@@ -252,6 +258,7 @@ void session_store_band(struct session *session)
 
 /* ---- plan ---- */
 
+/* Counts the runs or the equations that the band takes. */
 void band_plan(const struct session *session, struct buffer *text)
 {
     struct system system;

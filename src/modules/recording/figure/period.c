@@ -85,6 +85,7 @@ static bool add_theory(struct drawing *d, const struct scene *scene)
     return true;
 }
 
+/* Adds the windows of each run and of the recording, and the theory of the first run. */
 bool period_figure(struct drawing *d, struct figure *figure)
 {
     const struct figure_request *request = d->request;

@@ -12,6 +12,7 @@ bool residual_known(const struct session *session)
                                 &plot_catalog, catalog_find(&plot_catalog, TEXT("residual")))) >= 0;
 }
 
+/* Draws the recording, then subtracts the fit or the run from its values. */
 bool drawing_residual(struct drawing *d, const struct recording *recording)
 {
     const bool fitted = recording_is_fitted(d->session, recording);

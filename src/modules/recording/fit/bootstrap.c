@@ -23,6 +23,7 @@ static double simulated_noise(const struct curve_problem *p, const struct curve_
     return p->robust && weight > 0 ? fmax(p->scale, sqrt(square / weight)) : fit->sigma;
 }
 
+/* Fits `rounds` simulated series without weights, and takes quantiles of the answers. */
 bool fit_bootstrap(const struct curve_problem *p, const struct series *series,
                    const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                    struct error *error)

@@ -244,6 +244,7 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
     return found;
 }
 
+/* Looks for a ceiling above, then for one below, if residuals suggest flat tops. */
 bool censor_clipped(struct motion *m, struct arena *arena)
 {
     size_t n = m->samples.n;

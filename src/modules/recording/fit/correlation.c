@@ -211,6 +211,7 @@ static double variance_of_peaks(const struct blocks *b, double samples, int peak
     return 2 * sum / (kk * kk) / (double)b->count / of_line;
 }
 
+/* Fits the lags of up to 8 peaks by multiples of the period. */
 bool series_correlation_period(const struct series *series, const struct period *known,
                                struct arena *arena, struct measured *period)
 {
@@ -247,6 +248,7 @@ bool series_correlation_period(const struct series *series, const struct period 
     return true;
 }
 
+/* Compares the variance at nine places, and averages the lively stretch nearest to the middle. */
 bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
                         struct series *part)
 {
@@ -316,6 +318,7 @@ static bool autocorrelation_fill(const double *y, size_t n, const struct cancel 
     return true;
 }
 
+/* Puts the series on an even grid, subtracts its line, and correlates it with itself. */
 double *series_correlations(const struct series *series, struct arena *arena, double **grid)
 {
     const size_t n = series->n;

@@ -131,6 +131,7 @@ static void set_order(struct curve_problem *p, const bool *linear)
         p->order[linear && linear[j] ? solved++ : p->model.linears + others++] = j;
 }
 
+/* Allocates the arrays, orders the parameters, and gives all samples the weight 1. */
 bool curve_problem_init(struct curve_problem *p, const struct fit_curve *curve, const bool *linear,
                         const struct series *series, struct arena *arena)
 {
@@ -357,6 +358,7 @@ static bool improve_by_part(const struct fit_curve *curve, const struct series *
     return true;
 }
 
+/* Improves the start by a part of a long series, minimises, judges, and bootstraps if asked to. */
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                struct error *error)

@@ -321,6 +321,7 @@ const struct fit_model *fit_model_from(const struct row *row)
     return (const struct fit_model *)(const void *)row;
 }
 
+/* Evaluates the damped sine, or integrates the motion of a law, and adds the drift. */
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
 {
     const double gamma = fit->gamma.value, omega = fit->omega.value;

@@ -105,6 +105,7 @@ static void mark_linear(struct formula *f)
     }
 }
 
+/* Compiles the text; unknown names become parameters as they appear. */
 bool formula_compile(struct text text, const struct expr_scope *known,
                      const struct formula_column *column, int columns, struct arena *arena,
                      struct formula *formula, size_t *used, struct error *error)
@@ -206,6 +207,7 @@ static bool make_programs(struct formula *f, struct equations *e, struct arena *
     return (p->input && p->output) || error_memory(error);
 }
 
+/* Builds the equations of the formula and translates them. */
 bool formula_ready(struct formula *f, struct arena *arena, struct error *error)
 {
     f->program = arena_alloc(arena, sizeof *f->program);
@@ -225,6 +227,7 @@ void formula_done(struct formula *f)
     program_destroy(f->program->all);
 }
 
+/* Runs the program for each sample, with or without derivatives. */
 bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
                       double *value, double *derivative)
 {

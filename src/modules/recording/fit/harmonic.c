@@ -194,6 +194,7 @@ static bool fit_linear(struct harmonic_problem *p, struct descent *d)
     return d->converged;
 }
 
+/* Finds the linear parameters first if there is no start, then descends in all free ones. */
 bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *result,
                   double *residual)
 {
@@ -239,6 +240,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     return true;
 }
 
+/* Averages products of neighbouring residuals, relative to their mean square. */
 double residual_autocorrelation(const struct samples *x, const double *residual)
 {
     double product = 0, square = 0;
@@ -262,6 +264,8 @@ double autocorrelation_factor(double rho)
     return (1 + rho) / (1 - rho);
 }
 
+/* Treats a correlation near that of a random walk as one, and a smaller one as an autoregressive
+ * process. */
 double line_correlation_factor(double rho, double n)
 {
     /* The variance of a random walk about a line is n/15 of that of a step. */

@@ -16,6 +16,7 @@ static const double epsilon = 2.220446049250313e-16;
 
 /* ---- the triangle ---- */
 
+/* Appends rows below the present triangle and factorises again (QR). */
 void triangle_add(struct triangle *t, double *block, size_t rows)
 {
     const size_t w = (size_t)t->n + 1;
@@ -30,6 +31,7 @@ void triangle_add(struct triangle *t, double *block, size_t rows)
         memcpy(&t->r[i][i], block + i * w + i, (w - i) * sizeof *block);
 }
 
+/* Cholesky factorisation of the products, with columns scaled to length 1. */
 bool triangle_of_products(struct triangle *t, int n, int width, const double *product,
                           double independent)
 {
@@ -71,6 +73,7 @@ double triangle_squares(const struct triangle *t, int solved)
     return sum;
 }
 
+/* Computes R^-1 by back substitution, then (R^T R)^-1 = R^-1 R^-T. */
 bool triangle_inverse(const struct triangle *t, int width, double *inverse)
 {
     /* R^-1 by back substitution; the inverse of R^T R is then R^-1 R^-T. */
@@ -115,6 +118,7 @@ static double column_length(const struct triangle *t, int j)
     return length;
 }
 
+/* Collects the free columns of the triangle, scaled, and decomposes them by singular values. */
 void linear_problem_of(const struct triangle *t, int first, const bool *held, const double *scale,
                        struct linear_problem *p)
 {
@@ -145,6 +149,7 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
     p->min = fmin(8 * epsilon * (double)(t->rows + (size_t)m), 1e-10) * p->s[0];
 }
 
+/* Adds the step along each singular direction that the data determine. */
 double linear_problem_step(const struct linear_problem *p, double damping, double *step)
 {
     double gain = 0;
@@ -162,6 +167,7 @@ double linear_problem_step(const struct linear_problem *p, double damping, doubl
 
 /* ---- the descent ---- */
 
+/* Compares the distance from either bound with a tolerance in the parameter's unit. */
 bool on_bound(const struct least_squares *m, int j, double x, double *inward)
 {
     const double tolerance = 1e-7 * (m->unit ? m->unit[j] : 1);
@@ -171,6 +177,7 @@ bool on_bound(const struct least_squares *m, int j, double x, double *inward)
     return low || high;
 }
 
+/* Solves the leading linear block of the triangle by back substitution. */
 double solve_linears(const struct least_squares *m, double *x, struct triangle *t)
 {
     const int solved = m->linears;
@@ -277,6 +284,8 @@ static double relaxation(double ratio)
     return fmax(1.0 / 3, 1 - excess * excess * excess);
 }
 
+/* Levenberg-Marquardt: each round solves the linear problem, tries the step, and accepts it if the
+ * sum of squares falls, else raises the damping. Near the end, full steps are refined. */
 bool least_squares_descend(const struct least_squares *m, const struct descent_options *o,
                            struct descent *d)
 {
@@ -284,6 +293,8 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
     static const double tolerance = 1e-8, damping_max = 1e16, damping_kink = 1e8, stalls = 1e2;
     struct descent_work w = {.model = m, .forgets = o->rescaled};
     double damping = o->damping, raise = 2, shortest = INFINITY;
+    /* States of the descent: a full step near the end was refused; the derivatives are those at the
+     * present linear parameters; number of successive tiny gains. */
     bool refused = false, /* the full step that should have been one of the last */
         fresh = false;    /* derivatives are those at all parameters */
     int small = 0;        /* steps in a row that gain less than a hundredth of a variance */
@@ -305,6 +316,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
         if (cancelled(o->cancel))
             return false;
         const double promised = linear_problem_step(&w.problem, ends ? 0 : damping, step);
+        /* If the acceleration fails (bends), the step counts as one without a value. */
         const bool bends = o->accelerated && !ends && !accelerate(&w, d->x, damping, step);
         const double length = least_squares_move(m, &w.problem, last ? full : step, unit, trial.x);
         if (last) {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* Weighted least squares about the mean point; uncertainties are widened by the scatter. */
 bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit)
 {
     double w = 0, wx = 0, wy = 0, xx = 0, xy = 0;

@@ -67,6 +67,7 @@ static size_t update_mask(struct motion *m, double typical)
     return changed;
 }
 
+/* Divides the motion into segments, and repeats local fits and rejection until the mask settles. */
 bool reject_outliers(struct motion *m, struct arena *arena)
 {
     enum { ROUNDS = 30, LEAST = 24 };

@@ -39,6 +39,8 @@ static double factor_of(const struct window_sums *d, double windows, double vari
     return factor > 1 + sqrt(2 / windows) ? factor : 1;
 }
 
+/* Sums residuals times the two directions in windows of two periods. Too few windows yield the
+ * factor of the lag-1 autocorrelation for all parameters. */
 struct widening residual_widening(const struct samples *x, const double *residual,
                                   const struct oscillation *o, int fitted)
 {

@@ -162,6 +162,7 @@ static bool is_exact(const struct period *period)
     return period->period.uncertainty <= uncertainty_max * period->period.value;
 }
 
+/* Measures the series, then searches returns of the state if that result is uncertain. */
 bool run_series_period(const struct run *run, const struct series *s, struct arena *arena,
                        struct period *period, struct error *error)
 {
@@ -196,6 +197,7 @@ bool run_series_period(const struct run *run, const struct series *s, struct are
     return true;
 }
 
+/* Tries the crossings of a known centre first, which is fast. */
 bool find_run_period(const struct run *run, struct arena *arena, struct measured *period)
 {
     struct series series;

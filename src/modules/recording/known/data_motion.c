@@ -19,6 +19,7 @@ bool recording_is_fitted(const struct session *session, const struct recording *
            text_is(text_after(subject, 5), recording->name);
 }
 
+/* Prefers the fit, then the period of a growing recording, then the spectrum. */
 double motion_frequency(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena)
 {
@@ -152,6 +153,8 @@ static bool good_velocity(const struct series *all, const unsigned char *use, st
     return true;
 }
 
+/* Takes velocities from the sensor or from the positions, and energies from mass and spring
+ * constant, about the middle of the motion. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error)

@@ -126,6 +126,7 @@ static double main_offset(const struct overlap_sums *s)
                : NAN;
 }
 
+/* Compares the good samples with the run; recordings of another quantity get a fitted scale. */
 void find_distance(const struct run *run, struct recording *recording,
                    struct data_distance *distance)
 {

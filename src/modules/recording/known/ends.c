@@ -93,6 +93,7 @@ static bool begins_as_it_continues(const struct stretch *stretch[SIDE], size_t n
     return true;
 }
 
+/* Fits stretches at both ends and in the middle, and compares amplitudes and residuals. */
 bool series_ends_as_inside(const struct series *s, double period)
 {
     enum { STRETCHES_MIN = 4 + 2 * END_STRETCHES };

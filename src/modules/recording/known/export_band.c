@@ -30,6 +30,7 @@ static struct table_column side_of(const struct table_column *column, const char
         .name = arena_text(arena, text_of(name)), .unit = column->unit, .value = value};
 }
 
+/* Inserts the two edges of the band after each column of a state variable. */
 bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error)
 {

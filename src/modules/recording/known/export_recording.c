@@ -87,6 +87,7 @@ static const double *take_rows(const double *value, const size_t *row, size_t ro
     return taken;
 }
 
+/* Writes the keys that describe the recording, then the chosen columns and rows. */
 bool export_recorded(const struct session *session, const struct argument_value *column,
                      const struct argument_value *every, struct export *export, struct error *error)
 {

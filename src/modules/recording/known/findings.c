@@ -98,6 +98,7 @@ static double find_period(const struct series *series, struct arena *arena,
     return overview->period;
 }
 
+/* Measures the period unless it is given, then inspects the whole recording. */
 bool find_faults(struct recording *recording, double period, struct arena *arena,
                  struct error *error)
 {
@@ -178,6 +179,7 @@ static void put_advice(const struct findings *f, const struct series *series, bo
                  start && end ? "start and the end of the window are" : side, t_begin, t_end);
 }
 
+/* Judges the whole recording or a thinned one, and compares the subject's ends with the result. */
 void advise_window(const struct subject *subject, enum window_law law, double period,
                    struct arena *arena, struct window_advice *advice)
 {
@@ -322,6 +324,7 @@ static void reply_record(const struct recording *recording, struct reply *reply)
     reply_end(reply);
 }
 
+/* Appends the table and what cleaning would do or did. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply)
 {
     const struct findings *f = recording->findings;

@@ -9,6 +9,7 @@
 /* Relative change of a parameter that shows whether the motion depends on it. */
 #define PARAM_NUDGE_RELATIVE 1e-3
 
+/* Combines uncertainties; values without one are listed as exact. */
 void inputs_use(struct inputs *inputs, const char *name, struct measured value)
 {
     if (!(fabs(value.value) > 0))
@@ -60,6 +61,7 @@ static bool sample_motion(const struct scene *scene, double motion[3 * LIMIT_VAR
     return true;
 }
 
+/* Changes each parameter a little, and adds it if the motion changes. */
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free)
 {
     double original[3 * LIMIT_VARIABLES], changed[3 * LIMIT_VARIABLES];

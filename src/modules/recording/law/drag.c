@@ -27,6 +27,7 @@ enum { ROUNDS = 4 };
  * the residuals. */
 #define WANDERING_VARIANCE_RATIO 2.0
 
+/* Lists the start, omega, the rates of the law, and beta for a Duffing spring. */
 int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
@@ -313,6 +314,7 @@ static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct 
     return true;
 }
 
+/* Chooses samples, baseline and restoring force, fits all laws, and chooses by BIC. */
 bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
                const struct envelope_rates rates[3], struct arena *arena, struct fit *result,
                struct error *error)

@@ -217,6 +217,7 @@ static double step_length(const struct equation_walk *s)
                     : STEP_MAX;
 }
 
+/* Scales the equation to the time unit 1/omega and expands the first series. */
 bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)
 {
     const double omega = e->value[EQUATION_OMEGA];
@@ -276,6 +277,7 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
     return i;
 }
 
+/* Advances by Taylor steps, and evaluates the samples within each step. */
 bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
                      double *derivative)
 {

@@ -187,6 +187,7 @@ double law_squares(const struct law_samples *x, struct law_fit *fit)
     return linearise(&problem, NULL, 0, &t) ? triangle_squares(&t, 0) : NAN;
 }
 
+/* Runs least_squares_descend() on the free parameters of the motion. */
 bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit)
 {
     static const double first_damping = 1e-3;
@@ -223,6 +224,7 @@ double law_formal(const struct law_fit *fit, int parameter)
 
 /* ---- what is left ---- */
 
+/* Computes y minus motion in blocks, then fits and subtracts each block's baseline. */
 bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
                    double *level, double *slope)
 {

@@ -260,6 +260,7 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
                       fmax(100 * fraction, 0.1));
 }
 
+/* Finds the simplest law, those that remain beside it, and describes the evidence. */
 int law_choose(const struct law_evidence *e, struct fit *result)
 {
     struct drag_fit *drag = &result->drag;

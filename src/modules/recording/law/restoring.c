@@ -201,6 +201,7 @@ static bool compare_forces(struct drag_fitting *f, struct force_fits *all, struc
     return true;
 }
 
+/* Fits the forces in growing windows, tries failed ones from the others' answers, and chooses. */
 bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
                       struct law_fit *best)
 {

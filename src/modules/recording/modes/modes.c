@@ -407,6 +407,7 @@ static int count_modes(const struct samples *x, int count, const struct cancel *
     return sure;
 }
 
+/* Counts certain modes, fits them, rejects outliers in up to three rounds, and reports. */
 bool series_modes(const struct series *series, int count, struct arena *arena,
                   const struct cancel *cancel, struct modes_fit *modes, struct error *error)
 {
@@ -464,6 +465,7 @@ static int search_two_lines(const struct samples *x, struct mode_start start[3],
     return found;
 }
 
+/* Searches two modes quickly, and requires evidence for both, and frequencies that are resolved. */
 bool two_lines(const struct samples *x, struct mode_pair *pair)
 {
     struct mode_start start[3];

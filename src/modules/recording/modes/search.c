@@ -276,6 +276,7 @@ static bool straight_line(struct modes_search *s, struct mode_start *start, doub
     return true;
 }
 
+/* Thins the samples, fits a straight line, and adds modes one by one. */
 int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
                  struct mode_start *start, double *samples)
 {

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* Fits a and b by least squares; their covariance gives the uncertainty of the amplitude. */
 bool local_amplitude(const struct motion *m, size_t begin, size_t end, struct reading *reading)
 {
     struct samples part = samples_part(&m->samples, begin, end);
@@ -103,6 +104,7 @@ static void widen_by_bend(const struct motion *m, double t_begin, double width,
         amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
 }
 
+/* Fits a window around each time; at the ends of the series it carries the amplitude outward. */
 bool series_amplitudes(const struct series *series, struct arena *arena, const double *reading_time,
                        int count, double width, struct reading *reading, struct error *error)
 {

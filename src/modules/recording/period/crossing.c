@@ -128,6 +128,7 @@ static bool place_fit(const struct context *c, double centre, struct crossing *c
     return true;
 }
 
+/* Finds changes of side beyond the hysteresis, and places each crossing by interpolation or fit. */
 size_t series_crossings(const struct series *s, const struct overview *o, double level,
                         struct crossing *result, size_t capacity)
 {

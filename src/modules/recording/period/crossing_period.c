@@ -98,6 +98,7 @@ static double interpolation_error(const struct series *series, const struct over
                : NAN;
 }
 
+/* Fits a line through the up-crossings, and adds the errors of edges and of interpolation. */
 bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
                      struct period *period, struct error *error)
 {

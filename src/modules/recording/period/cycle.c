@@ -208,6 +208,7 @@ static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
     return true;
 }
 
+/* Corrects for each cycle's own part in the mean. */
 double cycles_explained_share(const struct cycles *c)
 {
     const double others = (double)c->count / (double)(c->count - 1);
@@ -233,6 +234,7 @@ double cycles_share_needed(size_t cycles)
     return 0.9;
 }
 
+/* Alternates between placing the cycles and computing their mean. */
 bool cycles_find(struct cycles *c, const struct samples *x, double guess, double share_min,
                  struct arena *arena)
 {
@@ -259,6 +261,7 @@ bool cycles_find(struct cycles *c, const struct samples *x, double guess, double
     return true;
 }
 
+/* Places the cycles, requires that they are alike, and fits a line through their starts. */
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period)
 {

@@ -229,6 +229,7 @@ static void warn_bend(const struct times_line *bent, struct period *period)
         fmax(period->period.uncertainty, 0.25 * fabs(last_period - first_period));
 }
 
+/* Recounts gaps, tests whether the times bend, and fits the straight line without outliers. */
 bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct period *period)
 {
     enum { BENDS_TIMES_MIN = 5 };
@@ -267,6 +268,7 @@ bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct
     return period->period.value > 0;
 }
 
+/* Fits a parabola to the times and tests its second derivative. */
 double times_curvature(struct cycle_times *x, double sigmas)
 {
     struct times_line line = {.powers = 3};
@@ -291,6 +293,7 @@ static double counting_origin(const struct crossing *rising, size_t count, doubl
     return rising[0].t + guess * atan2(s, c) / TWO_PI;
 }
 
+/* Numbers the crossings by multiples of `guess`, leaving out those off the common phase. */
 bool crossings_period(const struct crossing *rising, size_t count, double guess, bool exact,
                       struct arena *arena, struct period *period, size_t *used)
 {

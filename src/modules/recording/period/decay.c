@@ -98,6 +98,7 @@ static int read_amplitudes(const struct motion *m, int count, struct reading *re
     return read;
 }
 
+/* Returns top/rate, or NAN with a lower bound if the rate may be 0. */
 struct measured measured_reciprocal(double top, struct measured rate, double *least)
 {
     static const double doubt = 2; /* standard deviations */
@@ -111,6 +112,8 @@ struct measured measured_reciprocal(double top, struct measured rate, double *le
     return (struct measured){NAN, NAN};
 }
 
+/* Reads amplitudes or local energies in windows, and fits a line to their logarithms; gamma, tau, Q
+ * and decrement follow from its slope. */
 bool series_decay(const struct series *series, struct arena *arena,
                   const struct energy_noise *energy, int readings, struct decay *decay,
                   struct error *error)

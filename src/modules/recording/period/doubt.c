@@ -355,6 +355,7 @@ static bool test_multiples(const struct cycles *c, double noise, struct measured
     return false;
 }
 
+/* Places the cycles of the series, widens T by their times, and tests its multiples. */
 void period_doubt(const struct series *series, struct arena *arena, struct period *period)
 {
     static const double noise_max = 0.05;

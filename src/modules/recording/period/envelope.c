@@ -165,6 +165,7 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
 }
 
+/* Fits the three laws to the readings and compares the best one's scatter with the noise. */
 bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates rates[3])
 {
     static const struct {

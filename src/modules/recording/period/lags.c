@@ -66,6 +66,7 @@ static void smooth(const double *y, size_t n, double *result)
     }
 }
 
+/* Thins or selects rows, tabulates the correlation, and smooths series of narrow pulses first. */
 bool lags_init(const struct series *whole, double period, struct arena *arena, struct lags *lags)
 {
     enum { ROWS = 4096, ROWS_A_PERIOD = 128, PERIODS = 32 };
@@ -179,6 +180,7 @@ static bool peak_near(const struct lags *l, double shift, double reach, struct l
     return isfinite(peak->shift);
 }
 
+/* Finds the first peak that is as high as the highest one. */
 double lags_period(const struct lags *l)
 {
     const size_t half = l->n / 2;
@@ -287,6 +289,7 @@ static bool fairly_better(const struct lags *l, double period, int n)
     return false;
 }
 
+/* Compares the correlation after one period with those after multiples and fractions. */
 double lags_multiple(const struct lags *l, double period)
 {
     const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;

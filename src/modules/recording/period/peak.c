@@ -29,6 +29,7 @@
 /* Smallest decrease of the sum of squares by damping, in variances of a residual. */
 #define DAMPED_BETTER 12.0
 
+/* Averages the power of the residuals in a few bins on both sides of omega. */
 double variance_beside(const struct samples *x, const double *residual, double omega)
 {
     const double bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
@@ -165,6 +166,7 @@ static void fit_damped_lines(const struct samples *x, struct harmonic *line, int
         line_stands_out(x, &line[k], FREE_GAMMA, left, k == 0, &peak[k]);
 }
 
+/* Adds lines one by one as long as all stand out, then tries damped ones. */
 int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
                  int max)
 {

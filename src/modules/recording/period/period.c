@@ -344,6 +344,8 @@ static bool period_by_method(const struct series *series, struct arena *arena,
     return true;
 }
 
+/* Tries the fast method for smooth series, then the general one, whose result is tested by waves
+ * and cycles. */
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error)
 {

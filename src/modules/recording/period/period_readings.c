@@ -47,6 +47,7 @@ static bool read_window(const struct series *part, double middle, double width, 
     return true;
 }
 
+/* Divides the series into equal windows and reads each. */
 bool series_period_readings(const struct series *series, int windows, struct arena *arena,
                             struct period_reading *reading, struct error *error)
 {

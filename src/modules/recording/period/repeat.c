@@ -46,6 +46,7 @@ static double scatter_between(const struct measured *x, int n, double scatter)
     return 0.5 * (low + high);
 }
 
+/* Computes plain and weighted mean, Birge ratio, and the excess scatter (Paule and Mandel). */
 bool repeat_values(const struct measured *x, int n, struct repeat *r)
 {
     double sum = 0, square = 0;

@@ -316,6 +316,7 @@ static double interpolation_sigma(struct smooth_wave *w, const struct crossing_l
     return sqrt(square / (double)w->count) / 63 * line->half_sigma_of_one;
 }
 
+/* Tests noise and time grid, then finds the centre and the line through its crossings. */
 bool smooth_period(const struct series *series, struct arena *arena, struct period *period)
 {
     struct smooth_wave w = {.y = series->y, .n = series->n};

@@ -191,6 +191,7 @@ static bool after_rest(const struct series *s, size_t halvings, struct swing *sw
     return found;
 }
 
+/* Tries the part after a rest, then windows of decreasing length. */
 bool find_swing(const struct series *series, struct swing *swing)
 {
     struct arena arena = {0};

@@ -274,6 +274,7 @@ static double refined_frequency(const struct track *track, size_t start, double 
                                                                                  : omega;
 }
 
+/* Starts from the window that the frequency describes best, and refines the frequency there. */
 bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena,
                   struct track *track)
 {
@@ -348,6 +349,7 @@ static bool follow_narrowly(const struct samples *x, double omega, const struct 
     return found;
 }
 
+/* Tries the peaks of spectra of 1, 8 and 32 parts, then fundamentals of the best track. */
 bool track_find(const struct samples *x, struct arena *arena, struct track *track)
 {
     enum { PEAKS = 5 };
@@ -390,6 +392,8 @@ static double window_power(const struct track *track, const struct samples *x)
     return track->omega > 0 ? track->explained / (double)x->n : 0;
 }
 
+/* Searches the oscillation in a part and in means of neighbours, the livelier one first, and
+ * follows the better track through the whole recording. */
 bool track_long(const struct samples *x, struct arena *arena, struct track *track)
 {
     /* A part of this size has some periods of any oscillation that is lost in means over the whole.
@@ -457,6 +461,7 @@ static double crossing_near(const struct track_window *w)
     return w->t - remainder(w->phase + 0.5 * PI, TWO_PI) / w->omega;
 }
 
+/* Fits a line through the phases of clear windows, and tests the decay of their amplitudes. */
 bool track_period(const struct track *track, struct arena *arena, struct period *period)
 {
     enum { PHASES_MIN = 4 };

@@ -175,6 +175,7 @@ static void take_mean_gap(const struct waves *w, struct period *period)
              w->shortest, w->longest);
 }
 
+/* Accepts a rhythm of at least 8 waves whose spacing does not vary too much. */
 bool waves_period(const struct series *series, struct arena *arena, struct period *period)
 {
     /* relative to the mean gap; with more there is no rhythm */
@@ -188,6 +189,7 @@ bool waves_period(const struct series *series, struct arena *arena, struct perio
     return true;
 }
 
+/* Compares the period with the number of waves that it contains, and with their spacing. */
 void period_check_waves(const struct series *series, struct arena *arena, struct period *period)
 {
     /* The pattern of waves repeats if they come within this share of the spread, */

@@ -85,6 +85,7 @@ static struct measured param_measured(const struct scene *scene, const char *nam
                       : (struct measured){NAN, NAN};
 }
 
+/* Converts frequency, damping and start to the scene's own parameters. */
 void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     struct measured value[ADOPTED_VALUES])
 {
@@ -110,6 +111,7 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
     value[ADOPTED_VELOCITY] = value[ADOPTED_TURNING] = start[1];
 }
 
+/* Compares the amplitude of the scene's start with the fitted one. */
 double adopted_scale_of(const struct scene *scene, const struct fit *fit)
 {
     const bool pendulum = is_pendulum(scene);
@@ -131,6 +133,7 @@ static void scale_measured(struct measured *m, double factor)
     m->uncertainty *= fabs(factor);
 }
 
+/* Scales all values, rates and covariances by their powers of the length. */
 void adopted_scale(struct fit *fit, double scale)
 {
     struct drag_fit *drag = &fit->drag;
@@ -176,6 +179,7 @@ static void slope_of(const struct scene *scene, const struct fit *fit, int i, in
         slope[k] = increment > 0 ? (side[1][k].value - side[0][k].value) / (2 * increment) : 0;
 }
 
+/* Propagates the fit's covariances by numerical derivatives of the adopted values. */
 void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     bool starts, struct scene_covariance *adopted)
 {

@@ -60,6 +60,7 @@ static void put_sample(const struct scene_curve *c, const struct system *system,
                 s->derivative ? s->derivative + i * s->columns : NULL);
 }
 
+/* Stores the samples at the start time. */
 bool scene_curve_first(const struct scene_curve *c, const struct system *system,
                        const struct sampling *s, size_t *i)
 {
@@ -71,6 +72,7 @@ bool scene_curve_first(const struct scene_curve *c, const struct system *system,
     return true;
 }
 
+/* Evaluates the step's polynomials at the samples within it. */
 void scene_curve_inside(const struct scene_curve *c, const struct step *step,
                         const struct sampling *s, double t_begin, size_t *i)
 {
@@ -147,6 +149,7 @@ static bool scene_at(const struct scene_curve *c, const double *parameter, struc
     return true;
 }
 
+/* Binds the scene to the parameters and follows the motion by the fitting method. */
 bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n,
                           double *value, double *derivative)
 {
@@ -224,6 +227,8 @@ static enum meshing try_mesh(struct scene_curve *c, const struct system *system,
     return MESH_DONE;
 }
 
+/* Prepares exact steps for a linear scene; else adapts the steps of dop853, or of rodas5p for a
+ * stiff scene. */
 bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const struct series *series,
                       struct error *error)
 {

@@ -208,6 +208,7 @@ static bool dry_walk_move(struct dry_walk *w, double end)
     return true;
 }
 
+/* Alternates between motion and rest within each step of the mesh. */
 bool scene_dry_march(const struct scene_curve *c, const struct system *system,
                      const struct sampling *s)
 {

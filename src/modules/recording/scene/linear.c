@@ -96,6 +96,7 @@ struct linear_motion *linear_motion_create(double t0, const double *t, size_t n)
     return m;
 }
 
+/* Reads A, b, B_j and c_j off the system by unit states. */
 void linear_motion_bind(struct linear_motion *m, const struct variation *v, int directions)
 {
     const struct system *system = directions > 0 ? &v->whole : &v->base;
@@ -182,6 +183,7 @@ propagator_advance(int n, int directions, const struct linear_propagator *p, dou
     }
 }
 
+/* Finds or prepares the step of the wanted length, and applies it. */
 double linear_motion_advance(struct linear_motion *m, double t_begin, double t, double *state)
 {
     const double wanted = t - t_begin;

@@ -22,6 +22,7 @@
 /* Rows recorded at most. */
 #define ROWS_MAX 1e6
 
+/* Runs dop853 with rows that are dense for the scene's natural scale. */
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
 {
     const struct method *method = method_find("dop853");
@@ -130,6 +131,8 @@ static bool slopes_by_variation(struct scene_curve *c, const struct spread_reque
                                                     request->t[request->n - 1])));
 }
 
+/* Computes the derivatives by the uncertain parameters, and the quadratic form with their
+ * covariances. */
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error)
 {

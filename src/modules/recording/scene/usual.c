@@ -37,6 +37,7 @@ static bool is_usual(const struct scene *scene, const char *name)
     return false;
 }
 
+/* Goes through the scene's parameters that change the motion or its start. */
 int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count)
 {
     int count = 0;

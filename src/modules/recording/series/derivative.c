@@ -46,6 +46,7 @@ static double slope_at(const struct series *s, size_t begin, size_t end, size_t 
     return line / uu + (curved ? turn * curve / qq : 0);
 }
 
+/* Fits a parabola around each sample, within stretches that have no gap. */
 bool series_derivative(const struct series *series, int points, struct arena *arena,
                        struct derivative *derivative, struct error *error)
 {

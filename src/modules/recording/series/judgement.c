@@ -87,6 +87,7 @@ static bool is_determined(struct curve_problem *p, const double *x, int j, doubl
 
 /* ---- judge ---- */
 
+/* Solves for the step that remains at x; the criteria compare it with values and uncertainties. */
 void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curve_fit *fit)
 {
     const int count = p->curve->parameters;
@@ -224,6 +225,7 @@ static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit
                  fit->iterations, fit->small_gradient ? "the steps do not become small" : reason);
 }
 
+/* Widens formal uncertainties by the correlation of residuals, and adds the effect of rounding. */
 void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
 {
     double rounding[CURVE_PARAMETERS] = {0};
@@ -255,6 +257,7 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
     curve_fit_judge(p, fit);
 }
 
+/* Fits a damped sine to the series, unless it is too long, and copies the mask of its samples. */
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)
 {
     enum { ROWS_MAX = 16384 }; /* more are not fitted only in order to judge them */

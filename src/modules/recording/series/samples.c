@@ -11,6 +11,7 @@
 /* Largest share of samples that may be spikes; more are the oscillation itself. */
 #define SPIKES_MAX 0.2
 
+/* Averages groups of samples that are in use. */
 bool samples_average(const struct samples *x, size_t each, struct arena *arena,
                      struct series *means)
 {
@@ -35,6 +36,7 @@ bool samples_average(const struct samples *x, size_t each, struct arena *arena,
     return true;
 }
 
+/* Sums differences from the first value, which avoids cancellation. */
 double values_variance(const double *y, size_t n)
 {
     double sum = 0, square = 0;
@@ -70,6 +72,7 @@ static void fill_unused(const double *y, const unsigned char *use, size_t n, dou
     }
 }
 
+/* Averages pairs of neighbours repeatedly while the loss of variance is that of white noise. */
 bool series_thin(const struct series *series, const unsigned char *use, double lost_share_max,
                  struct arena *arena, struct series *thin)
 {
@@ -124,6 +127,7 @@ struct samples samples_part(const struct samples *samples, size_t begin, size_t 
     return part;
 }
 
+/* Scans for time steps that are gaps, and keeps the stretch with the most rows. */
 struct series series_longest_stretch(const struct series *series, double period)
 {
     if (series->n < 2)
@@ -147,6 +151,7 @@ struct series series_longest_stretch(const struct series *series, double period)
     return longest;
 }
 
+/* Integrates by trapezoids: first the mean, then the mean square about it. */
 struct measured series_mean(const struct series *s)
 {
     double area = 0, square = 0;
@@ -282,6 +287,7 @@ static bool has_steps(const struct samples *x, double quantum)
     return 100 * others <= x->n;
 }
 
+/* Takes the smallest difference of neighbours, or a fraction of it, if the others are multiples. */
 double samples_quantum(const struct samples *x)
 {
     static const int parts_max = 5; /* a fast motion may take no single step of the sensor */
@@ -308,6 +314,7 @@ static bool readings_repeat(const struct samples *x, size_t lag, double quantum)
     return lag < x->n && (double)same >= repeat_share * (double)(x->n - lag);
 }
 
+/* Converts the sensor's step to an uncertainty of the phase, and that to one of the period. */
 double quantum_pace(const struct motion *m)
 {
     const double samples = m->overview.period / m->samples.dt,
@@ -331,6 +338,7 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
                      parameters);
 }
 
+/* Copies every k-th sample. */
 bool curve_part(const struct series *series, struct arena *arena, struct series *part)
 {
     const size_t stride = series->n / CURVE_MANY + 1, n = series->n / stride;

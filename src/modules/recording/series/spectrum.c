@@ -48,6 +48,7 @@ static bool combine_halves(const double *even, const double *odd, size_t n, doub
     return true;
 }
 
+/* Splits long data into even and odd values, so that cancellation is checked between pieces. */
 bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel)
 {
     const size_t half = n / 2;
@@ -254,6 +255,7 @@ static struct transform mean_transform(const struct samples *x, size_t parts, st
     return mean;
 }
 
+/* Averages the spectra of the parts and takes the highest peaks. */
 int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, int max, bool *memory)
 {
     struct arena arena = {0};
@@ -282,6 +284,7 @@ int spectrum_candidates(const struct samples *x, double *omega, int max, bool *m
     return count;
 }
 
+/* Removes the surroundings of the highest peaks one by one, and compares the power left. */
 double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log,
                             struct arena *arena)
 {
@@ -326,6 +329,7 @@ static double refine_frequency(const struct samples *x, double omega)
     return curvature > 0 && fabs(shift) <= 1 ? omega + shift * step : omega;
 }
 
+/* Takes the peak of the spectrum and refines it by least squares. */
 double series_peak_frequency(const struct series *series, struct arena *arena)
 {
     struct samples samples;
@@ -356,6 +360,7 @@ static double power_at(const struct series *series, double period, double multip
     return re * re + im * im;
 }
 
+/* Compares the power at two and three times the frequency with that between. */
 bool series_has_harmonics(const struct series *series, double period)
 {
     /* fewer cycles leave the lines overlapping */

@@ -129,6 +129,7 @@ static bool copy_used(const struct samples *x, struct arena *arena, struct sampl
     return true;
 }
 
+/* Compares the longest step with the usual one. */
 bool samples_have_gap(const struct samples *x, struct arena *arena, bool *memory)
 {
     double gap, *scratch = x->uniform ? NULL : arena_array(arena, x->n + 1, sizeof *scratch);
@@ -154,6 +155,7 @@ static size_t bins_of(double points, size_t n)
     return length;
 }
 
+/* Spreads the samples in use on a grid, transforms it, and divides by the sum of the weights. */
 bool samples_spectrum(const struct samples *all, struct arena *arena, struct spectrum *spectrum)
 {
     struct samples x;
@@ -184,6 +186,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     return true;
 }
 
+/* Computes the spectrum of a series and the array of its frequencies. */
 bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
                      const double **amplitude, size_t *bins)
 {

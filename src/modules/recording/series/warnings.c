@@ -91,6 +91,7 @@ static double poorness(const struct motion *m, const struct fit *fit)
     return noise ? 0 : fit->rms * sqrt((double)m->harmonic.used / signal);
 }
 
+/* Adds the warnings of a fit in a fixed order, the most fundamental first. */
 void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
 {
     const struct harmonic *h = &m->harmonic;

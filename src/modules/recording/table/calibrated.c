@@ -12,6 +12,7 @@ static enum quantity quantity_of(const struct unit *unit)
     return unit ? unit->quantity : QUANTITY_OTHER;
 }
 
+/* Converts the values to the calibration's unit, then to true values. */
 bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
                          struct error *error)
 {

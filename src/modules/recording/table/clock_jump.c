@@ -91,6 +91,7 @@ static bool only_jumps(const struct recording *recording, double longest, double
     return begin > 0 && is_even_elsewhere(recording, step);
 }
 
+/* Adds the lost time after each jump, if all jumps are plausible. */
 void mend_clock_jumps(struct recording *recording)
 {
     if (recording->source != TIME_COLUMN || recording->collected || recording->rows < 2 * EVEN_ROWS)
@@ -144,6 +145,7 @@ static double full_count(const double *value, size_t rows, double usual, size_t 
     return 0;
 }
 
+/* Finds the size at which the counter is full, and adds it at each overflow. */
 void unwrap_clock(struct recording *recording, int column)
 {
     if (column < 0 || recording->collected)

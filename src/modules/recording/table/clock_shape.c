@@ -19,6 +19,7 @@ bool rises_evenly(const double *value, size_t n)
     return (double)even >= even_share * (double)(n - 1);
 }
 
+/* Compares each stamp with the line through the first and the last one. */
 bool is_along_line(const double *value, size_t n)
 {
     /* largest distance from the line, relative to the range */

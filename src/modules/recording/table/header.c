@@ -30,6 +30,7 @@ static bool is_listed_word(struct text word, const char *words)
     return false;
 }
 
+/* Compares the whole name, then each word in it. */
 bool name_has_word(const char *name, const char *words)
 {
     if (is_listed_word(text_of(name), words))
@@ -45,6 +46,7 @@ bool name_has_word(const char *name, const char *words)
     return false;
 }
 
+/* Joins a unit in brackets or after '/' to the name before it, if blanks separate the fields. */
 bool header_field(struct text *rest, char separator, struct text *field)
 {
     if (!table_field(rest, separator, field))
@@ -133,6 +135,7 @@ static bool is_word_in(struct text text)
     return is_same_word(text, TEXT("in"));
 }
 
+/* Keeps the spelling; a unit of mass is not accepted for g of an accelerometer. */
 void column_unit(struct column *column, struct text unit)
 {
     double factor;
@@ -148,6 +151,7 @@ void column_unit(struct column *column, struct text unit)
     column->factor = known ? factor : 1;
 }
 
+/* Reads the number, and requires a known unit after it. */
 bool number_with_unit(struct text field, char decimal, double *value, struct text *unit)
 {
     enum { SPELLED_MAX = 16 };
@@ -326,6 +330,7 @@ static bool name_column(struct column *column, struct text field, struct text un
     return true;
 }
 
+/* Names each column from the header's fields, as far as they reach. */
 bool table_columns(const struct table_layout *layout, struct recording *recording,
                    struct error *error)
 {

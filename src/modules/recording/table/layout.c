@@ -391,6 +391,7 @@ static bool no_table(const struct table_text *text, size_t first_line, struct er
                              "blanks; sep= and decimal= describe others");
 }
 
+/* Finds the best layout, and refuses one whose commas are unclear. */
 bool table_find(const struct table_text *text, size_t first_line,
                 const struct load_options *options, struct table_layout *layout,
                 struct error *error)

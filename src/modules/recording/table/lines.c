@@ -31,6 +31,7 @@ static size_t line_length(struct text text)
     return text.len;
 }
 
+/* Finds the first line end of any kind. */
 bool table_line(struct text *rest, struct text *line)
 {
     if (rest->len == 0)
@@ -128,6 +129,7 @@ static bool stamp_before_line(struct text *rest, char separator, struct text *fi
     return true;
 }
 
+/* Takes a stamp in brackets, a quoted text, or the text up to the separator. */
 bool table_field(struct text *rest, char separator, struct text *field)
 {
     if (rest->data == NULL)
@@ -252,6 +254,8 @@ bool table_grouped(struct text field, char decimal, double *value)
     return odd_number(field, decimal, true, value);
 }
 
+/* Tries a number, an empty cell, an unusual number, a stamp, a number with a unit, infinity, in
+ * that order. */
 enum cell_kind table_cell(struct text field, char decimal, double *value)
 {
     size_t used;

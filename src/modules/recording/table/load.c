@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Formats the sentence; beyond WARNINGS_MAX, the last entry counts further ones. */
 void recording_warn(struct recording *recording, const char *format, ...)
 {
     va_list args;
@@ -40,6 +41,7 @@ void recording_warn(struct recording *recording, const char *format, ...)
 
 /* ---- loading ---- */
 
+/* Splits lines until the limits of lines or bytes. */
 bool table_head(struct table_text *text, struct arena *arena)
 {
     struct text rest = text->text, line;
@@ -127,6 +129,7 @@ static bool read_part(struct text content, const char *shown, const struct load_
            read_text(&text, options, recording, error);
 }
 
+/* Finds a table, or a format that recognises the text without one. */
 bool table_begins(struct text content, const char *shown, const struct load_options *options,
                   struct error *error)
 {
@@ -283,6 +286,7 @@ static const struct column *error_column(const struct recording *recording)
     return found;
 }
 
+/* Finds the column of errors, and takes the row of each sample by its time. */
 bool recording_errors(const struct recording *recording, const struct series *series,
                       struct arena *arena, const double **half)
 {

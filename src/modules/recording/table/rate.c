@@ -19,6 +19,7 @@ static const char *find_key(struct text line, const char *key)
     return NULL;
 }
 
+/* Looks for the key in each line, and reads the number after it. */
 bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest)
 {
     for (size_t i = 0; i < text->heads && i < LINES_MAX; i++) {
@@ -39,6 +40,7 @@ bool head_number(const struct table_text *text, const char *key, double *value, 
     return false;
 }
 
+/* Looks for a sample interval, then for a rate with a unit. */
 double table_rate(const struct table_text *text)
 {
     static const struct {

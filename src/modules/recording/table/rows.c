@@ -296,8 +296,7 @@ static size_t decimals(struct text number, char decimal)
 }
 
 /* Returns true if the newest row, which has no line end, is cut within a number: it has fewer
- * decimals than the rows before agree on or, if they do not agree, its last number is the beginning
- * of the one above. */
+ * decimals than earlier rows or, if these differ, its last number begins the one above. */
 static bool is_cut(const struct row_reader *reader)
 {
     const struct table_layout *layout = reader->layout;
@@ -427,6 +426,7 @@ static bool read_line(struct row_reader *reader, struct text *rest, size_t numbe
     return true;
 }
 
+/* Reads all rows in one pass: plain ones by plain_row(), others by read_line(). */
 bool table_rows(const struct table_text *text, const struct table_layout *layout,
                 struct recording *recording, struct error *error)
 {

@@ -88,6 +88,7 @@ void run_list(const struct recording *recording, struct buffer *text)
         buffer_format(text, " and %d more", recording->runs - LISTED_RUNS_MAX);
 }
 
+/* Finds the run in each column's name, and numbers the runs as they appear. */
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
                      struct error *error)
 {
@@ -158,6 +159,7 @@ static bool choose_block(const struct table_text *whole, const struct table_bloc
     return false;
 }
 
+/* Lets the format find the blocks, and reads the chosen one. */
 bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
                     struct recording *recording, table_blocks *find, table_block_read *read,
                     struct error *error)

@@ -47,6 +47,7 @@ static void keep_rows(struct recording *recording, size_t begin, size_t end)
     recording->rows = n;
 }
 
+/* Finds where the clock restarts, names the runs, and keeps one of them. */
 bool take_run_below(struct recording *recording, const struct load_options *options,
                     struct error *error)
 {

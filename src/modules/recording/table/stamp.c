@@ -195,6 +195,7 @@ static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
     return true;
 }
 
+/* Reads days, a date, a time of day and a zone, as far as they exist. */
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);

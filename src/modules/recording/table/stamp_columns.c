@@ -84,6 +84,7 @@ static void count_from_first(struct recording *recording, int i)
                    fmod(clock, 60));
 }
 
+/* Joins dates, passes midnights, and counts from the first row, column by column. */
 void stamp_columns(struct recording *recording, const struct stamp_column *column)
 {
     for (int i = 0; i < recording->columns; i++) {

@@ -356,6 +356,8 @@ static bool reading_continues(const struct recording *recording, struct error *e
            error_set(error, ERROR_CANCELLED, "reading was stopped");
 }
 
+/* Computes times from the column or the rate, corrects faulty clocks, drops rows whose time does
+ * not rise, and computes the values. */
 bool recording_time(struct recording *recording, const struct load_options *options,
                     struct error *error)
 {
