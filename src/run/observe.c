@@ -362,6 +362,7 @@ bool run_scope(const struct run *run, struct expr_scope *scope)
     return run != NULL;
 }
 
+/* Slots of time, position and velocity are the columns that rows have of them. */
 struct moving run_scope_moving(const struct run *run, int slot)
 {
     const int n = run->system.n, observable_slot = slot - n - model_observed(run->system.model);

@@ -41,6 +41,7 @@ double function_mod(double a, double b)
     return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
 }
 
+/* The multiplications are those of struct expr in <hooke/scene/formula.h>. */
 double function_power(double x, double n)
 {
     if (!power_is_short(n))

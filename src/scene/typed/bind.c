@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Binding a typed scene. Programs are made once for each set of parameters that are 0 and kept with
- * the model; threads may bind at the same time: whoever comes second throws its own away.
- */
+/* Binding a typed scene to values of its parameters. Programs are made once for each set of
+ * parameters that are 0 and kept with the model. Threads may bind at the same time: of two that
+ * make the same programs, the second one destroys its own and uses the other's. */
 #include <hooke/base/number.h>
 #include "scene/typed/typed.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define PARTS_MOST 256 /* sets of parameters that are 0 */
+#define PARTS_MOST 256 /* largest number of sets of parameters that are 0 */
 
+/* List of the parts of a model; they are added at its beginning, and never removed. */
 struct typed_parts {
     _Atomic(struct typed_part *) first;
     atomic_int count;
@@ -34,6 +34,8 @@ void typed_parts_destroy(struct typed_parts *parts)
     free(parts);
 }
 
+/* Returns the part for the set `zeros` among those from `part` to before `end`; NULL if there is
+ * none. */
 static struct typed_part *typed_part_find(struct typed_part *part, const struct typed_part *end,
                                           uint64_t zeros)
 {
@@ -42,6 +44,8 @@ static struct typed_part *typed_part_find(struct typed_part *part, const struct 
     return part == end ? NULL : part;
 }
 
+/* Returns the part for a set of parameters that are 0, which is made if there is none. Returns NULL
+ * with an error. */
 static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, struct error *error)
 {
     struct typed_parts *parts = typed->parts;
@@ -73,6 +77,7 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
 
 /* ---- binding ---- */
 
+/* Returns true if all variables have equations; otherwise sets an error. */
 static bool typed_is_complete(const struct typed *typed, struct error *error)
 {
     if (!typed->base && typed->model.n == 0) {
@@ -87,7 +92,7 @@ static bool typed_is_complete(const struct typed *typed, struct error *error)
                       (int)name.len, name.data);
 }
 
-/* The same for all terms of a part, but for the first. */
+/* Sets the values c that all terms of a part have in common: mass, parameters, retained values. */
 static void set_values(const struct typed_part *part, const double *param, double mass, double *c)
 {
     const struct typed *typed = part->all.typed;
@@ -103,6 +108,7 @@ static void set_values(const struct typed_part *part, const double *param, doubl
     }
 }
 
+/* Returns a bound term with the values c. */
 static struct bound_term bind_term(const struct typed_term *term, const double *c)
 {
     struct bound_term bound = {.row = &term->row};
@@ -158,6 +164,7 @@ const struct program *term_program(const struct bound_term *term, int *values)
 
 /* ---- force and potential ---- */
 
+/* Sets the error that force and potential of coordinate i differ at the state y. Returns false. */
 static bool disagree(const struct system *system, const double *y, int i, double slope,
                      double force, struct error *error)
 {
@@ -201,7 +208,7 @@ bool typed_check(const struct system *system, struct error *error)
         typed_evaluate(all->slope, system->typed.c, 0, y, slope);
         for (int i = 0; i < rows; i++)
             size = fmax(size, fmax(fabs(slope[i]), fabs(system->mass * a[i])));
-        for (int i = 0; i < rows && isfinite(size); i++) /* somewhere else if it is infinite here */
+        for (int i = 0; i < rows && isfinite(size); i++) /* skips points where they are infinite */
             if (fabs(system->mass * a[i] + slope[i]) > tolerated * size)
                 return disagree(system, y, i, -slope[i], system->mass * a[i], error);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bounds of typed equations on a box of states, with those of their derivatives (interval
- * arithmetic, Moore 1966). */
+/* Bounds of typed equations on a box of states, and of their derivatives (interval arithmetic,
+ * Moore 1966), for searches for equilibria that must not miss one. */
 #include <math.h>
 
 #include <hooke/base/numeric.h>
@@ -12,11 +12,13 @@
 /* Phases of a drive's period; the mean over them is exact for all lower harmonics. */
 #define DRIVE_PHASES 32
 
+/* Bounds of all names of a scene. */
 struct box_names {
     const struct typed *typed;
     struct jet name[TYPED_NAMES_MAX];
 };
 
+/* Returns the bounds of a name, whose derivative is 1 if it `moves`, else 0. */
 static struct jet of_unit(struct interval value, bool moves)
 {
     struct jet jet = jet_number(0);
@@ -41,6 +43,7 @@ static void name_all(struct box_names *names, const double *c, const struct inte
         names->name[first + i] = expr_jet(typed->observe[i], names->name);
 }
 
+/* Returns the bounds of the typed acceleration or derivative `row`. */
 static struct jet row_of(const struct box_names *names, int row)
 {
     struct jet sum = jet_number(0);

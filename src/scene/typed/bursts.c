@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Bursts of typed equations: stretches so short that samples miss them. What bounds of the
- * equations (interval arithmetic, Moore 1966) allow between samples is compared with what the
- * samples show; where they allow more, a stretch is cut in two, until it is seen, or until nothing
- * that matters can hide in it.
- */
+/* Bursts of typed equations: changes so short that samples miss them. Along a path between two
+ * states, the bounds of the equations on an interval (interval arithmetic, Moore 1966) are compared
+ * with samples in it. If they allow more change, the interval is halved, until samples show the
+ * change, or until nothing that matters can hide in it. */
 #include <hooke/scene/bursts.h>
 
 #include "scene/typed/typed.h"
@@ -15,12 +13,11 @@
 #include "scene/formula/jet.h"
 
 #define INTERVAL_SAMPLES 7
-/* Bounds up to this many times the sampled values are taken for seen: bounds are wider than the
- * truth. */
+/* Bounds up to this many times the sampled change count as seen, because bounds are too wide. */
 #define BOUND_SLACK_FACTOR 8.0
-/* Part of a variable's size that an interval may add to it unseen. */
+/* Change of a variable, as a part of its size, that is negligible in an interval. */
 #define HIDDEN_MOTION_MAX 1e-13
-#define DEPTH_MIN 6 /* halvings; longer stretches are no bursts */
+#define DEPTH_MIN 6 /* number of halvings; longer intervals are no bursts */
 #define DEPTH_MOST 50
 #define BOUND_ROUNDING_RELATIVE 1e-12
 /* fraction of a path: closer to a switch at its end, the path does not show what follows */
@@ -31,21 +28,22 @@
 /* A derivative at an end above this many times the change shows that the segment is not smooth. */
 #define SMOOTH_SLOPE_MAX 4
 
-/* The way, as bounds of all names on a part of it. */
+/* A path between two states, s from 0 to 1, and bounds of all names on a part of it. */
 struct way {
     const struct system *system;
     const struct typed *typed;
     const double *c; /* coefficients of the bound term */
-    double t[2];
+    double t[2];     /* [s] times at its ends */
     const double *y_begin, *y_end;
-    /* curve from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
+    /* the state is y_begin + s (rate + s (bend[0] + s bend[1])) */
     double bend[2][LIMIT_VARIABLES];
     double rate[LIMIT_VARIABLES];
+    /* bounds of names on an interval of s, and at its centre */
     struct jet name[TYPED_NAMES_MAX], centre[TYPED_NAMES_MAX];
 };
 
-/* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about
- * what is between. */
+/* Makes the path Hermite's cubic, with the derivatives at the ends, or a straight line where these
+ * say little about what is between. */
 static void bend_way(const struct system *system, struct way *way)
 {
     const double h = way->t[1] - way->t[0];
@@ -63,6 +61,7 @@ static void bend_way(const struct system *system, struct way *way)
     }
 }
 
+/* Returns bounds of variable i for s from a to b. */
 static struct jet way_jet(const struct way *way, int i, double a, double b)
 {
     const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i],
@@ -79,6 +78,7 @@ static struct jet way_jet(const struct way *way, int i, double a, double b)
         interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
 }
 
+/* Returns bounds of a linear function from `first` to `last`, for s from a to b. */
 static struct jet parameter_jet(double first, double last, double a, double b)
 {
     const double begin = first + (last - first) * a, end = first + (last - first) * b;
@@ -86,7 +86,8 @@ static struct jet parameter_jet(double first, double last, double a, double b)
                         interval_point(last - first), interval_point(0)};
 }
 
-/* a < b in [0, 1]; a == b: a point. */
+/* Sets the bounds of all names but observed quantities, for s from a to b in [0, 1]; a == b is a
+ * point. */
 static void name_all(const struct way *way, double a, double b, struct jet *name)
 {
     const struct typed *typed = way->typed;
@@ -106,6 +107,7 @@ static struct jet bounds_of(const struct way *way, const struct expr *expr, doub
                                    (b - a) / 2 * (1 + BOUND_ROUNDING_RELATIVE));
 }
 
+/* Returns bounds of the derivative `row`, and of its derivatives by s, for s from a to b. */
 static struct jet row_bounds(struct way *way, int row, double a, double b)
 {
     const struct typed *typed = way->typed;
@@ -145,11 +147,14 @@ static double interval_magnitude_max(struct interval a)
     return fmax(fabs(a.lo), fabs(a.hi));
 }
 
-/* Change that may hide between samples of a stretch, and change that they show. */
+/* Change that may hide between samples of an interval, and change that they show. */
 struct stretch_look {
     double hidden, seen;
 };
 
+/* Compares bounds of a derivative on [a, b] with samples of it: either as deviations from a
+ * straight line or as a range, whichever bounds are tighter. Both are 0 where there is no number or
+ * only rounding. */
 static struct stretch_look stretch_examine(struct way *way, int row, double a, double b)
 {
     const struct jet bounds = row_bounds(way, row, a, b);
@@ -174,12 +179,10 @@ static struct stretch_look stretch_examine(struct way *way, int row, double a, d
                         : (struct stretch_look){width, high - low};
 }
 
-/*
- * Returns true if the samples differ from their surroundings. Where a smooth force turns from one
- * bend to the other its samples also reach only a small part of the bounds (1/8 of the best
- * bounds). There the polynomial through points on either side (Lagrange) predicts what is between,
- * and samples that agree with it are no burst.
- */
+/* Returns true if the samples in [a, b] differ from what the surroundings predict. A smooth force
+ * whose second derivative changes sign there also shows only a small part of its bounds; but its
+ * samples agree with the polynomial through points on either side (Lagrange), so that it is no
+ * burst. */
 static bool stands_out(const struct way *way, int row, double a, double b, double seen)
 {
     enum { POINTS = 6 };
@@ -205,7 +208,8 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
     return deviation * BOUND_SLACK_FACTOR > seen;
 }
 
-/* Appends [a, b] as times, to the burst before where they meet. */
+/* Appends [a, b], as times, to the bursts, or joins it with one that it touches. Returns their
+ * number. */
 static int burst_append(const struct way *way, double a, double b, struct burst *burst, int count,
                         int max)
 {
@@ -225,6 +229,9 @@ static int burst_append(const struct way *way, double a, double b, struct burst 
     return count;
 }
 
+/* Searches the whole path for bursts of one derivative, by halving intervals. `size` is that of its
+ * variable; *allowed counts down the intervals examined. Returns the number of bursts, at most
+ * `max`. */
 static int search_row(struct way *way, int row, double size, bool sure, int64_t *allowed,
                       struct burst *burst, int count, int max)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compiles lines to a model: state, parameters, and the expressions of each variable. */
+/* typed_compile(): makes a model of typed lines: its state, its parameters, and the sum of forces
+ * or the derivative of each variable. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include <stdlib.h>
@@ -10,6 +11,7 @@
 
 /* ---- expressions ---- */
 
+/* Compiles the expression of a line. Returns false with an error, also if the user cancels. */
 static bool read_expr(struct compile *c, const struct typed_line *line, const struct expr **expr)
 {
     if (cancelled(c->typed->cancel))
@@ -63,6 +65,7 @@ static bool read_all(struct compile *c)
 
 /* ---- layout ---- */
 
+/* Returns the quantity of a velocity of a variable with this quantity. */
 static enum quantity rate_of(enum quantity quantity)
 {
     if (quantity == QUANTITY_LENGTH)
@@ -70,6 +73,7 @@ static enum quantity rate_of(enum quantity quantity)
     return quantity == QUANTITY_ANGLE ? QUANTITY_ANGULAR_FREQUENCY : QUANTITY_NUMBER;
 }
 
+/* Notes the first variable that has no equation yet. */
 static void incomplete(struct compile *c)
 {
     c->typed->incomplete = -1;
@@ -78,7 +82,8 @@ static void incomplete(struct compile *c)
             c->typed->incomplete = (int)(c->unknown[i].line - c->typed->line);
 }
 
-/* Gives the variables their places in the state: order 2 only if all are of second order. */
+/* Gives the variables their places in the state, the velocities last, and adds their initial
+ * values. The scene is of second order only if all variables are. Returns false with an error. */
 static bool lay_out(struct compile *c)
 {
     struct typed *typed = c->typed;
@@ -131,7 +136,8 @@ static bool lay_out(struct compile *c)
     return typed_start_time(c);
 }
 
-/* Names as the equations count them; only parameters that are read get one. */
+/* Numbers the names as struct typed has them; only parameters that are read get a number. Returns
+ * false if there are too many. */
 static bool number_names(struct compile *c)
 {
     struct typed *typed = c->typed;
@@ -158,6 +164,7 @@ static bool number_names(struct compile *c)
     return true;
 }
 
+/* Replaces the slots of an expression, which are symbols, by the numbers of names. */
 static void renumber(const struct compile *c, const struct expr *expr)
 {
     for (size_t i = 0; expr && i < expr->count; i++)
@@ -165,6 +172,7 @@ static void renumber(const struct compile *c, const struct expr *expr)
             expr->op[i].slot = c->symbol[expr->op[i].slot].slot;
 }
 
+/* Does that in all expressions. */
 static void renumber_all(const struct compile *c)
 {
     for (int i = 0; i < c->typed->observes; i++)
@@ -176,8 +184,9 @@ static void renumber_all(const struct compile *c)
     renumber(c, c->typed->potential);
 }
 
-/* ---- what is added to what ---- */
+/* ---- rows and groups ---- */
 
+/* Sets depends [names] to the bits of enum typed_dependence of each name. */
 static void find_dependence(const struct compile *c, unsigned *depends)
 {
     const struct typed *typed = c->typed;
@@ -190,6 +199,7 @@ static void find_dependence(const struct compile *c, unsigned *depends)
         depends[typed_first_observed(typed) + i] = typed_depends(typed->observe[i], depends);
 }
 
+/* Returns the first line of that kind; NULL if there is none. */
 static const struct typed_line *first_line(const struct typed *typed, enum typed_kind kind)
 {
     for (int i = 0; i < typed->lines; i++)
@@ -198,6 +208,7 @@ static const struct typed_line *first_line(const struct typed *typed, enum typed
     return NULL;
 }
 
+/* Returns true if forces and a potential are allowed in this scene; otherwise sets an error. */
 static bool check_mechanics(const struct compile *c, const unsigned *depends)
 {
     const struct typed *typed = c->typed;
@@ -214,7 +225,8 @@ static bool check_mechanics(const struct compile *c, const unsigned *depends)
     return true;
 }
 
-/* All that is added to row i: of a scene of second order all forces over the mass, too. */
+/* Sets *whole to the sum of all that is typed for a row, in a scene of second order with all forces
+ * over the mass; NULL if there is nothing. Returns false with an error. */
 static bool whole_row(struct compile *c, int row, const struct expr **whole)
 {
     struct typed *typed = c->typed;
@@ -251,6 +263,7 @@ static bool whole_row(struct compile *c, int row, const struct expr **whole)
     return true;
 }
 
+/* Sorts the sums of all rows into groups. Returns false with an error. */
 static bool group_rows(struct compile *c, const unsigned *depends)
 {
     struct typed *typed = c->typed;
@@ -278,6 +291,8 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 
 /* ---- the model ---- */
 
+/* Makes the tables of parameters and terms: those of the base, then the typed ones. Returns false
+ * if out of memory. */
 static bool make_tables(struct compile *c)
 {
     static const char *const name[GROUPS] = {"typed force", "typed force", "typed drag"};
@@ -309,6 +324,7 @@ static bool make_tables(struct compile *c)
     return true;
 }
 
+/* Makes the model, after all expressions were read. Returns false with an error. */
 static bool make_model(struct compile *c)
 {
     struct typed *typed = c->typed;

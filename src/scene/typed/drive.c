@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The period with which forces repeat in time: of each part of an expression it is known whether it
- * is steady, goes with time at a steady rate, or repeats.
- */
+/* system_drive(): the period with which forces repeat in time. For each part of an expression it is
+ * found out whether it is steady, grows with time at a steady rate, or repeats. */
 #include <math.h>
 #include <string.h>
 
@@ -10,18 +8,20 @@
 #include "scene/typed/typed.h"
 
 #define RATIO_MOST 64   /* largest whole number in the ratio i:j of two periods */
-#define RATIO_NEAR 1e-9 /* and how near to that */
+#define RATIO_NEAR 1e-9 /* relative error of that ratio */
 
+/* A part of an expression as a function of time. */
 struct drive_part {
-    bool known; /* the value at t = 0 is a number, whatever the state is */
-    double value;
-    double rate;   /* 0 if steady, or if it repeats */
-    double period; /* [s] 0: it does not repeat; NAN if it does neither */
+    bool known;    /* the value at t = 0 does not depend on the state */
+    double value;  /* that value */
+    double rate;   /* [1/s] rate at which it grows; 0 if it is steady or repeats */
+    double period; /* [s] 0 if it does not repeat; NAN if it is neither steady nor repeats */
 };
 
 static const struct drive_part unknown = {false, 0, 0, 0}, neither = {false, 0, 0, NAN};
 
-/* The shortest time that is a whole number of both. */
+/* Returns the shortest time that is a whole multiple of both periods; NAN if there is none. A
+ * period of 0 stands for a steady part. */
 static double common(double p, double q)
 {
     if (p == 0 || q == 0)
@@ -34,11 +34,13 @@ static double common(double p, double q)
     return NAN;
 }
 
+/* Returns true if the part does not depend on time. */
 static bool steady(const struct drive_part *part)
 {
     return part->rate == 0 && part->period == 0;
 }
 
+/* Returns a + sign b. */
 static struct drive_part sum_of(const struct drive_part *a, const struct drive_part *b, double sign)
 {
     const double rate = a->rate + sign * b->rate;
@@ -48,6 +50,8 @@ static struct drive_part sum_of(const struct drive_part *a, const struct drive_p
     return (struct drive_part){a->known && b->known, a->value + sign * b->value, rate, period};
 }
 
+/* Returns a b, which grows at a steady rate only if one of them does and the other is a known
+ * number. */
 static struct drive_part product_of(const struct drive_part *a, const struct drive_part *b)
 {
     if ((steady(a) && a->known && a->value == 0) || (steady(b) && b->known && b->value == 0))
@@ -63,6 +67,8 @@ static struct drive_part product_of(const struct drive_part *a, const struct dri
                                moving->rate * other->value, 0};
 }
 
+/* Returns the value of a function whose first argument depends on time: it repeats for mod() and
+ * circular functions of time. */
 static struct drive_part call_of(const char *name, const struct drive_part *argument)
 {
     if (strcmp(name, "mod") == 0 && argument[0].rate != 0 && steady(&argument[1]) &&
@@ -78,7 +84,7 @@ static struct drive_part call_of(const char *name, const struct drive_part *argu
     return (struct drive_part){.period = argument[0].period};
 }
 
-/* Applies it to `arity` parts. */
+/* Returns the value of an operation on `arity` parts. */
 static struct drive_part applied(const struct op *op, const struct drive_part *a, int arity)
 {
     static const struct drive_part none = {.known = true};
@@ -120,6 +126,7 @@ static struct drive_part applied(const struct op *op, const struct drive_part *a
     }
 }
 
+/* Returns the expression as a function of time, given its names. */
 static struct drive_part part_of(const struct expr *expr, const struct drive_part *name)
 {
     struct drive_part stack[LIMIT_EXPR_DEPTH] = {{.known = false}};
@@ -140,6 +147,8 @@ static struct drive_part part_of(const struct expr *expr, const struct drive_par
     return stack[0];
 }
 
+/* Returns the period of all typed forces; NAN if they do not repeat. c are the values of a bound
+ * term. */
 static double typed_drive(const struct typed *typed, const double *c)
 {
     struct drive_part name[TYPED_NAMES_MAX];

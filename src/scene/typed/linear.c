@@ -37,7 +37,7 @@ static int degree(enum node_kind kind, int a, int b, int c)
     }
 }
 
-/* |x|, sign(x), x < 0 of the name x */
+/* Returns true for |x|, sign(x), x < 0 of the name x. */
 static bool has_kink(const struct node *all, const struct node *node, int name)
 {
     const struct node *a = &all[node->operand[0]], *b = &all[node->operand[1]];
@@ -80,21 +80,22 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
 
 /* ---- one oscillator ---- */
 
+/* Functions of which the acceleration of an oscillator is a sum. */
 enum affine_part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
 
 #define BIT(part) (1u << (part))
 
 /*
- * The sum of part[CONSTANT], [BY_T] t, [BY_Q] q, [BY_V] v, [BY_SPEED] |v|, [BY_SQUARE] |v| v and
- * [DRIVE] cos(omega t + phase), as numbers: t only on its way into a cosine, |v| on its way to |v|
- * v.
+ * The value of a node as the sum of part[CONSTANT], [BY_T] t, [BY_Q] q, [BY_V] v, [BY_SPEED] |v|,
+ * [BY_SQUARE] |v| v and [DRIVE] cos(omega t + phase). The parts t and |v| occur only in operands of
+ * a cosine and of |v| v.
  */
 struct affine_form {
     double part[PARTS], omega, phase;
-    bool known; /* it is of this kind */
+    bool known; /* the value is such a sum */
 };
 
-#define NODES_MAX 256 /* an oscillator with more operations is not one that anybody types */
+#define NODES_MAX 256 /* larger graphs are not examined; nobody types such an oscillator */
 
 static const struct affine_form unknown;
 
@@ -107,7 +108,7 @@ static bool has_only_parts(const struct affine_form *f, unsigned parts)
     return f->known;
 }
 
-/* A drive on top of another. */
+/* Adds a drive to that of the oscillator. Returns false if their frequencies differ. */
 static bool add_drive(struct oscillator *o, double drive, double omega, double phase)
 {
     if (drive == 0)
@@ -128,7 +129,7 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
     return true;
 }
 
-/* a + sign b */
+/* Returns a + sign b. */
 static struct affine_form affine_sum(const struct affine_form *a, double sign,
                                      const struct affine_form *b)
 {
@@ -142,7 +143,8 @@ static struct affine_form affine_sum(const struct affine_form *a, double sign,
     return made;
 }
 
-/* Coefficients are rounded as those of the built-in terms are: k/m is a quotient. */
+/* Returns the form times factor / divisor, one of which is 1. Coefficients are rounded as those of
+ * the built-in terms are: k/m is a quotient. */
 static struct affine_form scaled(struct affine_form f, double factor, double divisor)
 {
     for (int i = 0; i < PARTS; i++)
@@ -150,7 +152,7 @@ static struct affine_form scaled(struct affine_form f, double factor, double div
     return f;
 }
 
-/* A constant times anything, or (constant + |v|) v. */
+/* Returns a b if one is a constant, or for (constant + |v|) v. */
 static struct affine_form product(const struct affine_form *a, const struct affine_form *b)
 {
     if (has_only_parts(b, BIT(CONSTANT)))
@@ -167,7 +169,7 @@ static struct affine_form product(const struct affine_form *a, const struct affi
     return made;
 }
 
-/* cos(angle + ahead) */
+/* Returns cos(angle + ahead) if the angle is linear in time. */
 static struct affine_form affine_wave(const struct affine_form *angle, double ahead)
 {
     if (!has_only_parts(angle, BIT(CONSTANT) | BIT(BY_T)))
@@ -179,11 +181,13 @@ static struct affine_form affine_wave(const struct affine_form *angle, double ah
     return made;
 }
 
+/* Returns a constant. */
 static struct affine_form number(double value)
 {
     return (struct affine_form){.part = {[CONSTANT] = value}, .known = true};
 }
 
+/* Returns the form of an operation on the forms a, b, c; unknown if it is not such a sum. */
 static struct affine_form affine_of_node(const struct node *node, const struct affine_form *a,
                                          const struct affine_form *b, const struct affine_form *c)
 {
@@ -220,6 +224,7 @@ static struct affine_form affine_of_node(const struct node *node, const struct a
     }
 }
 
+/* Returns the form of a program's first output, with the values c of a bound term. */
 static struct affine_form form_of(const struct program *program, const double *c)
 {
     struct affine_form form[NODES_MAX], one = number(1);
@@ -242,6 +247,8 @@ static struct affine_form form_of(const struct program *program, const double *c
     return form[program->result[0]];
 }
 
+/* Adds a term of one coordinate to the oscillator, or clears whole, and drag_whole for drag, if it
+ * is not of the oscillator's form or if coefficients overflow. */
 static void linear_term_add(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const bool drag = term->row.flags & TERM_VELOCITY;
@@ -267,8 +274,8 @@ static void linear_term_add(const struct typed_term *term, const double *c, stru
     o->drag_whole = o->drag_whole && !drag;
 }
 
-/* Adds the drag of several coordinates if it is v_i' = -gamma v_i, with one gamma; else notes that
- * the oscillator does not have all of the drag. */
+/* Adds the drag of several coordinates if it is v_i' = -gamma v_i with one gamma; otherwise clears
+ * drag_whole. */
 static void add_drag(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const int n = term->typed->model.n, rows = n / 2;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The names of a typed scene: variables, their velocities, parameters, and those of the scene
- * below. */
+/* Names of a typed scene: variables, their velocities, parameters, initial values, and those of the
+ * built-in scene to which forces are added. */
 #include <hooke/base/unit.h>
 #include <string.h>
 
 #include "scene/typed/compile.h"
 
+/* Returns true for a name with ' at its end, which is a velocity. */
 static bool is_primed(struct text name)
 {
     return name.len > 1 && name.data[name.len - 1] == '\'';
@@ -16,6 +17,7 @@ static struct text unprimed(struct text name)
     return (struct text){name.data, name.len - 1};
 }
 
+/* Returns true if the symbol has this name, which may be primed: y' is the velocity of y. */
 static bool symbol_matches(const struct compile *c, const struct symbol *symbol, struct text name)
 {
     if (is_primed(name))
@@ -128,6 +130,8 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
 
 /* ---- parameters ---- */
 
+/* Adds a parameter and its symbol; `positive` excludes values of 0 and below. Returns false with an
+ * error. */
 static bool add_param(struct compile *c, struct text name, double value, enum quantity quantity,
                       const char *brief, bool positive, struct text where)
 {
@@ -146,6 +150,7 @@ static bool add_param(struct compile *c, struct text name, double value, enum qu
     return c->own[c->owns - 1].row.name || error_memory(c->error);
 }
 
+/* Returns true if a symbol has this name. */
 static bool symbol_named(const struct compile *c, struct text name)
 {
     for (int i = 0; i < c->symbols; i++)
@@ -154,7 +159,7 @@ static bool symbol_named(const struct compile *c, struct text name)
     return false;
 }
 
-/* Its name is taken by another line, which can have another one. */
+/* Sets the error that a line uses the name of a variable's initial value. Returns false. */
 static bool refuse_initial(const struct compile *c, struct text name, struct text variable,
                            struct text where)
 {
@@ -168,7 +173,7 @@ static bool refuse_initial(const struct compile *c, struct text name, struct tex
                     name.data);
 }
 
-/* y0 of y, x1_0 of x1. */
+/* The initial value of y is y0, that of x1 is x1_0. */
 bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line,
                    enum quantity quantity, struct text where)
 {
@@ -206,6 +211,8 @@ bool typed_start_time(struct compile *c)
 
 /* ---- declarations ---- */
 
+/* Declares the state variables and parameters of the built-in scene. Returns false with an
+ * error. */
 static bool declare_base(struct compile *c)
 {
     const struct model *base = c->typed->base;
@@ -225,7 +232,8 @@ static bool declare_base(struct compile *c)
     return true;
 }
 
-/* vx of x. Until x has an equation a line of that name takes precedence: x' = vx may follow. */
+/* Declares the velocity vx of a variable x. A line with the name vx takes precedence until x has an
+ * equation, because x' = vx may follow. Returns false with an error. */
 static bool declare_velocity(struct compile *c, struct unknown *u)
 {
     const struct text variable = u->line->name;
@@ -250,6 +258,8 @@ static bool declare_velocity(struct compile *c, struct unknown *u)
     return u->velocity >= 0 || !declares;
 }
 
+/* Declares a variable, and its velocity unless its equation is of first order. Returns false with
+ * an error. */
 static bool declare_unknown(struct compile *c, const struct typed_line *line)
 {
     struct unknown *u = &c->unknown[c->unknowns];

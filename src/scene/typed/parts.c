@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Typed terms as programs: making them of the expressions, and the functions of a term's row that
- * run them. */
+/* Programs of typed terms: typed_part_create() makes them of the expressions, and the functions of
+ * a term's row run them. */
 #include "scene/typed/typed.h"
 
 #include <stdlib.h>
@@ -32,6 +32,7 @@ void typed_evaluate(const struct program *program, const double *c, double t, co
         free(frame);
 }
 
+/* Adds `count` outputs of a program to sum; NAN if out of memory. */
 static void typed_sum(const struct program *program, const double *c, double t, const double *y,
                       int count, double *sum)
 {
@@ -57,6 +58,7 @@ void typed_add_jacobian(const double *c, double t, const double *y, double *jac)
     typed_sum(term->jacobian, c, t, y, typed_rows(term->typed) * term->typed->model.n, jac);
 }
 
+/* Returns the typed potential [J] of a term (struct term_row). */
 static double potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -76,6 +78,7 @@ void typed_masses(const double *c, double *mass)
     }
 }
 
+/* Returns the power [W] of a term (struct term_row). */
 static double power(const double *c, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -90,19 +93,22 @@ static double power(const double *c, double t, const double *y)
 
 /* ---- making programs ---- */
 
+/* State while a part is made. */
 struct part_making {
     const struct typed *typed;
     struct typed_part *part;
     struct equations *equations;
-    const bool *bound; /* [names] */
-    const double *value;
+    const bool *bound;   /* [names] the name is a parameter that is 0 */
+    const double *value; /* [names] all 0 */
     struct error *error;
 };
 
-/* STEPS have what depends on parameters only computed by binding. RARELY has no machine code. */
+/* Use of a program: in each step, so that values that depend on parameters only are retained when
+ * the scene is bound; often; or rarely, so that it has no machine code. */
 enum use { STEPS, LOOKS, RARELY };
 
-/* The last `count` outputs as a program. */
+/* Makes a program of the last `count` outputs. Returns NULL with an error, also if it is too large.
+ */
 static struct program *part_program_make(const struct part_making *m, int count, enum use use)
 {
     const struct steady_names steady = {1 + m->typed->model.n, m->part->steady,
@@ -121,6 +127,7 @@ static struct program *part_program_make(const struct part_making *m, int count,
     return NULL;
 }
 
+/* Returns true if the first `count` outputs of a program are the number 0. */
 static bool all_zero(const struct program *program, int count)
 {
     double value;
@@ -130,6 +137,7 @@ static bool all_zero(const struct program *program, int count)
     return true;
 }
 
+/* Returns the flags of a term's row that follow from what its programs depend on. */
 static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
 {
     const struct typed *typed = term->typed;
@@ -146,8 +154,8 @@ static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
     return flags;
 }
 
-/* Makes the program of the sum of the expressions [rows]; makes nothing if it is 0. *first is its
- * index among the equations. */
+/* Makes the program of the expressions [rows], unless all are 0; sets *first to the index of their
+ * outputs. Returns false with an error. */
 static bool make_add(const struct part_making *m, struct typed_term *term,
                      const struct expr *const *expr, int *first)
 {
@@ -169,7 +177,8 @@ static bool make_add(const struct part_making *m, struct typed_term *term,
     return term->add;
 }
 
-/* Its Jacobian and the rest, where something is added. */
+/* Makes the Jacobian and the row of a term whose program `add` was made of the outputs from `first`
+ * on. Returns false with an error. */
 static bool make_term(const struct part_making *m, struct typed_term *term, int first, enum use use)
 {
     const int n = m->typed->model.n, rows = typed_rows(m->typed);
@@ -190,7 +199,8 @@ static bool make_term(const struct part_making *m, struct typed_term *term, int 
     return true;
 }
 
-/* All groups that are there at once, in the order in which they would be added. */
+/* Makes the term of the sum of all groups, in the order in which they would be added. Returns false
+ * with an error. */
 static bool make_whole(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
@@ -214,8 +224,8 @@ static bool make_whole(const struct part_making *m, struct typed_part *part)
     return fine;
 }
 
-/* Integrates as much as possible of the force that depends on positions only. Returns false if an
- * error is set. */
+/* Makes the programs of the antiderivatives of the forces that depend on positions only, if these
+ * are found. Returns false only with an error. */
 static bool make_integrals(const struct part_making *m, struct typed_term *force, int first)
 {
     const int rows = typed_rows(m->typed);
@@ -235,11 +245,13 @@ static bool make_integrals(const struct part_making *m, struct typed_term *force
     return error.code == ERROR_NONE;
 }
 
+/* Makes the terms of all groups, and that of their sum if there are several. Returns false with an
+ * error. */
 static bool make_groups(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     size_t row = typed->terms.count;
-    int there = 0, first[GROUPS] = {0};
+    int there = 0, first[GROUPS] = {0}; /* groups with a program; outputs of each group */
     for (int g = 0; g < GROUPS; g++)
         row -= typed->group[g] != NULL;
     for (int g = 0; g < GROUPS; g++) {
@@ -265,6 +277,8 @@ static bool make_groups(const struct part_making *m, struct typed_part *part)
     return !whole || make_whole(m, part);
 }
 
+/* Makes the programs of the observed quantities and of the typed potential. Returns false with an
+ * error. */
 static bool make_looks(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
@@ -298,6 +312,7 @@ static bool make_looks(const struct part_making *m, struct typed_part *part)
     return true;
 }
 
+/* Frees the programs of a term. */
 static void term_free(struct typed_term *term)
 {
     struct program *const program[] = {term->add,     term->jacobian, term->potential, term->slope,

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The potential of typed forces for which nobody typed one: minus the integral of the force, as a
- * formula where one is found, else along a path (work.c). In one coordinate there always is one. In
- * several the Jacobian has to be symmetric, which masses of their own may make it
- * (x2'' = (x1 - 2*x2)/3); and the integral between pairs of points has to be the difference of
- * their potentials, which a whirl about a pole or a force with a jump has not.
- */
+/* Potentials of typed forces for which none was typed: minus the integral of the force, as a
+ * formula if one is found, else along a path (work.c). In one coordinate there always is one. In
+ * several, the Jacobian has to be symmetric, perhaps with masses of their own (x2'' = (x1 -
+ * 2*x2)/3); and the integral between pairs of points has to be the difference of their potentials,
+ * which excludes a whirl about a pole and forces with a jump. */
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +13,7 @@
 
 /* ---- potentials ---- */
 
-/* a(q) = a(0) + A q */
+/* Returns the potential of a linear force a(q) = a(0) + A q. */
 static double linear_potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -31,7 +29,8 @@ static double linear_potential(const double *c, const double *y)
     return -sum / 2;
 }
 
-/* The parts of a formula, less those at a point: `point` times as many places further on, or 0. */
+/* Returns the potential by the parts of a formula, less those at a point: the origin for point = 1,
+ * the unit point for 2, none for 0. NAN if there is no formula. */
 static double parts_potential(const struct program *program, const double *c, const double *y,
                               int point)
 {
@@ -117,6 +116,7 @@ bool typed_potential_is_integrated(const struct system *system)
 /* A coordinate that the trial run did not reach is tested up to this part of the largest scale. */
 #define UNREACHED_SCALE 1.0
 
+/* Returns the largest natural size of the positions. */
 static double largest_scale(const struct system *system)
 {
     double largest = 0;
@@ -125,7 +125,8 @@ static double largest_scale(const struct system *system)
     return largest;
 }
 
-/* Points where the force is finite. Returns how many were found. */
+/* Chooses random points at which the force is finite, at most CURL_POINTS. Returns how many were
+ * found. */
 static int choose_points(const struct system *system, const struct typed_term *term,
                          const double *c, double point[][LIMIT_VARIABLES])
 {
@@ -150,7 +151,8 @@ static int choose_points(const struct system *system, const struct typed_term *t
     return count;
 }
 
-/* Is m_i d a_i/d q_j = m_j d a_j/d q_i in jac [rows][n]? ratio [rows]: of the masses */
+/* Returns true if m_i d a_i/d q_j = m_j d a_j/d q_i for the Jacobian jac [rows][n] and masses in
+ * the ratio [rows]. */
 static bool is_symmetric(int rows, int n, const double *jac, const double *ratio)
 {
     const double tolerated = 1e-12;
@@ -163,10 +165,9 @@ static bool is_symmetric(int rows, int n, const double *jac, const double *ratio
     return isfinite(size) && twist <= tolerated * size;
 }
 
-/*
- * Ratios of masses from pairs that act on each other, from the first coordinate on; the first of
- * those that nothing connects to it has its mass.
- */
+/* Finds ratios of masses with which the actions of pairs of coordinates on each other are equal,
+ * from the first coordinate on. Coordinates that nothing connects to it get ratios to the first one
+ * of theirs, which is 1. */
 static void find_ratios(int rows, int n, const double *jac, int count, double *ratio)
 {
     int queue[LIMIT_VARIABLES], known = 0;
@@ -190,7 +191,8 @@ static void find_ratios(int rows, int n, const double *jac, int count, double *r
     }
 }
 
-/* Masses with which the Jacobian is symmetric at all points; true, and 1: it is so without. */
+/* Sets ratio [rows] to masses with which the Jacobian is symmetric at all points; all 1 if it is so
+ * without. Returns false if there are none. */
 static bool find_masses(const struct typed_term *term, const double *c,
                         double point[][LIMIT_VARIABLES], int count, double *ratio)
 {
@@ -214,6 +216,7 @@ static bool find_masses(const struct typed_term *term, const double *c,
     return found;
 }
 
+/* Enters the ratios of masses into the system and its terms, unless all are 1. */
 static void set_masses(struct system *system, const double *ratio)
 {
     const int rows = system->n / 2;
@@ -248,6 +251,8 @@ static bool fades(const double *c, const double *y, double value)
     return fabs(formula_from_infinity(c, away)) <= small * fabs(value);
 }
 
+/* Returns true if a function is a potential of the force: finite at all points, and with the right
+ * differences between them. */
 static bool is_potential(double (*potential)(const double *c, const double *y),
                          const struct typed_term *term, const double *c,
                          double point[][LIMIT_VARIABLES], int count)
@@ -293,7 +298,7 @@ bool typed_find_potential(struct system *system)
     return false;
 }
 
-/* Nothing is left of it at rest. */
+/* Returns true if the term is 0 at rest, so that it is drag. */
 static bool is_drag(const struct system *system, const struct bound_term *bound)
 {
     const struct typed_term *term = typed_term_of(bound->c);

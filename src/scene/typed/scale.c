@@ -29,7 +29,8 @@
 /* Size that an unreached variable gets, because a size of 0 makes every error infinite. */
 #define UNREACHED_SIZE 1e-12
 
-/* |J^16 v|^(1/16): about the largest |eigenvalue| [1/s]. */
+/* Returns |J^16 v|^(1/16), which is about the largest |eigenvalue| of the Jacobian at the start
+ * [1/s]; 0 if nothing moves. */
 static double fastest_rate(const struct system *system)
 {
     const int n = system->n;
@@ -141,6 +142,8 @@ static bool try_frozen(const struct system *system, double span, const double *s
     return true;
 }
 
+/* Raises max [n] to the sizes of a trial run: up to its end, or with frozen switches if it does not
+ * get there, or over half the way to a pole. */
 static void try_sizes(const struct system *system, double span, double *max)
 {
     double start[LIMIT_VARIABLES];
@@ -155,8 +158,7 @@ static void try_sizes(const struct system *system, double span, double *max)
     }
 }
 
-/* Sizes of what the trial did not reach, such as the far end of a chain, from those of what it did.
- */
+/* Gives variables that the trial did not reach, such as the far end of a chain, a small size. */
 static void size_unseen(int n, double *max)
 {
     double largest = 0;

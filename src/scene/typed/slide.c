@@ -1,27 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Sliding along switches: between the fields on their two sides, in the shares that keep every
- * argument where it is (Filippov 1988, Differential Equations with Discontinuous Righthand Sides,
- * 4; where several switches add up, the equivalent control of Utkin 1992, Sliding Modes in Control
- * and Optimization, 2).
- */
+/* Sliding along switches: the motion between the fields on both sides of a switch, each with the
+ * fraction that keeps the argument at the switch (Filippov 1988, Differential Equations with
+ * Discontinuous Righthand Sides, 4; for several switches the equivalent control of Utkin 1992,
+ * Sliding Modes in Control and Optimization, 2). system_slide() makes a system that slides,
+ * sliding_return() puts states back onto the switches. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "scene/typed/typed.h"
 
-/* A row that adds less than this part of its square to the rows before depends on them. */
+/* A row of the matrix depends on the rows before if less than this part of its square is left. */
 #define ROW_INDEPENDENCE_MIN 1e-12
 #define DIFFERENCE_STEP 1e-5 /* Step of finite differences as a part of a variable's size. */
-/* Largest number of corrections if rates have to be 0, too, so that the motion can go on at
- * rest. */
+/* Largest number of corrections of a state if rates of arguments have to be 0, too. */
 #define SECOND_CORRECTIONS_MAX 3
 /* Step of differences of arguments, most of which are linear, as a part of all variables' sizes. */
 #define ARGUMENT_STEP 1e-2
 /* The same for differences of fields; both formulas are of fourth order. */
 #define FAR_FIELD 1e-4
 
+/* Returns the sliding whose address is the first value of a bound term. */
 static const struct sliding *sliding_of(const double *c)
 {
     const struct sliding *sliding;
@@ -117,6 +116,7 @@ struct sliding_fields {
     double first[LIMIT_SLIDING]; /* rate of those whose second derivative it is */
 };
 
+/* Fills the members of *fields for second derivatives. */
 static void look_twice(const struct sliding *s, double t, const double *y,
                        struct sliding_fields *fields)
 {
@@ -135,6 +135,8 @@ static void look_twice(const struct sliding *s, double t, const double *y,
         }
 }
 
+/* Fills *fields at the state y. An argument whose rate no jump changes is treated by its second
+ * derivative. */
 static void look_around(const struct sliding *s, double t, const double *y,
                         struct sliding_fields *fields)
 {
@@ -161,7 +163,8 @@ static void look_around(const struct sliding *s, double t, const double *y,
         look_twice(s, t, y, fields);
 }
 
-/* The x nearest to x that has by x = right; rows that depend on those before are left out. */
+/* Replaces x [count] by the x nearest to it that solves matrix x = right; rows that depend on those
+ * before are left out (Gram-Schmidt). */
 static void sliding_solve(int count, double (*matrix)[LIMIT_SLIDING], const double *right,
                           double *x)
 {
@@ -190,7 +193,8 @@ static void sliding_solve(int count, double (*matrix)[LIMIT_SLIDING], const doub
     }
 }
 
-/* The share of the side above each switch. */
+/* Sets fraction [count] to the fraction of the field above each switch, with which all arguments
+ * stay where they are. */
 static void find_fractions(const struct sliding *s, double t, const double *y,
                            struct sliding_fields *fields, double *fraction)
 {
@@ -203,6 +207,7 @@ static void find_fractions(const struct sliding *s, double t, const double *y,
     sliding_solve(s->count, fields->jump_rate, right, fraction);
 }
 
+/* Adds the accelerations or derivatives of the sliding motion to a (struct term_row). */
 static void sliding_add_rates(const double *c, double t, const double *y, double *a)
 {
     const struct sliding *s = sliding_of(c);
@@ -219,6 +224,7 @@ static void sliding_add_rates(const double *c, double t, const double *y, double
     }
 }
 
+/* Adds the Jacobian of the sliding motion, by central differences (struct term_row). */
 static void jacobian(const double *c, double t, const double *y, double *jac)
 {
     const struct system *system = &sliding_of(c)->side[0];
@@ -284,7 +290,7 @@ void sliding_free(struct sliding *sliding)
     free(sliding->side);
 }
 
-/* y moves by so much of each direction. */
+/* Moves y by amount[j] times direction[j], for each switch. */
 static void state_move(const struct sliding *s, const double *amount,
                        double (*direction)[LIMIT_VARIABLES], double *y)
 {
@@ -314,8 +320,8 @@ static void follow_jumps(const struct sliding *s, const struct sliding_fields *f
     }
 }
 
-/* Arguments whose rates alone the jumps change are put back by what follows from these. Returns
- * false if they are there. */
+/* Corrects the arguments whose second derivative only the jumps change, along directions that
+ * follow_jumps() finds. Returns false if none of them is off. */
 static bool return_twice(const struct sliding *s, const struct sliding_fields *fields, double t,
                          const double *miss, double *y)
 {

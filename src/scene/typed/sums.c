@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sums sorted by what their summands depend on: forces, work, drag. */
+/* Sums sorted by what their summands depend on: typed_sort() splits the right-hand side of an
+ * equation into forces, work and drag (enum typed_group). It works on the postfix order of the
+ * expression, in which each operation ends an operand that begins somewhere before it. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +14,8 @@ static bool is_value(const struct op *op)
     return op->kind == OP_NUMBER || op->kind == OP_NAME;
 }
 
-/* Evaluators have a stack of LIMIT_EXPR_DEPTH values. */
+/* Returns true if an evaluation of the expression would need more than LIMIT_EXPR_DEPTH values at
+ * once. */
 static bool too_deep(const struct expr *expr)
 {
     int values = 0, max = 0;
@@ -83,6 +86,7 @@ unsigned typed_depends(const struct expr *expr, const unsigned *depends)
     return mask;
 }
 
+/* Returns the group of a summand that depends on `mask`. */
 static enum typed_group group_of(const struct typed_sort *sort, unsigned mask)
 {
     if (mask & DEPENDS_VELOCITY)
@@ -90,35 +94,38 @@ static enum typed_group group_of(const struct typed_sort *sort, unsigned mask)
     return mask & DEPENDS_TIME || !sort->positions ? GROUP_WORK : GROUP_FORCE;
 }
 
-/* The expression that ends at an operation. */
+/* The operand that an operation ends. */
 struct operand {
-    size_t begin;
+    size_t begin;             /* index of its first operation */
     unsigned depends, groups; /* bits of the groups that its summands belong to */
 };
 
+/* State of typed_sort(). */
 struct sorting {
     const struct typed_sort *sort;
     const struct expr *expr;
-    struct operand *operand;
+    struct operand *operand; /* [operations] */
 };
 
-/* An operation on a summand; operations are listed from the inside out. */
+/* An operation that has to be applied to a summand, such as a factor before a parenthesis;
+ * operations are listed from the inside out. */
 struct wrap {
     enum op_kind op;
-    const struct expr *other; /* NULL: OP_NEG */
+    const struct expr *other; /* the other operand; NULL for OP_NEG */
     bool other_is_left;       /* the other one is the left operand */
     const struct wrap *outer;
 };
 
-/* Treatment of sums by an operation: the operands that are split, and the other one, a factor that
- * is constant in time. */
+/* Rule by which an operation is split into summands: its operands `side` are split, and `wrap` is
+ * applied to the summands of each. */
 struct parting {
-    size_t side[2]; /* ends of the operands */
-    int sides;
-    struct wrap wrap[2]; /* op OP_NUMBER: nothing is done */
-    size_t factor;       /* end of the factor */
+    size_t side[2];      /* operations that end the operands */
+    int sides;           /* number of operands that are split; 0 if the operation is one summand */
+    struct wrap wrap[2]; /* op is OP_NUMBER if nothing has to be applied */
+    size_t factor;       /* operation that ends the other operand, a constant factor */
 };
 
+/* Sets *p to the way in which the operation at `index` is split. */
 static void operation_part(const struct sorting *s, size_t index, struct parting *p)
 {
     const struct op *top = &s->expr->op[index];
@@ -146,7 +153,9 @@ static void operation_part(const struct sorting *s, size_t index, struct parting
     p->wrap[0] = (struct wrap){.op = top->kind, .other_is_left = !divisor};
 }
 
-/* One pass over the postfix order: what an operation needs is known before it. */
+/* Finds, for each operation, where its operand begins, what it depends on, and to which groups its
+ * summands belong. One pass over the postfix order suffices, because operands come before their
+ * operation. */
 static void operations_scan(struct sorting *s)
 {
     const struct expr *expr = s->expr;
@@ -169,12 +178,15 @@ static void operations_scan(struct sorting *s)
     }
 }
 
+/* Returns the operand that the operation at `index` ends, as an expression. */
 static struct expr ending(const struct sorting *s, size_t index)
 {
     const size_t begin = s->operand[index].begin;
     return (struct expr){.op = s->expr->op + begin, .count = index + 1 - begin};
 }
 
+/* Adds the operand that ends at `index`, with the operations `wrap` applied, to the sum of a group.
+ * Returns false with an error. */
 static bool group_put(const struct sorting *s, size_t index, const struct wrap *wrap,
                       struct expr *group)
 {
@@ -194,7 +206,8 @@ static bool group_put(const struct sorting *s, size_t index, const struct wrap *
     return error_memory(sort->error);
 }
 
-/* Summands of one group stay together as they were written. */
+/* Adds the summands of the operand that ends at `index` to the sums of their groups. Summands of
+ * one group stay together in the form in which they were written. Returns false with an error. */
 static bool sort_ending(const struct sorting *s, size_t index, const struct wrap *wrap,
                         struct expr *group)
 {

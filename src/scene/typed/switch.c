@@ -1,31 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Typed scenes on frozen branches: the equations without their switches, and the arguments whose
- * signs say when a branch ends. A frozen term's values from 1 on are the mass, the parameters that
- * are read, room for what is observed, the branches, and what its programs keep.
- */
+/* Typed scenes on frozen branches: programs of the equations without their switches, and of the
+ * arguments whose signs tell when a branch ends. The values of a frozen term are, from 1 on, the
+ * mass, the parameters that are read, room for observed quantities, the branches, and retained
+ * values. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "scene/typed/typed.h"
 
+/* Returns the index of the first branch among the values of a frozen term, counted from value 1. */
 static int first_branch(const struct typed *typed)
 {
     return typed_names(typed) - typed_mass_name(typed);
 }
 
-/* ---- making them ---- */
+/* ---- making programs ---- */
 
+/* State while frozen programs are made. */
 struct switch_making {
     const struct typed *typed;
     struct equations *equations;
-    const bool *bound; /* [names] */
-    const double *value;
-    int values; /* number of values of the term, so far */
+    const bool *bound;   /* [names] the name is a parameter that is 0 */
+    const double *value; /* [names] all 0 */
+    int values;          /* number of values of the term so far, without the first */
     struct error *error;
 };
 
+/* Makes a program of `count` outputs from `first` on; one for `steps` retains values and has
+ * machine code. Returns NULL with an error. */
 static struct program *switch_program_make(struct switch_making *m, int first, int count,
                                            bool steps)
 {
@@ -37,7 +40,7 @@ static struct program *switch_program_make(struct switch_making *m, int first, i
     return program;
 }
 
-/* The rows of all groups, added up, as outputs. */
+/* Adds the sums of all groups [rows] as outputs. Returns false with an error. */
 static bool add_rows(struct switch_making *m)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
@@ -59,6 +62,8 @@ static bool add_rows(struct switch_making *m)
     return fine;
 }
 
+/* Makes the programs of arguments, frozen equations and their Jacobian, if there are switches.
+ * Returns false with an error. */
 static bool make_programs(struct switch_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
@@ -87,6 +92,7 @@ static bool make_programs(struct switch_making *m, struct typed_part *part)
     return part->frozen.jacobian;
 }
 
+/* Returns true if an expression of the scene contains a switch. */
 static bool any_switches(const struct typed *typed)
 {
     bool any = false;
@@ -98,7 +104,7 @@ static bool any_switches(const struct typed *typed)
     return any;
 }
 
-/* Branches of a frozen term have changed. */
+/* Sets the branches of a frozen term, and its retained values, which depend on them. */
 static void take_branches(const struct typed_part *part, const double *branch, int count, double *c)
 {
     memcpy(c + 1 + first_branch(part->frozen.typed), branch, (size_t)count * sizeof *branch);
@@ -167,14 +173,16 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
     return fine;
 }
 
-/* ---- using them ---- */
+/* ---- frozen systems ---- */
 
+/* Returns the part that a bound system uses. */
 static const struct typed_part *part_of(const struct system *system)
 {
     return typed_term_of(system->typed.c)->part;
 }
 
-/* Mass and parameters of a bound term; branches are 0. */
+/* Sets the values c of a frozen term to the mass and the parameters of a bound term; branches are
+ * 0. */
 static void frozen_values(const struct typed_part *part, const double *bound, double *c)
 {
     const struct typed_term *term = &part->frozen;
@@ -196,9 +204,9 @@ int typed_switches(struct system *system)
     return count;
 }
 
-/* The arguments of switches, and into c, of a frozen term, their branches, on which the arguments
- * that follow depend.
- */
+/* Sets the arguments of all switches, and their branches in the values c of a frozen term. An
+ * argument may depend on the branches of earlier switches, so that it is repeated until none
+ * changes. */
 static void find_branches(const struct typed_part *part, double t, const double *y, double *c,
                           double *argument)
 {

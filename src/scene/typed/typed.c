@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Typed models and their lines: each line makes a new model, which nothing changes any more. */
+/* Typed models and their lines. A model never changes: each line that is typed makes a new one, of
+ * the old lines and this one. All models are in a list, from which a sweep removes those that are
+ * not used any more. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
@@ -10,7 +12,7 @@
 #include <string.h>
 
 struct typed_models {
-    struct typed *last;
+    struct typed *last; /* list of all models, the last one first */
     size_t count, left; /* number of models, and number left by the last sweep */
 };
 
@@ -120,6 +122,8 @@ void typed_describe(const struct typed_line *line, struct buffer *text)
         buffer_format(text, " %s", unit);
 }
 
+/* Copies a text into the arena, and lets *text point to the copy. Returns false if out of
+ * memory. */
 static bool copy_text(struct arena *arena, struct text *text)
 {
     const char *copy = arena_text(arena, *text);
@@ -127,8 +131,9 @@ static bool copy_text(struct arena *arena, struct text *text)
     return copy;
 }
 
-/* A model with room for one more line than those of `source`. What begins empty takes parameters
- * along that were typed before anything used them; from: NULL: there are none. */
+/* Returns a model with the lines of `source` and room for one more, not compiled. An empty one has
+ * no base, and takes lines along only if these are parameters. `source` may be NULL. Returns NULL
+ * with an error. */
 static struct typed *typed_copy(const struct model *source, bool empty, struct error *error)
 {
     struct typed *typed = calloc(1, sizeof *typed);
@@ -154,6 +159,7 @@ static struct typed *typed_copy(const struct model *source, bool empty, struct e
     return NULL;
 }
 
+/* Adds a compiled model to the list. */
 static const struct model *typed_model_keep(struct typed_models *models, struct typed *typed)
 {
     typed->next = models->last;
@@ -162,8 +168,8 @@ static const struct model *typed_model_keep(struct typed_models *models, struct 
     return &typed->model;
 }
 
-/* Compiles it; what an error points to in the copy of `chosen` it then points to in the original.
- */
+/* Compiles the model and adds it to the list. Returns NULL with an error, after destroying it; an
+ * error in `copy` is reported at the same place of `chosen`, the caller's line. */
 static const struct model *typed_lines_compile(struct typed_models *models, struct typed *typed,
                                                const struct typed_line *copy,
                                                const struct typed_line *chosen, struct error *error)
@@ -180,8 +186,7 @@ static const struct model *typed_lines_compile(struct typed_models *models, stru
         if (found)
             error->where.data = original.data + (error->where.data - text.data);
     }
-    /* Else it lies in another line, or nowhere: then it is this one that does not go with the
-     * others. */
+    /* An error in another line, or in none, is reported at this line, which caused it. */
     if (!found)
         error->where = !chosen                ? (struct text){NULL, 0}
                        : chosen->name.len > 0 ? chosen->name
@@ -232,6 +237,7 @@ static void typed_line_drop(struct typed *typed, int i)
     typed->lines--;
 }
 
+/* Returns the index of the line of that kind and name; -1 if there is none. */
 static int typed_line_find(const struct typed *typed, enum typed_kind kind, struct text name)
 {
     for (int i = 0; i < typed->lines; i++)
@@ -240,7 +246,7 @@ static int typed_line_find(const struct typed *typed, enum typed_kind kind, stru
     return -1;
 }
 
-/* Returns true if the variable that a line of equations or of a velocity is about is declared. */
+/* Returns true if a variable has this name; otherwise sets an error. */
 static bool has_variable(const struct typed *typed, struct text name, struct error *error)
 {
     if (typed_line_find(typed, TYPED_VAR, name) >= 0)
@@ -254,6 +260,7 @@ static bool has_variable(const struct typed *typed, struct text name, struct err
     return error_hint(error, "var %.*s = VALUE makes one", (int)name.len, name.data);
 }
 
+/* Returns true if a force may act along this name, or if it is empty; otherwise sets an error. */
 static bool is_coordinate(const struct typed *typed, struct text name, struct error *error)
 {
     const struct model *base = typed->base;
@@ -265,7 +272,7 @@ static bool is_coordinate(const struct typed *typed, struct text name, struct er
     return error_at(error, name, "there is no coordinate '%.*s'", (int)name.len, name.data);
 }
 
-/* Returns true if the line agrees with the other lines. */
+/* Returns true if the name of the line agrees with the other lines; otherwise sets an error. */
 static bool can_line_fit(const struct typed *typed, const struct typed_line *line,
                          struct error *error)
 {
@@ -305,7 +312,7 @@ const struct model *typed_add(struct typed_models *models, const struct model *s
     typed->line[index] = *line;
     if (line->kind == TYPED_POTENTIAL)
         typed->line[index].name = TEXT("");
-    if (line->kind == TYPED_FORCE && potential >= 0) { /* it was that of the forces before */
+    if (line->kind == TYPED_FORCE && potential >= 0) { /* it belonged to the old forces */
         typed_line_drop(typed, potential);
         index -= potential < index;
     }
@@ -330,6 +337,7 @@ static const struct typed_line *user_of(const struct typed *typed, const struct 
     return NULL;
 }
 
+/* Removes the line of that kind and name, if there is one. */
 static void drop_line(struct typed *typed, enum typed_kind kind, struct text name)
 {
     const int index = typed_line_find(typed, kind, name);
@@ -337,13 +345,13 @@ static void drop_line(struct typed *typed, enum typed_kind kind, struct text nam
         typed_line_drop(typed, index);
 }
 
-/* Drops the line; a variable takes its equation and its initial velocity along, and a force the
+/* Removes a line; a variable takes its equation and its initial velocity along, and a force the
  * potential. */
 static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
 {
     char primed[LIMIT_SYMBOL + 2];
     drop_line(typed, kind, name);
-    if (kind == TYPED_FORCE) /* it was that of the forces */
+    if (kind == TYPED_FORCE)
         drop_line(typed, TYPED_POTENTIAL, TEXT(""));
     if (kind != TYPED_VAR)
         return;
@@ -352,6 +360,7 @@ static void drop_with(struct typed *typed, enum typed_kind kind, struct text nam
     drop_line(typed, TYPED_EQUATION, name);
 }
 
+/* Sets the error that `name` is still used by the line. */
 static void refuse_used(const struct typed_line *line, struct text name, struct error *error)
 {
     struct buffer text = {0};
@@ -362,6 +371,8 @@ static void refuse_used(const struct typed_line *line, struct text name, struct 
     buffer_free(&text);
 }
 
+/* Compiles a model from which a line was removed. Returns NULL with an error if another line uses
+ * the removed name. */
 static const struct model *finish_without(struct typed_models *models, struct typed *typed,
                                           enum typed_kind kind, struct text name,
                                           struct error *error)

@@ -9,8 +9,8 @@
 
 /* ---- quadrature ---- */
 
-/* Seven and fifteen points (Piessens et al. 1983, QUADPACK, qk15). Odd places and the last are
- * Gauss's, too. */
+/* Nodes and weights of Gauss's rule with seven points and Kronrod's with fifteen (Piessens et al.
+ * 1983, QUADPACK, qk15). Gauss's nodes are those with odd index. */
 #define KRONROD_NODES 8
 static const double node[KRONROD_NODES] = {
     0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
@@ -32,10 +32,11 @@ struct force_path {
     const double *c;
     int rows;
     const double *mass, *q_begin, *q_end; /* [rows] */
-    /* q and dq/ds [rows] */
+    /* computes q(s) and its tangent dq/ds [rows] */
     void (*evaluate)(const struct force_path *path, double s, double *q, double *tangent);
 };
 
+/* Returns the force along the path, mass times acceleration times tangent [J], at s. */
 static double force_along(const struct force_path *path, double s)
 {
     const int rows = path->rows;
@@ -48,7 +49,8 @@ static double force_along(const struct force_path *path, double s)
     return sum;
 }
 
-/* *size: of the integral of |f|, *error: about how wrong it is. */
+/* Returns the integral of the force from s_begin to s_end by Kronrod's rule. Sets *size to the
+ * integral of its magnitude and *error to its difference from Gauss's rule. */
 static double piece(const struct force_path *path, double s_begin, double s_end, double *size,
                     double *error)
 {
@@ -76,7 +78,7 @@ static double piece(const struct force_path *path, double s_begin, double s_end,
 /* Part of the remaining path after which the branch that begins at a switch is evaluated. */
 #define BRANCH_OFFSET 1e-12
 
-/* Returns true if the branches are *first, which are those just beyond `s_begin`. */
+/* Returns true if the branches of all switches at s are `first`. */
 static bool same_branches(const struct force_path *path, double s, const double *first)
 {
     const struct typed_part *part = path->term->part;
@@ -113,6 +115,7 @@ static double next_switch(const struct force_path *path, double s_begin)
     return b;
 }
 
+/* Sums of an integral. */
 struct quadrature {
     double value, size; /* integral so far, and that of the magnitude */
     double total;       /* approximate integral of the whole magnitude */
@@ -146,7 +149,8 @@ static bool add_smooth(const struct force_path *path, double s_begin, double s_e
     return false;
 }
 
-/* The integral over s from 0 to 1, and that of its magnitude; NAN if it does not converge. */
+/* Returns the integral over s from 0 to 1, and sets *size to that of the magnitude; NAN if it does
+ * not converge. */
 static double integral(const struct force_path *path, double *size)
 {
     struct quadrature sums = {0};
@@ -187,6 +191,7 @@ static void from_infinity(const struct force_path *path, double s, double *q, do
     }
 }
 
+/* Returns the length of q [rows]. */
 static double length(const double *q, int rows)
 {
     double r = 0;
