@@ -87,6 +87,7 @@ void put_modes(const struct fit_summary *summary, struct buffer *text)
     buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
 }
 
+/* Writes an object for each mode, and the splitting and coupling if there are two. */
 void reply_modes(const struct fit_summary *summary, struct reply *reply)
 {
     const struct modes_fit *modes = summary->modes;

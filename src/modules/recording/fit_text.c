@@ -27,6 +27,7 @@ void fit_add_warning(struct fit_summary *summary, const char *format, ...)
     va_end(arguments);
 }
 
+/* Says nothing if the ends of the series are found to be as its inside. */
 void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena)
 {
     struct window_advice advice;
@@ -61,6 +62,7 @@ void fit_add_residuals(struct fit_summary *summary)
                             summary->name[j]);
 }
 
+/* A value that is measured shows the digits that its uncertainty warrants, any other six. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured)
 {
@@ -69,6 +71,7 @@ void put_value(struct buffer *text, const char *name, struct measured value, enu
                   isfinite(value.value) ? SHOWN_MEASURED(value, quantity, digits) : "unknown");
 }
 
+/* If zero is not excluded for the rate, only a lower limit of the value is known. */
 void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
                     enum quantity quantity, bool measured)
 {
@@ -275,6 +278,7 @@ static void put_parameters(const struct fit_summary *summary, struct arena *aren
     text_table_put(&table, text);
 }
 
+/* Parameters that the data do not determine have no correlation to judge by. */
 bool fit_correlated(const struct curve_fit *curve, int i, int j)
 {
     return curve->determined[i] && curve->determined[j] &&

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns an empty set of fits if the session has made none. */
 const struct fits *fits_of(const struct session *session)
 {
     static const struct fits none;
@@ -54,8 +55,8 @@ bool fits_use(const void *part, const struct model *model)
            scene_uses(&fits->band.adopted.scene, model);
 }
 
-/* Replaces the fit of the same model, subject and window; beyond LIMIT_FITS the oldest is
- * dropped. */
+/* Stores a fit for the report, replacing that of the same model, subject and window; beyond
+ * LIMIT_FITS the oldest is dropped. */
 void session_store_fit(struct session *session, const struct stored_fit *fit)
 {
     struct error ignored;
@@ -104,6 +105,7 @@ static double curve_value(const struct fits *fits, double t)
     return value[low - 1] + fraction * (value[low] - value[low - 1]);
 }
 
+/* Interpolates in the stored curve if there is one; else computes the fitted motion. */
 void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
 {
     const struct fits *fits = fits_of(session);

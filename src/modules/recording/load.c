@@ -14,6 +14,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* Sends the description line by line; warnings follow as warnings, not as lines of text. */
 void reply_description(const struct recording *recording, struct reply *reply)
 {
     struct buffer text = {0};

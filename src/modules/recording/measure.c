@@ -22,6 +22,7 @@ struct measurement *measure_latest(const struct measuring *m)
     return &m->session->measurement[m->session->measurements - 1];
 }
 
+/* Marks the measurement as one of an energy if its subject is. */
 bool measure_keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
                   double periods)
 {

@@ -33,6 +33,7 @@ static const struct finding_row rows[] = {
 
 const struct catalog finding_catalog = CATALOG("finding", rows);
 
+/* Names the number of masked samples in all, then by kind of fault, and the clipped ones apart. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text)
 {
     const struct findings *f = recording->findings;

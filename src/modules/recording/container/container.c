@@ -36,6 +36,7 @@ void contents_free(struct contents *contents)
     *contents = (struct contents){0};
 }
 
+/* Tabs and line ends in a cell become spaces, as they would separate cells and rows. */
 void put_cell(struct buffer *text, struct text cell)
 {
     cell = text_trim(cell);
@@ -170,6 +171,7 @@ static bool is_wanted(const char *path)
     return is_table_entry(path) || workbook_wanted(path);
 }
 
+/* Returns the name of a file in an archive without its folder and its ending. */
 static struct text entry_name(const char *path)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,

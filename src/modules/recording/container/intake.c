@@ -93,6 +93,7 @@ static bool refuse_binary_from(struct text text, size_t offset, const char *name
            (!nul || refuse_nul(text, (size_t)(nul - text.data), name, error));
 }
 
+/* Refuses an empty text, too. */
 bool refuse_binary(struct text text, const char *name, struct error *error)
 {
     return refuse_binary_from(text, 0, name, error) &&

@@ -177,6 +177,7 @@ static bool refuse_lengths(const struct octave_file *file, const char *shown, st
     return error_hint(error, "save one matrix: M = [t(:) y(:)]; save -text FILE M");
 }
 
+/* Makes one table of the vectors of each length, from the longest down. */
 bool octave_tables(struct text text, const char *shown, struct contents *contents,
                    struct error *error)
 {

@@ -186,6 +186,7 @@ bool drawing_stored_band(struct drawing *d)
 #define KEPT_MIN 500
 #define KEPT_MAX 20000
 
+/* Interpolates linearly between the neighbouring values stored. */
 double stored_band_at(const struct fit_band *band, int variable, double t)
 {
     const double index = (t - band->t_begin) / band->step;

@@ -49,6 +49,7 @@ bool drawing_data_envelope(struct drawing *d, const struct series *series, struc
     return true;
 }
 
+/* Takes the envelope of the samples of the run in the window. */
 bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve)
 {
     struct series series;

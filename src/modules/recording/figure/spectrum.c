@@ -45,6 +45,7 @@ static bool run_even_series(const struct run *run, double t_begin, double t_end,
     return true;
 }
 
+/* Keeps the peaks for the reply and the highest frequency of a strongest line for the axis. */
 bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {
     curve->points = false;
@@ -68,6 +69,7 @@ bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve
            drawing_data_spectrum(d, &series, curve);
 }
 
+/* The axis ends at a multiple of the frequency of the line, at most at half the sampling rate. */
 struct axis spectrum_axis(const struct drawing *d)
 {
     const struct curve *first = &d->curve[0];
@@ -82,6 +84,7 @@ struct axis spectrum_axis(const struct drawing *d)
                              line > 0 ? fmin(nyquist, SPECTRUM_AXIS_TIMES * line) : nyquist};
 }
 
+/* States the frequency of the line, unless a run is still going on. */
 void spectrum_note(const struct drawing *d, struct buffer *text)
 {
     if (!(d->line.frequency.value > 0) || d->request->running)

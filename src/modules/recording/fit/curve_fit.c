@@ -160,6 +160,7 @@ bool curve_problem_init(struct curve_problem *p, const struct fit_curve *curve, 
     return true;
 }
 
+/* Solves in the order of the model, which has the linear parameters first, from values of 0. */
 double curve_solve_linears(struct curve_problem *p, double *x)
 {
     struct triangle t = {.n = p->model.linears};

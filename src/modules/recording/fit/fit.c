@@ -16,6 +16,7 @@ static double combination_covariance(const struct harmonic *h, const double *a, 
     return quadratic_form(HARMONIC_PARAMETERS, HARMONIC_PARAMETERS, a, &h->inverse[0][0], b);
 }
 
+/* Scales the row and the column of the parameter, so that its correlations remain. */
 void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty)
 {
     const double previous = sqrt(covariance->entry[i][i]),
@@ -340,6 +341,7 @@ void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
         value[i] += fit->drift.value * (t[i] - fit->t0);
 }
 
+/* Adds the contributions of the mass, omega and gamma in quadrature, without correlations. */
 struct measured fit_stiffness(const struct fit *fit, struct measured mass)
 {
     double w = fit->omega.value, g = fit->gamma.value, square = w * w + 0.25 * g * g,

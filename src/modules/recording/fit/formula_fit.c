@@ -249,6 +249,7 @@ static bool fit_from_starts(const struct formula *formula, const struct series *
     return refine(&r, answer, false);
 }
 
+/* Fits a copy of the formula, compiled for this fit only. */
 bool formula_fit(const struct formula *formula, const struct series *series,
                  const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                  struct error *error)

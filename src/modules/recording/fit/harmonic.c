@@ -258,6 +258,7 @@ double residual_autocorrelation(const struct samples *x, const double *residual)
     return square > 0 && pairs > 0 ? (product / (double)pairs) / (square / (double)used) : 0;
 }
 
+/* A negative rho counts as 0; the upper limit keeps the factor finite. */
 double autocorrelation_factor(double rho)
 {
     rho = fmin(fmax(rho, 0), 0.9999);

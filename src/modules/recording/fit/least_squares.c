@@ -65,6 +65,7 @@ bool triangle_of_products(struct triangle *t, int n, int width, const double *pr
     return all;
 }
 
+/* Sums the squares of the last column below the rows that are solved. */
 double triangle_squares(const struct triangle *t, int solved)
 {
     double sum = 0;
@@ -76,7 +77,6 @@ double triangle_squares(const struct triangle *t, int solved)
 /* Computes R^-1 by back substitution, then (R^T R)^-1 = R^-1 R^-T. */
 bool triangle_inverse(const struct triangle *t, int width, double *inverse)
 {
-    /* R^-1 by back substitution; the inverse of R^T R is then R^-1 R^-T. */
     double turned[CURVE_PARAMETERS][CURVE_PARAMETERS] = {{0}};
     for (int j = 0; j < t->n; j++) {
         if (t->r[j][j] == 0)
@@ -149,7 +149,8 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
     p->min = fmin(8 * epsilon * (double)(t->rows + (size_t)m), 1e-10) * p->s[0];
 }
 
-/* Adds the step along each singular direction that the data determine. */
+/* Adds the step along each singular direction that the data determine, and its share of the
+ * gain. */
 double linear_problem_step(const struct linear_problem *p, double damping, double *step)
 {
     double gain = 0;
@@ -293,10 +294,8 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
     static const double tolerance = 1e-8, damping_max = 1e16, damping_kink = 1e8, stalls = 1e2;
     struct descent_work w = {.model = m, .forgets = o->rescaled};
     double damping = o->damping, raise = 2, shortest = INFINITY;
-    /* States of the descent: a full step near the end was refused; the derivatives are those at the
-     * present linear parameters; number of successive tiny gains. */
     bool refused = false, /* the full step that should have been one of the last */
-        fresh = false;    /* derivatives are those at all parameters */
+        fresh = false;    /* derivatives are those at the present linear parameters */
     int small = 0;        /* steps in a row that gain less than a hundredth of a variance */
     d->converged = false;
     d->triangle.n = m->parameters;

@@ -12,6 +12,7 @@
 /* Gap between two velocities of the sensor, in steps, across which no straight line is drawn. */
 #define VELOCITY_GAP_STEPS 1.5
 
+/* Compares the recording's name with that in the subject of the last fit, 'data NAME'. */
 bool recording_is_fitted(const struct session *session, const struct recording *recording)
 {
     const struct text subject = text_of(fits_of(session)->fit_of);

@@ -124,7 +124,8 @@ bool find_faults(struct recording *recording, double period, struct arena *arena
     return true;
 }
 
-/* Judges a series by treating it as a recording (*as, *column). Returns NULL if out of memory. */
+/* Judges a series as find_faults() judges a recording, which it makes of the series in *as and
+ * *column. Returns NULL if out of memory. */
 static const struct findings *run_findings(const struct series *series, double period,
                                            struct recording *as, struct column *column,
                                            struct arena *arena)

@@ -129,6 +129,8 @@ static struct recording *find_handed(const char *folder, const char *path,
     return recording;
 }
 
+/* Uses the recording found here unless a copy of another file was handed in; destroys the other
+ * one. */
 struct recording *recording_checked(const char *folder, const char *path,
                                     const struct load_options *options, struct recording *here)
 {

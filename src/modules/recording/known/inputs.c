@@ -83,6 +83,7 @@ void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const b
     }
 }
 
+/* The relative uncertainty of the inputs adds in quadrature to that of the value. */
 struct measured inputs_widen(const struct inputs *inputs, struct measured value)
 {
     value.uncertainty = hypot(value.uncertainty, value.value * inputs->relative);
@@ -116,6 +117,7 @@ void inputs_keep(const struct inputs *inputs, struct exact_names *names)
         snprintf(names->name[i], sizeof names->name[i], "%s", inputs->exact[i]);
 }
 
+/* Enters each name with a dummy value of uncertainty 0, which counts as exact. */
 void inputs_recall(struct inputs *inputs, const struct exact_names *names)
 {
     for (int i = 0; i < EXACT_NAMES && names->name[i][0]; i++)

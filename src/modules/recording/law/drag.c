@@ -141,7 +141,8 @@ static struct baseline baseline_in_blocks(const struct drag_fitting *f, size_t *
     return baseline;
 }
 
-/* Returns true if the residuals of law `index` require a baseline in every block. */
+/* Returns true if the residuals of law `index` require a baseline in every block. Compares the
+ * variance that the additional terms remove with the variance left, as an F test does. */
 static bool baseline_wanders(struct drag_fitting *f, int index, size_t *edge)
 {
     struct law_samples local = f->samples;

@@ -126,6 +126,7 @@ void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double
 
 /* ---- the report ---- */
 
+/* Copies the rates of the law with their uncertainties; a cubic term is not one of them. */
 void drag_describe(const struct law_fit *fit, int i, double deviation,
                    struct drag_candidate *candidate)
 {

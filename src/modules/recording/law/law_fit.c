@@ -180,6 +180,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
     return true;
 }
 
+/* Linearises by no parameter, so that the triangle holds only what the baseline leaves. */
 double law_squares(const struct law_samples *x, struct law_fit *fit)
 {
     struct law_problem problem = {x, fit};

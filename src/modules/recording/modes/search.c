@@ -63,6 +63,7 @@ static bool evaluate_modes(void *context, const double *x, const double *t, size
     return true;
 }
 
+/* All but the frequencies and dampings of the modes are linear parameters. */
 void mode_curve_init(struct mode_curve *c, int modes, const struct series *series)
 {
     static const char *const names[CURVE_PARAMETERS] = {

@@ -222,6 +222,7 @@ bool wave_period(const struct series *series, enum wave_kind kind, struct arena 
     return regular_period(series, NAN, &regularities[kind], WAVE_CROSSINGS, arena, period);
 }
 
+/* Demands exact regularity over the whole series and enough samples in each period. */
 bool series_clean_period(const struct series *series, double centre, struct arena *arena,
                          struct period *period)
 {

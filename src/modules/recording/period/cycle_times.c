@@ -16,6 +16,7 @@ enum { POWERS_MAX = 3, GAPS_MAX = 6, TERMS_MAX = POWERS_MAX + GAPS_MAX };
 /* Times farther off the line, in robust standard deviations, are left out. */
 static const double far_off = 6;
 
+/* Places the four arrays of numbers in one block, and the two of flags in another. */
 bool cycle_times_init(struct cycle_times *x, size_t capacity, struct arena *arena)
 {
     double *all = arena_array(arena, 4 * capacity + 1, sizeof *all);

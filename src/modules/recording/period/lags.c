@@ -311,6 +311,8 @@ double lags_multiple(const struct lags *l, double period)
     return 1;
 }
 
+/* Looks for a peak of the correlation within a tenth of the period that exceeds 0.5 and what chance
+ * explains. */
 bool lags_support(const struct lags *l, double period)
 {
     struct lag_peak peak;

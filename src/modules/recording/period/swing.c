@@ -208,6 +208,7 @@ bool find_swing(const struct series *series, struct swing *swing)
     return found;
 }
 
+/* Thins the series, then looks for the swing that follows a rest at the start. */
 bool find_first_swing(const struct series *series, struct swing *swing)
 {
     enum { HALVINGS = 4 };

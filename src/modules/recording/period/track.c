@@ -143,7 +143,7 @@ static bool divide_into_windows(const struct samples *x, double width, struct ar
         const size_t next = k + 1 < count ? samples_index(x, end) : x->n,
                      split = after_gap(x, begin, next, width);
         struct track_window w = {.begin = begin, .end = next, .after_gap = gap};
-        if (split < next) { /* the larger side */
+        if (split < next) { /* keep the larger side of the gap */
             w.after_gap = gap || split - begin <= next - split;
             *(split - begin > next - split ? &w.end : &w.begin) = split;
         }
@@ -151,7 +151,7 @@ static bool divide_into_windows(const struct samples *x, double width, struct ar
         begin = next;
         if (w.end < w.begin + COLUMNS + 2 ||
             x->t[w.end - 1] - x->t[w.begin] < WINDOW_FILLED_MIN * span / (double)count)
-            continue;
+            continue; /* too few samples or too short */
         gap = split < next && w.end == split;
         w.t = 0.5 * (x->t[w.begin] + x->t[w.end - 1]);
         track->window[track->windows++] = w;

@@ -207,6 +207,7 @@ void adopted_motion(const struct scene *scene, const struct fit *fit, int n, boo
                         slope[i][target[k]] * covariance->entry[i][j] * slope[j][target[l]];
 }
 
+/* The covariance holds free parameters alone, in the order of the scene. */
 void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
                   struct scene_covariance *adopted)
 {

@@ -95,6 +95,7 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
     return true;
 }
 
+/* Compares the filter's response to a sine with omega. */
 double derivative_loss(const struct derivative *derivative, double omega)
 {
     const int p = derivative->points / 2;

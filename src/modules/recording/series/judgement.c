@@ -271,6 +271,7 @@ bool series_outliers(const struct series *series, struct arena *arena, unsigned 
     return true;
 }
 
+/* Returns false without a search if the series has more than ROWS_MAX samples. */
 bool series_beats(const struct series *series, struct arena *arena)
 {
     enum { ROWS_MAX = 100000 };

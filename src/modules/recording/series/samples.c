@@ -116,6 +116,7 @@ bool series_thin(const struct series *series, const unsigned char *use, double l
     return true;
 }
 
+/* Shares the arrays; only the beginning, the number and t0 change. */
 struct samples samples_part(const struct samples *samples, size_t begin, size_t end)
 {
     struct samples part = *samples;

@@ -200,6 +200,7 @@ static double peak_of_transform(const struct samples *x, struct arena *arena, bo
     return TWO_PI * spectrum.step * ((double)peak + 0.5 * (l - r) / (l - 2 * m + r));
 }
 
+/* Works in an arena of its own, released at once. */
 double peak_frequency(const struct samples *x, bool *memory)
 {
     struct arena arena = {0};
@@ -272,6 +273,7 @@ int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, in
     return count;
 }
 
+/* Peaks of the whole transform come first, then those of spectra averaged over 8 and 32 parts. */
 int spectrum_candidates(const struct samples *x, double *omega, int max, bool *memory)
 {
     static const size_t parts[] = {1, 8, 32};

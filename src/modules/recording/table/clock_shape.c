@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* A step counts as even if it is within half of the mean step. */
 bool rises_evenly(const double *value, size_t n)
 {
     static const double even_share = 0.9;
@@ -44,6 +45,7 @@ bool is_along_line(const double *value, size_t n)
     return true;
 }
 
+/* A count may fall only from its highest to its lowest value. */
 bool count_wraps(const double *value, size_t n)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;

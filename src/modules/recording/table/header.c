@@ -114,6 +114,7 @@ static const struct unit *find_unit(struct text text, double *factor)
     return unit;
 }
 
+/* Copies the known unit, so that it is shown as the file spells it. */
 bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit)
 {
     double factor;

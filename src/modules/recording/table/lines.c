@@ -288,6 +288,7 @@ enum cell_kind table_cell(struct text field, char decimal, double *value)
     return CELL_NUMBER;
 }
 
+/* Steps back from a cut within a character of UTF-8. */
 size_t text_fitting(struct text text, size_t max)
 {
     size_t len = text.len < max ? text.len : max;
@@ -296,6 +297,7 @@ size_t text_fitting(struct text text, size_t max)
     return len;
 }
 
+/* Makes the text safe first, then cuts it so that the dots fit. */
 const char *short_name(struct text text, char output[SHORT_NAME])
 {
     struct buffer shown = {0};

@@ -232,6 +232,7 @@ static bool recording_load_file(const char *path, const struct load_options *opt
     return done;
 }
 
+/* Also removes the values that a sensor sends when it sees nothing. */
 struct recording *collected_read(struct text text, const struct load_options *options,
                                  struct error *error)
 {

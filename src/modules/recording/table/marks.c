@@ -168,6 +168,7 @@ void find_unpadded(const struct table_text *text, struct table_layout *layout)
     }
 }
 
+/* The digits after the mark count parts, so that 0.20 is 20 of unpadded_parts. */
 double unpadded_value(struct text field, const struct table_layout *layout)
 {
     double whole, part;

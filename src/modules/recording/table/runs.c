@@ -78,6 +78,7 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
     return false;
 }
 
+/* Separates names by commas and marks the run used. */
 void run_list(const struct recording *recording, struct buffer *text)
 {
     static const char *const separator[] = {"", ", "};

@@ -8,6 +8,7 @@
 
 #define SECONDS_PER_DAY 86400.0 /* [s] */
 
+/* The first stamp of a column sets the day from which seconds count. */
 double stamp_seconds(struct stamp_column *column, struct text field)
 {
     struct stamp stamp;

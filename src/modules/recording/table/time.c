@@ -261,6 +261,7 @@ static void values_swap(double *a, double *b)
     *b = was;
 }
 
+/* Reverses every column and the line numbers, and warns. */
 void recording_reverse(struct recording *recording)
 {
     for (size_t i = 0, j = recording->rows; i + 1 < j && !cancelled_at(recording->cancel, i); i++) {
@@ -274,6 +275,7 @@ void recording_reverse(struct recording *recording)
     recording_warn(recording, "the newest row comes first, so the rows are sorted by time");
 }
 
+/* Takes at most MEDIAN_SAMPLE steps, evenly spread. */
 double recording_median_step(const struct recording *recording)
 {
     double step[MEDIAN_SAMPLE];
