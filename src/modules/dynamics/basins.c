@@ -63,7 +63,7 @@ static const int64_t stopped_table_rows_max = 400000;
 /* ---- what is said ---- */
 
 /* Returns the character of a fate on the map: A to Z for attractors. */
-static char letter(int fate)
+static char fate_letter(int fate)
 {
     if (fate >= 0)
         return (char)('A' + fate);
@@ -82,7 +82,7 @@ static void put_map(struct buffer *output, const struct map *map, int max)
         buffer_format(output, "%10.4g ", basins_value(map->request, 1, b));
         for (int c = 0; c < columns; c++) {
             const int64_t a = columns > 1 ? (int64_t)c * (x_count - 1) / (columns - 1) : 0;
-            buffer_char(output, letter(map->basins->fate[a * y_count + b]));
+            buffer_char(output, fate_letter(map->basins->fate[a * y_count + b]));
         }
         buffer_char(output, '\n');
     }
@@ -100,7 +100,8 @@ static void put_basin(struct buffer *output, const struct map *map, int k)
     const struct basin *b = &map->basins->basin[k];
     const double share = 100.0 * (double)b->count / (double)map->basins->finished,
                  error = 100 * basins_error(b->count, map->basins->finished);
-    buffer_format(output, "  %c  %.4g +- %.2g %%  %s", letter(k), share, error, kind_name[b->kind]);
+    buffer_format(output, "  %c  %.4g +- %.2g %%  %s", fate_letter(k), share, error,
+                  kind_name[b->kind]);
     if (b->multiple > 0)
         buffer_format(output, " of %d period%s of the drive", b->multiple, plural_s(b->multiple));
     else if (b->period > 0)
@@ -150,7 +151,7 @@ static void put_basins(struct buffer *output, const struct map *map)
 static void reply_basin(struct reply *reply, const struct map *map, int k)
 {
     const struct basin *b = &map->basins->basin[k];
-    const char name[2] = {letter(k), 0};
+    const char name[2] = {fate_letter(k), 0};
     reply_begin(reply, "basin");
     reply_string(reply, "attractor", name);
     reply_real(reply, "share", (double)b->count / (double)map->basins->finished);
@@ -165,8 +166,8 @@ static void reply_basin(struct reply *reply, const struct map *map, int k)
 }
 
 /* Adds a record for starts that reach no attractor, unless there are none. */
-static void reply_rest(struct reply *reply, const struct basins *basins, const char *name,
-                       int64_t count)
+static void reply_other_fate(struct reply *reply, const struct basins *basins, const char *name,
+                             int64_t count)
 {
     if (count == 0)
         return;
@@ -180,7 +181,7 @@ static void reply_rest(struct reply *reply, const struct basins *basins, const c
 
 /* Stores the map as a table with a row for each start. Of very many starts this takes a while, so
  * that it can be stopped. */
-static void keep_map(const struct map *map, struct reply *reply)
+static void store_map(const struct map *map, struct reply *reply)
 {
     static const char *const names[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I",
                                         "J", "K", "L", "M", "N", "O", "P", "Q", "R",
@@ -215,10 +216,10 @@ static void reply_map(const struct map *map, struct reply *reply)
     put_basins(reply_buffer(reply), map);
     for (int k = 0; k < map->basins->count; k++)
         reply_basin(reply, map, k);
-    reply_rest(reply, map->basins, "escapes", map->basins->escaping);
-    reply_rest(reply, map->basins, "not decided", map->basins->undecided);
+    reply_other_fate(reply, map->basins, "escapes", map->basins->escaping);
+    reply_other_fate(reply, map->basins, "not decided", map->basins->undecided);
     if (reply->store && (!map->basins->cancelled || map->basins->total <= stopped_table_rows_max))
-        keep_map(map, reply);
+        store_map(map, reply);
 }
 
 /* Reads the axes, finds the basins and replies them; if stopped, those of the finished starts. */

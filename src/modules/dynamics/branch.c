@@ -122,8 +122,8 @@ static bool read_of(struct text *rest, struct branch_words *words, struct error 
 }
 
 /* Reads all arguments. Returns false with *error. */
-static bool read_words(struct session *session, const struct arguments *args,
-                       struct branch_words *words, struct error *error)
+static bool read_branch_words(struct session *session, const struct arguments *args,
+                              struct branch_words *words, struct error *error)
 {
     struct text rest = text_trim(argument_value(args, "NAME=FROM:TO")->item->text);
     while (rest.len > 0) {
@@ -211,7 +211,8 @@ static bool find_response(struct session *session, struct kept_reference *found,
 }
 
 /* Takes the first stored equilibrium. Returns false with *error and a hint if there is none. */
-static bool find_rest(struct session *session, struct kept_reference *found, struct error *error)
+static bool find_first_equilibrium(struct session *session, struct kept_reference *found,
+                                   struct error *error)
 {
     const struct dynamics *d = session_dynamics(session);
     struct item first = {.value = {1, 0}};
@@ -246,11 +247,11 @@ static bool find_start(struct session *session, const struct branch_words *words
     if (words->origin.len == 0) {
         const bool rests = (d && d->equilibria.count > 0) || !d || d->orbits == 0;
         snprintf(origin, LIMIT_NAME + 1, "%s", rests ? "equilibrium 1" : "orbit");
-        return rests ? find_rest(session, found, error)
+        return rests ? find_first_equilibrium(session, found, error)
                      : find_orbit(session, d, NULL, found, error);
     }
     return number ? find_equilibrium(session, d, number, found, error)
-                  : find_rest(session, found, error);
+                  : find_first_equilibrium(session, found, error);
 }
 
 /* Binds the scene at the stored solution: the scene's own start may lie where it has no
@@ -313,7 +314,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
 }
 
 /* Adds the columns stability and label to the table of a branch. */
-static void add_words(struct table_builder *table, const struct kept_branch *b)
+static void add_stability_and_labels(struct table_builder *table, const struct kept_branch *b)
 {
     const char **stable = table_add_texts(table, "stability"),
                **label = table_add_texts(table, "label");
@@ -331,8 +332,8 @@ static void add_words(struct table_builder *table, const struct kept_branch *b)
 
 /* Stores the branch as a table with a row for each point: parameters, extrema of the states,
  * period, stability, label. */
-static void keep_rows(const struct session *session, const struct kept_branch *b,
-                      struct reply *reply)
+static void store_branch_table(const struct session *session, const struct kept_branch *b,
+                               struct reply *reply)
 {
     const struct scene *scene = &session->setup.scene;
     const struct branch *branch = &b->branch;
@@ -360,7 +361,7 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
     double *period = rests ? NULL : table_add_reals(&table, "period", "", QUANTITY_TIME);
     for (int i = 0; period && i < branch->count; i++)
         period[i] = branch->point[i].solution.period;
-    add_words(&table, b);
+    add_stability_and_labels(&table, b);
     table_finish(&table, reply, "branch");
 }
 
@@ -389,7 +390,7 @@ HANDLER(branch)
     struct branch_words words = {.params = 0};
     struct kept_reference start = {.scene = session->setup.scene};
     struct kept_branch like = {.params = 1};
-    if (!read_words(session, args, &words, error) ||
+    if (!read_branch_words(session, args, &words, error) ||
         !find_start(session, &words, &start, like.origin, error) || !bind_start(&start, error))
         return false;
     const bool two = words.params == 2;
@@ -447,7 +448,7 @@ HANDLER(branch)
     reply_own_solver(
         session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
     reply_branch(session, kept, reply);
-    keep_rows(session, kept, reply);
+    store_branch_table(session, kept, reply);
     return !stopped ||
            error_set(error, ERROR_CANCELLED, "cancelled; the points found so far are kept");
 }

@@ -70,7 +70,7 @@ void put_eigenvalues(struct buffer *output, const struct solution *s)
 
 /* Returns the number of significant digits that states need to show that they differ: 7, or more if
  * two are close. n is the number of variables. */
-static int digits_of(const struct equilibria *found, int n)
+static int distinguishing_digits(const struct equilibria *found, int n)
 {
     int digits = 7;
     for (int k = 1; k < found->count; k++) {
@@ -89,7 +89,7 @@ void put_equilibria(struct buffer *output, const struct system *system,
                     const struct equilibria *found, struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 3};
-    const int digits = digits_of(found, system->n);
+    const int digits = distinguishing_digits(found, system->n);
     cell_text(&table, "");
     for (int i = 0; i < system->n; i++)
         cell_text(&table, system_variable(system, i).name);
@@ -156,7 +156,7 @@ static void put_vectors(struct buffer *output, const struct system *system,
 }
 
 /* Appends the search region. */
-static void put_box(struct buffer *output, const struct system *system, double box[][2])
+static void put_region(struct buffer *output, const struct system *system, double box[][2])
 {
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
@@ -173,7 +173,7 @@ static void put_found(struct buffer *output, const struct system *system, double
         buffer_put(output, found->complete ? TEXT("no equilibrium in ") : TEXT("none found in "));
     else
         buffer_format(output, "%d equilibri%s in ", found->count, found->count == 1 ? "um" : "a");
-    put_box(output, system, box);
+    put_region(output, system, box);
     if (found->complete)
         buffer_put(output,
                    found->count > 0 ? TEXT(": proven to be all of them\n") : TEXT(": proven\n"));

@@ -55,7 +55,7 @@ static const char *criticality_of(const struct branch_point *point)
 }
 
 /* Adds a cell with the type of a special point: "Hopf, supercritical". */
-static void cell_what(struct text_table *table, const struct branch_point *point)
+static void cell_point_type(struct text_table *table, const struct branch_point *point)
 {
     struct buffer output = {0};
     const char *way = criticality_of(point);
@@ -84,7 +84,7 @@ static void put_point(struct text_table *table, const struct scene *scene,
     char label[KEPT_LABEL];
     kept_point_label(point, label);
     cell_text(table, label);
-    cell_what(table, special);
+    cell_point_type(table, special);
     struct buffer where = {0};
     for (int j = 0; j < branch->params; j++) {
         buffer_format(&where, "%s%s = ", j ? ", " : "",
@@ -208,7 +208,7 @@ static bool list_none(struct reply *reply, const char *what, const char *type)
 }
 
 /* Returns the system of the scene without its parameters bound, for names and units. */
-static struct system system_of(const struct session *session)
+static struct system unbound_system(const struct session *session)
 {
     const struct model *model = session->setup.scene.model;
     return (struct system){.model = model, .n = model->n};
@@ -217,7 +217,7 @@ static struct system system_of(const struct session *session)
 bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
-    const struct system system = system_of(session);
+    const struct system system = unbound_system(session);
     if (!d || d->equilibria.id == 0)
         return list_none(reply, "equilibria", "equilibria");
     const struct equilibria found = {.count = d->equilibria.count,
@@ -254,7 +254,7 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
 bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
-    const struct system system = system_of(session);
+    const struct system system = unbound_system(session);
     if (!d || d->orbits == 0)
         return list_none(reply, "orbits", "orbit");
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4};

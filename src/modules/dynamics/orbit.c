@@ -69,7 +69,8 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 #define ORBIT_DISTANCE_FRACTION 0.01
 
 /* Writes where the search began, and whether the motion from there is on the orbit. */
-static void put_from(struct buffer *output, const struct found_orbit *orbit, const char *source)
+static void put_search_start(struct buffer *output, const struct found_orbit *orbit,
+                             const char *source)
 {
     buffer_format(output, ", from %s", source);
     if (orbit->given_up)
@@ -158,8 +159,8 @@ static void reply_orbit(const struct system *system, int number, const struct fo
 }
 
 /* Stores the samples of one period, times and states, as the table `orbit`. */
-static void keep_table(const struct system *system, const struct found_orbit *orbit,
-                       struct reply *reply)
+static void store_samples(const struct system *system, const struct found_orbit *orbit,
+                          struct reply *reply)
 {
     struct table_builder table = {.rows = (size_t)orbit->samples};
     const size_t width = (size_t)system->n + 1;
@@ -213,10 +214,10 @@ HANDLER(orbit)
             buffer_format(text, ",\n  along its family from T = %s",
                           SHOWN_QUANTITY(found.family_from, QUANTITY_TIME, 6));
         else
-            put_from(text, &found, request.settles ? source : "the guess");
+            put_search_start(text, &found, request.settles ? source : "the guess");
         reply_own_solver(session, FLOW_SOLVER, reply);
         reply_orbit(&system, kept->number, &found, reply);
-        keep_table(&system, &found, reply);
+        store_samples(&system, &found, reply);
     }
     orbit_free(&found);
     return kept != NULL;

@@ -50,8 +50,9 @@ static bool state_at_cursor(const struct session *session, const struct system *
 }
 
 /* Reads one item NAME=VALUE of the argument into `state`. Returns false with *error. */
-static bool read_part(struct session *session, const struct arguments *args, struct text item,
-                      const struct system *system, double *state, struct error *error)
+static bool read_start_value(struct session *session, const struct arguments *args,
+                             struct text item, const struct system *system, double *state,
+                             struct error *error)
 {
     struct parser parser = {session, args->scope, args->arena, item};
     struct item value = {0};
@@ -121,7 +122,7 @@ HANDLER(start)
         present_state(session, &system, state, &unknown);
     }
     while (rest.len > 0 && text_split(&rest, ',', &item))
-        if (!read_part(session, args, text_trim(item), &system, state, error))
+        if (!read_start_value(session, args, text_trim(item), &system, state, error))
             return false;
     for (int i = 0; i < system.n; i++)
         if (isnan(state[i])) {

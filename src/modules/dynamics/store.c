@@ -10,13 +10,13 @@
 /* ---- writing ---- */
 
 /* Returns the number of results. */
-static int count_of(const struct dynamics *d)
+static int result_count(const struct dynamics *d)
 {
     return (d->equilibria.id != 0) + d->orbits + d->branches;
 }
 
 /* Returns the identifier of result i, in the order equilibria, orbits, branches. */
-static uint64_t id_of(const struct dynamics *d, int i)
+static uint64_t result_id(const struct dynamics *d, int i)
 {
     i -= d->equilibria.id != 0;
     if (i < 0)
@@ -38,8 +38,8 @@ void dynamics_put_head(const void *part, struct buffer *buffer)
     field_put(buffer, "next_branch", &d->next_branch, sizeof d->next_branch);
     field_put(buffer, "next_point", d->next_point, sizeof d->next_point);
     const size_t ids = field_begin(buffer, "ids");
-    for (int i = 0; i < count_of(d); i++) {
-        const uint64_t id = id_of(d, i);
+    for (int i = 0; i < result_count(d); i++) {
+        const uint64_t id = result_id(d, i);
         buffer_put(buffer, (struct text){(const char *)&id, sizeof id});
     }
     field_end(buffer, ids);
@@ -76,10 +76,10 @@ static void put_branch(const struct kept_branch *b, struct buffer *buffer)
     put_array(buffer, "specials", b->special, b->specials, sizeof *b->special);
 }
 
-/* Appends the record of result i, numbered as in id_of(). */
-static void put_one(const struct dynamics *d, int i, struct buffer *buffer)
+/* Appends the record of result i, numbered as in result_id(). */
+static void put_result(const struct dynamics *d, int i, struct buffer *buffer)
 {
-    const uint64_t id = id_of(d, i);
+    const uint64_t id = result_id(d, i);
     const struct kept_equilibria *rests = &d->equilibria;
     const char *kind = "equilibria";
     const double *value = rests->value;
@@ -109,14 +109,14 @@ static void put_one(const struct dynamics *d, int i, struct buffer *buffer)
 bool dynamics_put_next(const void *part, struct stored *stored, int *next)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;
-    for (int i = *next; d && i < count_of(d); i++) {
+    for (int i = *next; d && i < result_count(d); i++) {
         int k = 0;
-        while (k < stored->found && stored->found_id[k] != id_of(d, i))
+        while (k < stored->found && stored->found_id[k] != result_id(d, i))
             k++;
         if (k < stored->found)
             continue;
-        put_one(d, i, &stored->record);
-        stored->found_id[k] = id_of(d, i);
+        put_result(d, i, &stored->record);
+        stored->found_id[k] = result_id(d, i);
         stored->found++;
         *next = i + 1;
         return true;
@@ -130,8 +130,8 @@ void dynamics_forget(const void *part, struct stored *stored)
     int kept = 0;
     for (int k = 0; k < stored->found; k++) {
         bool there = false;
-        for (int i = 0; d && i < count_of(d) && !there; i++)
-            there = id_of(d, i) == stored->found_id[k];
+        for (int i = 0; d && i < result_count(d) && !there; i++)
+            there = result_id(d, i) == stored->found_id[k];
         stored->found_id[kept] = stored->found_id[k];
         kept += there;
     }
@@ -156,7 +156,7 @@ static void *get_array(struct text text, const char *name, int *count, size_t it
 }
 
 /* Returns true if a solution that was read has possible values. */
-static bool sound(const struct dynamics *d, const struct solution *s)
+static bool is_solution_sound(const struct dynamics *d, const struct solution *s)
 {
     return s->kind <= SOLUTION_RESPONSE && s->n == d->n && s->values >= 0 &&
            s->values <= DYNAMICS_VARIABLES && s->multiple >= 0 && s->unstable >= 0 &&
@@ -164,7 +164,7 @@ static bool sound(const struct dynamics *d, const struct solution *s)
 }
 
 /* Returns true if the number of an orbit, branch or label is possible. */
-static bool sound_number(int number)
+static bool is_number_sound(int number)
 {
     return number >= 0 && number <= INT32_MAX / 2;
 }
@@ -178,7 +178,7 @@ static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, do
     struct equilibrium_form *form = solution ? get_array(text, "form", &count, sizeof *form) : NULL;
     bool ok = form != NULL && rests->id == 0;
     for (int i = 0; i < count && ok; i++)
-        ok = sound(d, &solution[i]) && form[i].type < equilibrium_catalog.count;
+        ok = is_solution_sound(d, &solution[i]) && form[i].type < equilibrium_catalog.count;
     if (!ok) {
         free(solution);
         free(form);
@@ -202,7 +202,7 @@ static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double 
     if (!orbit.sample || numbers % (d->n + 1) != 0 || d->orbits == LIMIT_ORBITS ||
         !field_get(text, "number", &orbit.number, sizeof orbit.number) ||
         !field_get(text, "solution", &orbit.solution, sizeof orbit.solution) ||
-        !sound_number(orbit.number) || !sound(d, &orbit.solution)) {
+        !is_number_sound(orbit.number) || !is_solution_sound(d, &orbit.solution)) {
         free(orbit.sample);
         return false;
     }
@@ -212,20 +212,21 @@ static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double 
 }
 
 /* Returns true if a branch that was read has possible values and indices. */
-static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
+static bool is_branch_sound(const struct dynamics *d, const struct kept_branch *b)
 {
     const struct field flags[] = {FIELD_OF(struct branch, closed),
                                   FIELD_OF(struct branch, cancelled)};
-    bool ok = b->params >= 1 && b->params <= 2 && sound_number(b->number) &&
+    bool ok = b->params >= 1 && b->params <= 2 && is_number_sound(b->number) &&
               b->branch.kind <= SOLUTION_RESPONSE &&
               fields_sound(flags, COUNT_OF(flags), &b->branch);
     for (int j = 0; j < 2 && ok; j++)
         ok = b->param[j] >= 0 && b->param[j] < d->params;
     for (int i = 0; i < b->branch.count && ok; i++)
-        ok = sound(d, &b->branch.point[i].solution) && b->branch.point[i].special < SPECIAL_COUNT;
+        ok = is_solution_sound(d, &b->branch.point[i].solution) &&
+             b->branch.point[i].special < SPECIAL_COUNT;
     for (int k = 0; k < b->specials && ok; k++)
         ok = b->special[k].index >= 0 && b->special[k].index < b->branch.count &&
-             sound_number(b->special[k].number) && b->special[k].special > SPECIAL_NONE &&
+             is_number_sound(b->special[k].number) && b->special[k].special > SPECIAL_NONE &&
              b->special[k].special < SPECIAL_COUNT;
     return ok;
 }
@@ -259,7 +260,7 @@ static bool get_branch(const struct reader *reader, struct dynamics *d, struct t
         b->branch.point = get_array(text, "points", &b->branch.count, sizeof *b->branch.point);
         b->special = get_array(text, "specials", &b->specials, sizeof *b->special);
     }
-    if (!ok || !b->branch.point || !b->special || !sound_branch(d, b)) {
+    if (!ok || !b->branch.point || !b->special || !is_branch_sound(d, b)) {
         free(b->branch.point);
         free(b->special);
         free(b);
@@ -288,7 +289,8 @@ static double *get_values(const struct reader *reader, const struct dynamics *d,
 }
 
 /* Reads one record into *d. Returns false if it is damaged. */
-static bool get_one(const struct reader *reader, struct dynamics *d, struct text text, uint64_t id)
+static bool get_result(const struct reader *reader, struct dynamics *d, struct text text,
+                       uint64_t id)
 {
     struct text kind;
     double *value = get_values(reader, d, text);
@@ -355,7 +357,7 @@ void dynamics_read(struct reader *reader)
             const struct read_record *record = &reader->record[i];
             ok = record->kind == RECORD_FOUND &&
                  field_get(record->content, "id", &own, sizeof own) && own == id &&
-                 get_one(reader, d, record->content, id);
+                 get_result(reader, d, record->content, id);
         }
         lost += !ok;
     }

@@ -153,7 +153,7 @@ static void put_end(const struct answer *answer, struct buffer *text)
 }
 
 /* Replies the text. */
-static void say_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
+static void put_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
 {
     const struct path_grid *grid = &answer->request.grid;
     struct buffer *text = reply_buffer(reply);
@@ -253,7 +253,7 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
                       (long long)answer->ensemble.diverged, (long long)paths);
     noise_setup_warn(setup, reply);
     if (reply_wants_text(reply))
-        say_ensemble(answer, args->arena, reply);
+        put_ensemble(answer, args->arena, reply);
     reply_ensemble(answer, reply);
     struct arena arena = {0};
     struct table table;

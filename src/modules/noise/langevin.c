@@ -49,7 +49,7 @@ static bool make_table(const struct system *system, size_t rows, struct arena *a
 
 /* Describes the path. distance [n] is the distance from the end with half the step, or NULL if
  * that was not computed. */
-static void say_path(const struct noise_setup *setup, const struct path_grid *grid,
+static void put_path(const struct noise_setup *setup, const struct path_grid *grid,
                      const double *end, const double *distance, struct reply *reply)
 {
     const struct system *system = &setup->forcing.system;
@@ -113,7 +113,7 @@ static bool answer_path(struct session *session, const struct noise_setup *setup
     session_changed(session);
     const bool checked =
         grid->steps <= steps_checked && noise_path_half_step(request, end, 1, distance);
-    say_path(setup, grid, end, checked ? distance : NULL, reply);
+    put_path(setup, grid, end, checked ? distance : NULL, reply);
     noise_setup_warn(setup, reply);
     reply_table_rows(reply, "langevin", &table, 0, table.rows, true);
     noise_keep_table(setup, grid->h, "langevin", NULL, arena, &table, reply);

@@ -136,7 +136,7 @@ static void draw_ticks(struct page *page, bool vertical)
 
 /* Cuts off characters at the end until the text is no wider than `width` [pt]; it then ends in
  * three dots. */
-static void shorten(const struct page *page, struct buffer *text, double size, double width)
+static void shorten_text(const struct page *page, struct buffer *text, double size, double width)
 {
     static const char dots[] = "…";
     size_t len = text->len;
@@ -164,7 +164,7 @@ double page_fit(const struct page *page, struct buffer *text, const char *end, d
     const double fitted = width > room ? fmin(fmax(size * room / width, STYLE_SHRINK * size),
                                               size * fmax(room, 1) / fmax(bare, 1))
                                        : size;
-    shorten(page, text, fitted, room - surface_text_width(page->surface, fitted, end));
+    shorten_text(page, text, fitted, room - surface_text_width(page->surface, fitted, end));
     buffer_put(text, text_of(text->len || *end != ' ' ? end : end + 1));
     page->surface->failed |= text->failed || both.failed;
     buffer_free(&both);

@@ -32,7 +32,7 @@ static const char *shown_label(struct page *page, const char *label)
 
 /* Finds entry e of 2 * curves: curves come first, then bands. Returns false if that curve has no
  * label or is not drawn. */
-static bool entry_at(struct page *page, int e, struct legend_entry *entry)
+static bool legend_entry_find(struct page *page, int e, struct legend_entry *entry)
 {
     const int i = e % page->figure->curves;
     const struct curve *curve = &page->figure->curve[i];
@@ -51,8 +51,8 @@ static bool entry_at(struct page *page, int e, struct legend_entry *entry)
 
 /* Draws an entry with its left edge at x, its middle at height y. Samples are centred in the width
  * `sample` [pt], after which the label begins. */
-static void put_entry(struct page *page, const struct legend_entry *entry, double sample, double x,
-                      double y)
+static void legend_entry_draw(struct page *page, const struct legend_entry *entry, double sample,
+                              double x, double y)
 {
     (entry->band ? page_band_sample : page_sample)(page, entry->curve,
                                                    x + (sample - entry->sample) / 2, y, true);
@@ -85,7 +85,7 @@ double page_heading(struct page *page, bool legend, bool draw)
         return style->edge + style->font / 2; /* half a label of the axis */
     }
     for (int e = 0; e < 2 * figure->curves && legend; e++) {
-        if (!entry_at(page, e, &entry))
+        if (!legend_entry_find(page, e, &entry))
             continue;
         if (first++ && x + entry.width > end && y + style->leading > limit - style->edge) {
             hidden++;
@@ -96,7 +96,7 @@ double page_heading(struct page *page, bool legend, bool draw)
             y += style->leading;
         }
         if (draw)
-            put_entry(page, &entry, entry.sample, x, y);
+            legend_entry_draw(page, &entry, entry.sample, x, y);
         x += entry.width + style->entry_gap;
     }
     if (hidden && draw) {
@@ -127,7 +127,7 @@ static bool band_meets(const struct page *page, const struct curve *curve, const
 }
 
 /* Returns true if no curve, band, error bar or line of zero passes through the box. */
-static bool is_free(const struct page *page, const double box[4])
+static bool is_box_free(const struct page *page, const double box[4])
 {
     const struct figure *figure = page->figure;
     const double zero = page_y(page, 0);
@@ -152,7 +152,7 @@ static double measure_entries(struct page *page, double *sample, int *entries)
     struct legend_entry entry;
     *sample = *entries = 0;
     for (int e = 0; e < 2 * page->figure->curves; e++) {
-        if (!entry_at(page, e, &entry))
+        if (!legend_entry_find(page, e, &entry))
             continue;
         *sample = fmax(*sample, entry.sample);
         label = fmax(label, entry.width - entry.sample);
@@ -180,7 +180,7 @@ bool legend_place(struct page *page, const struct page *panel, double box[4])
         return false;
     for (size_t i = 0; i < COUNT_OF(places); i++) {
         const double x = from_x + places[i][0] * room_x, y = from_y + places[i][1] * room_y;
-        if (!is_free(panel, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
+        if (!is_box_free(panel, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
             continue;
         memcpy(box, (double[]){x, y, x + width, y + height}, 4 * sizeof *box);
         return true;
@@ -200,9 +200,9 @@ void legend_draw(struct page *page, const double box[4])
     surface_paint(page->surface,
                   &(struct brush){.color = style_grid, .width = page->style.grid_line});
     for (int e = 0; e < 2 * page->figure->curves; e++) {
-        if (!entry_at(page, e, &entry))
+        if (!legend_entry_find(page, e, &entry))
             continue;
-        put_entry(page, &entry, sample, box[0], y);
+        legend_entry_draw(page, &entry, sample, box[0], y);
         y += page->style.leading;
     }
 }

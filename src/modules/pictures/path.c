@@ -41,7 +41,7 @@ struct path_thinning {
 };
 
 /* Ends the line that is being drawn, if any, at its last point. */
-static void thin_end(struct path_thinning *thinning)
+static void thinning_finish(struct path_thinning *thinning)
 {
     if (thinning->is_down && thinning->moved)
         thinning->put(thinning->context, thinning->last[0], thinning->last[1], false);
@@ -49,15 +49,15 @@ static void thin_end(struct path_thinning *thinning)
 }
 
 /* Returns the z component of a x b: positive if b is clockwise of a on the page. */
-static double cross(const double a[2], const double b[2])
+static double cross_product(const double a[2], const double b[2])
 {
     return a[0] * b[1] - a[1] * b[0];
 }
 
 /* Puts the pen down at a point. */
-static void thin_begin(struct path_thinning *thinning, double x, double y)
+static void thinning_start(struct path_thinning *thinning, double x, double y)
 {
-    thin_end(thinning);
+    thinning_finish(thinning);
     thinning->put(thinning->context, x, y, true);
     thinning->x = thinning->last[0] = x;
     thinning->y = thinning->last[1] = y;
@@ -68,7 +68,7 @@ static void thin_begin(struct path_thinning *thinning, double x, double y)
 
 /* Returns true if the point lies in the cone, and narrows the cone to the directions that pass the
  * point within the tolerance. */
-static bool narrow(struct path_thinning *thinning, double x, double y)
+static bool narrow_cone(struct path_thinning *thinning, double x, double y)
 {
     const double dx = x - thinning->x, dy = y - thinning->y, distance = sqrt(dx * dx + dy * dy);
     if (distance < thinning->farthest - thinning->tolerance)
@@ -80,27 +80,28 @@ static bool narrow(struct path_thinning *thinning, double x, double y)
                  cosine = sqrt(1 - sine * sine);
     const double low[2] = {way[0] * cosine + way[1] * sine, way[1] * cosine - way[0] * sine},
                  high[2] = {way[0] * cosine - way[1] * sine, way[1] * cosine + way[0] * sine};
-    if (thinning->cone && (cross(thinning->low, way) < 0 || cross(way, thinning->high) < 0 ||
-                           thinning->low[0] * way[0] + thinning->low[1] * way[1] < 0))
+    if (thinning->cone &&
+        (cross_product(thinning->low, way) < 0 || cross_product(way, thinning->high) < 0 ||
+         thinning->low[0] * way[0] + thinning->low[1] * way[1] < 0))
         return false;
-    if (!thinning->cone || cross(thinning->low, low) > 0)
+    if (!thinning->cone || cross_product(thinning->low, low) > 0)
         memcpy(thinning->low, low, sizeof low);
-    if (!thinning->cone || cross(thinning->high, high) < 0)
+    if (!thinning->cone || cross_product(thinning->high, high) < 0)
         memcpy(thinning->high, high, sizeof high);
     thinning->cone = true;
     return true;
 }
 
 /* Draws on to a point; the point before becomes a corner if the new one leaves the cone. */
-static void thin_to(struct path_thinning *thinning, double x, double y)
+static void thinning_draw_to(struct path_thinning *thinning, double x, double y)
 {
-    if (!narrow(thinning, x, y)) {
+    if (!narrow_cone(thinning, x, y)) {
         thinning->put(thinning->context, thinning->last[0], thinning->last[1], false);
         thinning->x = thinning->last[0];
         thinning->y = thinning->last[1];
         thinning->cone = false;
         thinning->farthest = 0;
-        narrow(thinning, x, y);
+        narrow_cone(thinning, x, y);
     }
     thinning->last[0] = x;
     thinning->last[1] = y;
@@ -144,7 +145,7 @@ struct tracer {
 
 /* Draws the part of a line to (x, y) that is within the margin around the plot. Lifts the pen where
  * the line leaves it. */
-static void trace_line(struct tracer *tracer, double x, double y)
+static void tracer_draw_line(struct tracer *tracer, double x, double y)
 {
     const struct plot_area *area = tracer->area;
     const double left = area->left - PLOT_MARGIN, right = area->right + PLOT_MARGIN,
@@ -165,36 +166,36 @@ static void trace_line(struct tracer *tracer, double x, double y)
     y0 += begin * (y - y0);
     /* Rounding of a line that is clipped far away exceeds the margin. */
     if (!tracer->whole || begin > 0)
-        thin_begin(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
-    thin_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
+        thinning_start(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
+    thinning_draw_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
     tracer->whole = !(end < 1);
 }
 
 /* Draws a line to a sample unless that is where the last line ended. */
-static void trace_to(struct tracer *tracer, const struct spot *spot)
+static void tracer_draw_to(struct tracer *tracer, const struct spot *spot)
 {
     if (spot->x != tracer->x || spot->y != tracer->y)
-        trace_line(tracer, spot->x, spot->y);
+        tracer_draw_line(tracer, spot->x, spot->y);
 }
 
 /* Draws the extremes of the column in their order in time, then its last sample. */
-static void leave_column(struct tracer *tracer)
+static void tracer_leave_column(struct tracer *tracer)
 {
     bool fell = tracer->high.i < tracer->low.i;
     if (!tracer->samples)
         return;
-    trace_to(tracer, fell ? &tracer->high : &tracer->low);
-    trace_to(tracer, fell ? &tracer->low : &tracer->high);
-    trace_to(tracer, &tracer->last);
+    tracer_draw_to(tracer, fell ? &tracer->high : &tracer->low);
+    tracer_draw_to(tracer, fell ? &tracer->low : &tracer->high);
+    tracer_draw_to(tracer, &tracer->last);
 }
 
 /* Ends the line at a gap. A sample between two gaps becomes a dot. */
 static void tracer_pen_lift(struct tracer *tracer)
 {
-    leave_column(tracer);
+    tracer_leave_column(tracer);
     if (tracer->samples == 1)
-        trace_line(tracer, tracer->x, tracer->y);
-    thin_end(&tracer->thinning);
+        tracer_draw_line(tracer, tracer->x, tracer->y);
+    thinning_finish(&tracer->thinning);
     tracer->samples = 0;
     tracer->whole = false;
 }
@@ -218,9 +219,9 @@ static void trace_curve(const struct curve *curve, const struct plot_area *area,
             tracer.low = spot.y > tracer.low.y ? spot : tracer.low;
             tracer.high = spot.y < tracer.high.y ? spot : tracer.high;
         } else {
-            leave_column(&tracer);
+            tracer_leave_column(&tracer);
             if (tracer.samples)
-                trace_line(&tracer, spot.x, spot.y);
+                tracer_draw_line(&tracer, spot.x, spot.y);
             tracer.x = spot.x;
             tracer.y = spot.y;
             tracer.column = column;
@@ -265,22 +266,22 @@ static bool grains_init(struct grains *grains, const struct plot_area *area, dou
 
 /* Returns the byte of a grain, or NULL outside of the bitmap: rounding may put a line beside the
  * area by a fraction of a grain. */
-static uint8_t *byte_of(const struct grains *grains, int x, int y)
+static uint8_t *grain_byte(const struct grains *grains, int x, int y)
 {
     return x >= 0 && x < grains->width && y >= 0 && y < grains->height
                ? &grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8]
                : NULL;
 }
 
-static bool is_marked(const struct grains *grains, int x, int y)
+static bool is_grain_marked(const struct grains *grains, int x, int y)
 {
-    const uint8_t *byte = byte_of(grains, x, y);
+    const uint8_t *byte = grain_byte(grains, x, y);
     return byte && *byte >> x % 8 & 1;
 }
 
 static void grain_mark(struct grains *grains, int x, int y)
 {
-    uint8_t *byte = byte_of(grains, x, y);
+    uint8_t *byte = grain_byte(grains, x, y);
     if (byte)
         *byte |= (uint8_t)(1U << x % 8);
 }
@@ -299,7 +300,7 @@ static bool grains_pass(struct grains *grains, double x0, double y0, double x1, 
     dx /= steps ? steps : 1;
     dy /= steps ? steps : 1;
     for (int i = 0; i <= steps && run < grains->run; i++)
-        run = is_marked(grains, (int)(x + i * dx), (int)(y + i * dy)) ? 0 : run + 1;
+        run = is_grain_marked(grains, (int)(x + i * dx), (int)(y + i * dy)) ? 0 : run + 1;
     const bool fresh = run >= grains->run || run == steps + 1;
     for (int i = 0; i <= steps && fresh; i++) {
         const int column = (int)(x + i * dx), row = (int)(y + i * dy);
@@ -391,8 +392,8 @@ bool path_of_line(const struct curve *curve, const struct plot_area *area,
 /* ---- dots ---- */
 
 /* Finds the position of sample i on the page. Returns true if it lies inside the plot. */
-static bool dot_at(const struct curve *curve, const struct plot_area *area, size_t i,
-                   double place[2])
+static bool dot_position(const struct curve *curve, const struct plot_area *area, size_t i,
+                         double place[2])
 {
     const double edge = 1e-6; /* rounding */
     place[0] = plot_x(area, curve->x[i]);
@@ -403,8 +404,8 @@ static bool dot_at(const struct curve *curve, const struct plot_area *area, size
 
 /* Draws one dot for each square of this size [pt] that holds a sample, and stops when there are
  * more than `most`. Returns false if out of memory or cancelled. */
-static bool single_dots(const struct curve *curve, const struct plot_area *area, double square,
-                        size_t most, struct arena *arena, struct path *path)
+static bool put_single_dots(const struct curve *curve, const struct plot_area *area, double square,
+                            size_t most, struct arena *arena, struct path *path)
 {
     struct grains grains = {.run = 1};
     double dot[2];
@@ -412,7 +413,7 @@ static bool single_dots(const struct curve *curve, const struct plot_area *area,
         return false;
     buffer_clear(&path->corners);
     for (size_t i = 0; curve_goes_on(curve, i) && path_count(path) <= most; i++) {
-        if (!dot_at(curve, area, i, dot))
+        if (!dot_position(curve, area, i, dot))
             continue;
         const double x = area->left + floor((dot[0] - area->left) / square) * square,
                      y = area->top + floor((dot[1] - area->top) / square) * square;
@@ -433,7 +434,7 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area,
     for (size_t i = limit->rough; i < COUNT_OF(squares) && ok; i++) {
         const bool last = limit->rough || i + 1 == COUNT_OF(squares);
         const size_t most = last ? SIZE_MAX : limit->corners;
-        ok = single_dots(curve, area, squares[i], most, &arena, path);
+        ok = put_single_dots(curve, area, squares[i], most, &arena, path);
         if (path_count(path) <= most)
             break;
     }

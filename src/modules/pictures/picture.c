@@ -76,7 +76,7 @@ struct foot {
 
 /* Writes the notes of all panels in one line if there is room, else in a line for each panel, else
  * with less detail. */
-static void put_notes(const struct picture_sheet *sheet, struct foot *foot)
+static void foot_write(const struct picture_sheet *sheet, struct foot *foot)
 {
     const struct page *page = sheet->page;
     const struct picture_style *style = &page->style;
@@ -155,12 +155,12 @@ static void draw_panel(struct page *page)
 }
 
 /* Lays out the panels below `top` [pt] twice: the notes follow from their ranges, and take room. */
-static void place(struct picture_sheet *sheet, double top, struct foot *foot)
+static void lay_out_sheet(struct picture_sheet *sheet, double top, struct foot *foot)
 {
     const struct page *page = sheet->page;
     const double end = page->height - page->style.edge;
     place_panels(sheet, top, end);
-    put_notes(sheet, foot);
+    foot_write(sheet, foot);
     if (foot->lines)
         place_panels(sheet, top, end - foot->lines * page->style.leading);
 }
@@ -191,13 +191,13 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     double legend[4];
 
     heading.figure = sheet->figure;
-    place(sheet, page_heading(&heading, false, false), &foot);
+    lay_out_sheet(sheet, page_heading(&heading, false, false), &foot);
     bool drawn = trace_panels(sheet, true, arena), inside = false;
     for (int i = 0; i < sheet->parts && drawn && !inside; i++)
         inside = legend_place(&heading, &sheet->page[i], legend);
     free_paths(sheet);
     if (!inside)
-        place(sheet, page_heading(&heading, true, false), &foot);
+        lay_out_sheet(sheet, page_heading(&heading, true, false), &foot);
     drawn = drawn && trace_panels(sheet, false, arena);
     heading.layout = page->layout;
     heading.left = page->left;

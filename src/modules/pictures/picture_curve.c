@@ -26,7 +26,7 @@ static const struct {
 enum { SOLID_SHAPES = 5, MARKS = 12 };
 
 /* Returns how many lines, or points, precede the curve, or the one whose look it shares. */
-static size_t kind_of(const struct figure *figure, int curve)
+static size_t rank_in_kind(const struct figure *figure, int curve)
 {
     size_t count = 0;
     curve = figure->curve[curve].look ? figure->curve[curve].look - 1 : curve;
@@ -45,23 +45,23 @@ static int line_count(const struct figure *figure)
 }
 
 /* Returns the index of the curve whose colour and shape this one has: often its own. */
-static int look_of(const struct page *page, int curve)
+static int look_index(const struct page *page, int curve)
 {
     const int look = page->figure->curve[curve].look;
     return look ? look - 1 : curve;
 }
 
 /* Returns the colour of a curve. */
-static const double *color_of(const struct page *page, int curve)
+static const double *curve_color(const struct page *page, int curve)
 {
-    return style_palette[(size_t)look_of(page, curve) % style_palette_count];
+    return style_palette[(size_t)look_index(page, curve) % style_palette_count];
 }
 
 /* Returns the brush for a line of the curve, with its colour and dashes. */
 static struct brush line_ink(const struct page *page, int curve, double width)
 {
-    const size_t dashes = kind_of(page->figure, curve) % style_dashes_count;
-    return (struct brush){.color = color_of(page, curve),
+    const size_t dashes = rank_in_kind(page->figure, curve) % style_dashes_count;
+    return (struct brush){.color = curve_color(page, curve),
                           .width = width,
                           .dashes = &style_dashes[dashes],
                           .dash = page->style.dash};
@@ -85,7 +85,7 @@ static bool on_line(const struct curve *curve)
 /* Adds the curve's mark to the path of the surface; paint_points() paints it. */
 static void add_mark(const struct page *page, int curve, double x, double y)
 {
-    const size_t mark = kind_of(page->figure, curve) % MARKS,
+    const size_t mark = rank_in_kind(page->figure, curve) % MARKS,
                  shape = mark < 2 * SOLID_SHAPES ? mark % SOLID_SHAPES : mark - SOLID_SHAPES;
     const double radius = page->style.mark;
     const int corners = shapes[shape].corners;
@@ -105,7 +105,7 @@ static void add_mark(const struct page *page, int curve, double x, double y)
 /* Returns true if the marks of the curve are filled. */
 static bool has_full_marks(const struct page *page, int curve)
 {
-    const size_t mark = kind_of(page->figure, curve) % MARKS;
+    const size_t mark = rank_in_kind(page->figure, curve) % MARKS;
     const bool inverted = mark >= SOLID_SHAPES;
     return mark < 2 * SOLID_SHAPES && on_line(&page->figure->curve[curve]) != inverted;
 }
@@ -114,7 +114,7 @@ static bool has_full_marks(const struct page *page, int curve)
 static void paint_points(const struct page *page, int index, bool dense)
 {
     surface_paint(page->surface,
-                  &(struct brush){.color = color_of(page, index),
+                  &(struct brush){.color = curve_color(page, index),
                                   .width = dense ? page_dot(page) : page->style.mark_line,
                                   .fill = !dense && has_full_marks(page, index)});
 }
@@ -136,25 +136,25 @@ struct mark_place {
 };
 
 /* Stores a position. Returns true if it lies inside the plot. */
-static bool put_spot(const struct page *page, double x, double y, struct mark_place *spot)
+static bool position_in_plot(const struct page *page, double x, double y, struct mark_place *spot)
 {
     *spot = (struct mark_place){x, y};
     return x >= page->left && x <= page->right && y >= page->top && y <= page->bottom;
 }
 
 /* Returns where the first mark is, in steps between marks; marks of different curves alternate. */
-static double first_step(const struct page *page, int curve)
+static double first_mark_step(const struct page *page, int curve)
 {
-    return 0.5 + (double)kind_of(page->figure, curve) / page->figure->curves;
+    return 0.5 + (double)rank_in_kind(page->figure, curve) / page->figure->curves;
 }
 
 /* Finds positions in the plot at equal distances along a line. Returns their number. */
-static int places_along(const struct page *page, int curve, struct mark_place *place, int max)
+static int marks_along(const struct page *page, int curve, struct mark_place *place, int max)
 {
     const struct path *path = &page->path[curve];
     const struct corner *corner = path_corners(path);
     const double every = fmax(path->length / LINE_MARKS, page->style.mark_apart);
-    double length = 0, next = every * first_step(page, curve);
+    double length = 0, next = every * first_mark_step(page, curve);
     int n = 0;
     for (size_t i = 1; i < path_count(path); i++) {
         const struct corner *previous = &corner[i - 1];
@@ -164,7 +164,8 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
             continue;
         for (; n < max && next <= length + distance; next += every) {
             const double part = (next - length) / distance;
-            n += put_spot(page, previous->x + part * dx, previous->y + part * dy, &place[n]);
+            n +=
+                position_in_plot(page, previous->x + part * dx, previous->y + part * dy, &place[n]);
         }
         length += distance;
     }
@@ -172,22 +173,22 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
 }
 
 /* Finds positions at samples, for a path of which most is left out. Returns their number. */
-static int places_inside(const struct page *page, int index, struct mark_place *place, int max)
+static int marks_at_samples(const struct page *page, int index, struct mark_place *place, int max)
 {
     const struct curve *curve = &page->figure->curve[index];
     const double every = (double)curve->n / LINE_MARKS;
     int n = 0;
-    for (double next = every * first_step(page, index); n < max && next < (double)curve->n;
+    for (double next = every * first_mark_step(page, index); n < max && next < (double)curve->n;
          next += every)
-        n += put_spot(page, page_x(page, curve->x[(size_t)next]),
-                      page_y(page, curve->y[(size_t)next]), &place[n]);
+        n += position_in_plot(page, page_x(page, curve->x[(size_t)next]),
+                              page_y(page, curve->y[(size_t)next]), &place[n]);
     return n;
 }
 
 /* Draws marks, on white if they are empty or if halo, its width [pt] around the marks, is above
  * 0. */
-static void put_marks(const struct page *page, int curve, const struct mark_place *place, int marks,
-                      double halo)
+static void draw_marks(const struct page *page, int curve, const struct mark_place *place,
+                       int marks, double halo)
 {
     const bool covers =
         halo > 0 || (on_line(&page->figure->curve[curve]) && !has_full_marks(page, curve));
@@ -211,21 +212,21 @@ static void draw_line(struct page *page, int curve, bool marked)
     /* Many turns need thin lines. */
     const bool many = path->length > 40 * (page->right - page->left);
     const double width = fmax(many ? style->thin_line : style->curve_line, path->width);
-    const struct brush line = path->width > 0
-                                  ? (struct brush){.color = color_of(page, curve), .width = width}
-                                  : line_ink(page, curve, width);
+    const struct brush line =
+        path->width > 0 ? (struct brush){.color = curve_color(page, curve), .width = width}
+                        : line_ink(page, curve, width);
     const bool arrows = page->figure->curve[curve].arrows;
     const struct brush thin = {.color = style_gray, .width = style->thin_line};
     const int marks =
         marked && !arrows
-            ? (path->width > 0 ? places_inside : places_along)(page, curve, place, LINE_MARKS + 1)
+            ? (path->width > 0 ? marks_at_samples : marks_along)(page, curve, place, LINE_MARKS + 1)
             : 0;
 
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
     add_path(page, path);
     surface_paint(page->surface, arrows ? &thin : &line);
     surface_unclip(page->surface);
-    put_marks(page, curve, place, marks, path->width > 0 ? 3 * style->mark_line : 0);
+    draw_marks(page, curve, place, marks, path->width > 0 ? 3 * style->mark_line : 0);
 }
 
 /* ---- bands ---- */
@@ -237,11 +238,11 @@ static void paint_band(const struct page *page, int curve)
 {
     surface_paint(
         page->surface,
-        &(struct brush){.color = color_of(page, curve), .opacity = STYLE_BAND, .fill = true});
+        &(struct brush){.color = curve_color(page, curve), .opacity = STYLE_BAND, .fill = true});
 }
 
 /* Adds one edge of the band: the upper one forwards (side 1), the lower one backwards (-1). */
-static void add_edge(const struct page *page, const struct curve *curve, int side)
+static void add_band_edge(const struct page *page, const struct curve *curve, int side)
 {
     double bin = NAN, last_x = 0, edge = NAN;
     for (size_t k = 0; curve_goes_on(curve, k); k++) {
@@ -269,8 +270,8 @@ static void draw_band(struct page *page, int index)
     const struct curve *curve = &page->figure->curve[index];
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
     surface_new_path(page->surface);
-    add_edge(page, curve, 1);
-    add_edge(page, curve, -1);
+    add_band_edge(page, curve, 1);
+    add_band_edge(page, curve, -1);
     surface_close(page->surface);
     paint_band(page, index);
     surface_unclip(page->surface);
@@ -313,7 +314,7 @@ static bool is_dense(const struct page *page, const struct curve *curve)
 
 static void put_letter(const struct page *page, int curve, double x, double y)
 {
-    page_text(page, x, y, 0.5, color_of(page, curve),
+    page_text(page, x, y, 0.5, curve_color(page, curve),
               (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
@@ -323,7 +324,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     const struct curve *curve = &page->figure->curve[index];
     const struct picture_style *style = &page->style;
     const struct path *path = &page->path[page->figure->curves + index];
-    const struct brush line = {.color = color_of(page, index),
+    const struct brush line = {.color = curve_color(page, index),
                                .width =
                                    fmax(dense ? style->thin_line : style->mark_line, path->width)},
                        paper = {.color = style_white, .fill = true};
@@ -368,7 +369,7 @@ static void draw_points(struct page *page, int index, bool dense)
         if (has_letter(curve))
             put_letter(page, index, x, y);
         else if (curve->joined)
-            put_marks(page, index, &(struct mark_place){x, y}, 1, 0);
+            draw_marks(page, index, &(struct mark_place){x, y}, 1, 0);
         else
             add_mark(page, index, x, y);
     }
@@ -406,7 +407,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
         surface_line(page->surface, dot_x, height);
     }
     if (!dense && (curve->points || line_count(page->figure) > 1))
-        put_marks(page, index, &(struct mark_place){middle, y}, 1, 0);
+        draw_marks(page, index, &(struct mark_place){middle, y}, 1, 0);
     paint_points(page, index, dense);
     return width;
 }
@@ -431,7 +432,8 @@ static void draw_exits(struct page *page, int index)
         surface_line(page->surface, x - length * dx + half * dy, y - length * dy + half * dx);
         surface_line(page->surface, x - length * dx - half * dy, y - length * dy - half * dx);
         surface_close(page->surface);
-        surface_paint(page->surface, &(struct brush){.color = color_of(page, index), .fill = true});
+        surface_paint(page->surface,
+                      &(struct brush){.color = curve_color(page, index), .fill = true});
     }
 }
 

@@ -38,7 +38,7 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
 
 /* Computes the path of a curve and that of its error bars with up to `corners` corners each; 0 asks
  * for rough paths. Returns false if out of memory or cancelled. */
-static bool trace(const struct page *page, int index, size_t corners)
+static bool trace_curve_paths(const struct page *page, int index, size_t corners)
 {
     const struct curve *curve = &page->figure->curve[index];
     const struct plot_area area = page_area(page);
@@ -70,13 +70,13 @@ bool page_trace(struct page *page, bool rough, struct arena *arena)
         return false;
     memset(page->path, 0, (n + 1) * sizeof *page->path);
     for (int i = 0; i < figure->curves && ok; i++)
-        ok = !curve_drawn(figure, i) || trace(page, i, rough ? 0 : PATH_CORNERS_MAX);
+        ok = !curve_drawn(figure, i) || trace_curve_paths(page, i, rough ? 0 : PATH_CORNERS_MAX);
     for (size_t i = 0; i < n && !rough; i++)
         corners += path_count(&page->path[i]);
     for (int i = 0; i < figure->curves && ok && corners > PATH_CORNERS_MAX; i++)
         ok = (path_count(&page->path[i]) <= most &&
               path_count(&page->path[figure->curves + i]) <= most) ||
-             trace(page, i, most);
+             trace_curve_paths(page, i, most);
     return ok;
 }
 

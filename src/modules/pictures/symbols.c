@@ -29,7 +29,7 @@ static void put_superscript(struct buffer *output, struct text digits)
 
 /* Returns the number of leading digits, after an optional sign if `sign` is set, or 0 if there
  * are none. */
-static size_t digits_of(struct text text, bool sign)
+static size_t digits_length(struct text text, bool sign)
 {
     const size_t start = sign && text.len && (text.data[0] == '-' || text.data[0] == '+');
     size_t len = start;
@@ -42,10 +42,10 @@ static size_t digits_of(struct text text, bool sign)
 
 /* Returns the length of an exponent such as "e-06", or 0. Sets *power to its digits without
  * leading zeros. */
-static size_t exponent_of(struct text text, struct text *power, bool *negative)
+static size_t exponent_length(struct text text, struct text *power, bool *negative)
 {
     const size_t len =
-        text.len > 1 && text.data[0] == 'e' ? digits_of(text_after(text, 1), true) : 0;
+        text.len > 1 && text.data[0] == 'e' ? digits_length(text_after(text, 1), true) : 0;
     if (!len || (1 + len < text.len && is_symbol_letter(text.data[1 + len])))
         return 0;
     *negative = text.data[1] == '-';
@@ -59,12 +59,12 @@ static size_t exponent_of(struct text text, struct text *power, bool *negative)
  * length in the text. */
 static size_t symbol_number_put(struct buffer *output, struct text text)
 {
-    size_t len = digits_of(text, false);
+    size_t len = digits_length(text, false);
     struct text power;
     bool negative = false;
     if (len < text.len && text.data[len] == '.')
-        len += 1 + digits_of(text_after(text, len + 1), false);
-    const size_t exponent = exponent_of(text_after(text, len), &power, &negative);
+        len += 1 + digits_length(text_after(text, len + 1), false);
+    const size_t exponent = exponent_length(text_after(text, len), &power, &negative);
     const bool unit = len == 1 && text.data[0] == '1'; /* 1e-6 is printed as 10⁻⁶ */
     if (!exponent || !unit)
         buffer_put(output, (struct text){text.data, len});
@@ -117,7 +117,7 @@ void put_number_symbols(struct buffer *output, struct text text)
 /* ---- names ---- */
 
 /* Returns the code point of the Greek letter with this name, or 0 if there is none. */
-static uint32_t greek(struct text name)
+static uint32_t greek_letter(struct text name)
 {
     static const struct {
         const char *name;
@@ -141,10 +141,10 @@ static size_t symbol_name_put(struct buffer *output, struct text rest)
     size_t letters = 0;
     while (letters < rest.len && is_symbol_letter(rest.data[letters]))
         letters++;
-    const size_t digits = digits_of(text_after(rest, letters), false), len = letters + digits;
+    const size_t digits = digits_length(text_after(rest, letters), false), len = letters + digits;
     const bool ends =
         len == rest.len || (!is_symbol_letter(rest.data[len]) && rest.data[len] != '_');
-    const uint32_t letter = greek((struct text){rest.data, letters});
+    const uint32_t letter = greek_letter((struct text){rest.data, letters});
     if (!ends || (!letter && letters > 1)) {
         buffer_put(output, (struct text){rest.data, len});
         return len;
@@ -167,7 +167,7 @@ void put_name_symbols(struct buffer *output, struct text name)
         const bool word =
             is_symbol_letter(rest.data[0]) &&
             (i == 0 || (name.data[i - 1] != '_' && (unsigned char)name.data[i - 1] < 128));
-        const size_t power = rest.data[0] == '^' ? digits_of(text_after(rest, 1), true) : 0;
+        const size_t power = rest.data[0] == '^' ? digits_length(text_after(rest, 1), true) : 0;
         size_t used = word ? symbol_name_put(output, rest) : put_arithmetic(output, name, i);
         if (!used && power) {
             put_superscript(output, (struct text){rest.data + 1, power});
@@ -212,7 +212,7 @@ void put_unit_symbols(struct buffer *output, struct text unit)
         const struct text name = {unit.data + i, len};
         const struct text remaining = text_after(unit, i + len);
         const size_t power = remaining.len && remaining.data[0] == '^'
-                                 ? digits_of(text_after(remaining, 1), true)
+                                 ? digits_length(text_after(remaining, 1), true)
                                  : 0;
         if (len && !text_is(name, "1")) {
             if (output->len > old_len)

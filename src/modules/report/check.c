@@ -48,7 +48,7 @@ void check_differs(struct check *check, const char *file, const char *what, stru
 
 /* Returns the recording if its values were read from recording-N.csv of the folder, because neither
  * its file nor a copy of that was found, else NULL. */
-static const struct recording *moved(const struct session *session, int index)
+static const struct recording *recording_from_folder(const struct session *session, int index)
 {
     const struct recording *recording = session->recording[index]->recording;
     return strcmp(recording->format, HANDED_IN) == 0 ? recording : NULL;
@@ -56,12 +56,12 @@ static const struct recording *moved(const struct session *session, int index)
 
 /* Returns true if the line describes such a recording: number of rows and separator are those of
  * recording-N.csv and differ from those of the file. */
-static bool is_of_moved(const struct session *session, struct text line)
+static bool describes_folder_recording(const struct session *session, struct text line)
 {
     for (int i = 0; i < session->recordings; i++) {
         struct buffer description = {0};
-        if (moved(session, i))
-            recording_describe(moved(session, i), &description);
+        if (recording_from_folder(session, i))
+            recording_describe(recording_from_folder(session, i), &description);
         const char *end = strchr(buffer_view(&description), ',');
         const bool found =
             end && description.data &&
@@ -95,7 +95,7 @@ static void compare_lines(struct check *check, const char *file, struct text han
         for (size_t i = 0; i < line.len; i++)
             digit |= line.data[i] >= '0' && line.data[i] <= '9';
         if (digit && line.data[0] != '#' && !text_starts(line, TEXT("<h")) &&
-            !has_line(handed, line) && !is_of_moved(check->report.session, line))
+            !has_line(handed, line) && !describes_folder_recording(check->report.session, line))
             check_differs(check, file, "this line is missing", line);
     }
 }
@@ -191,7 +191,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
 /* ---- the session, run again ---- */
 
 /* Keeps the first error message of the repeated session in check->failure. */
-static bool keep_error(void *context, struct text text)
+static bool store_first_error(void *context, struct text text)
 {
     struct check *check = context;
     struct text line;
@@ -203,7 +203,7 @@ static bool keep_error(void *context, struct text text)
 
 /* Runs session.hk of the folder in `session` without showing or writing anything. Returns NULL, or
  * the reason why the script was not read; check->failure has the first error. */
-static const char *run_again(struct check *check, struct session *session)
+static const char *run_session_file(struct check *check, struct session *session)
 {
     struct buffer path = {0}, script = {0};
     struct error error = {0};
@@ -215,7 +215,7 @@ static const char *run_again(struct check *check, struct session *session)
         buffer_put(&check->failure, text_of(error.text));
     } else {
         const bool fails = memmem(script.data, script.len, "hooke --keep-going", 18) != NULL;
-        reply_init(&silent, (struct sink){sink_nothing, keep_error, check});
+        reply_init(&silent, (struct sink){sink_nothing, store_first_error, check});
         session->options.checking = check->folder;
         session->options.keep_going = true;
         script_file(session, buffer_view(&path), NULL, &silent);
@@ -231,7 +231,7 @@ static const char *run_again(struct check *check, struct session *session)
 
 /* Tells the user if a recording was read from the folder, because the file that it was loaded from
  * is missing or has another checksum. Returns true if so. */
-static bool tell_taken(struct check *check, int index)
+static bool report_taken(struct check *check, int index)
 {
     const struct session *session = check->report.session;
     const struct recording *recording = session->recording[index]->recording;
@@ -242,9 +242,10 @@ static bool tell_taken(struct check *check, int index)
                same = found &&
                       (recording->sum == 0 || bytes_sum(buffer_text(&content)) == recording->sum);
     buffer_free(&content);
-    if (same && !moved(session, index))
+    if (same && !recording_from_folder(session, index))
         return false;
-    buffer_format(&copy, moved(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
+    buffer_format(&copy,
+                  recording_from_folder(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
                   index + 1, (int)file.len, file.data);
     reply_line(check->reply, "the file of %s is not here; %s was used instead%s", recording->name,
                buffer_view(&copy), found ? " (the file of that name is a different one)" : "");
@@ -296,7 +297,7 @@ static void put_record(struct check *check, struct text folder, int taken)
 }
 
 /* Prints the summary of a checked folder and completes its record. */
-static void conclude(struct check *check)
+static void check_conclude(struct check *check)
 {
     struct reply *reply = check->reply;
     struct buffer safe = {0}, verdict = {0};
@@ -304,7 +305,7 @@ static void conclude(struct check *check)
     const struct session *session = check->report.session;
     int taken = 0;
     for (int i = 0; i < session->recordings; i++)
-        taken += tell_taken(check, i);
+        taken += report_taken(check, i);
     safe_text(&safe, text_of(check->folder), false);
     if (n > 0)
         buffer_format(&verdict, "%d difference%s from the results of session.hk", n,
@@ -378,7 +379,7 @@ static int check_folder(struct session *session, struct checked *checked, int in
     if (check && view) {
         check->folder = checked[index].folder;
         check->reply = reply;
-        const char *unread = run_again(check, session);
+        const char *unread = run_session_file(check, session);
         reply_command_begin(reply, (enum output_format)session->setup.settings.format);
         reply_begin(reply, "check");
         if (reply->format != FORMAT_CSV)
@@ -393,7 +394,7 @@ static int check_folder(struct session *session, struct checked *checked, int in
         checked[index].sum = check->sum;
         for (int i = 0; i < index && check->sum != 0 && !check->copy; i++)
             check->copy = is_copy(&checked[index], &checked[i]) ? checked[i].folder : NULL;
-        conclude(check);
+        check_conclude(check);
         reply_command_end(reply, "check");
         if (!unread)
             status = check->differences ? ERROR_COMMAND : 0;

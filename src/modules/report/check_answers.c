@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Appends the text behind `label` ("Name:") of the first line that begins with it, or nothing. */
-static void put_field(struct text report, struct text label, struct buffer *output)
+static void put_field_value(struct text report, struct text label, struct buffer *output)
 {
     struct text line;
     while (report.len > 0 && text_split(&report, '\n', &line))
@@ -53,7 +53,7 @@ static bool is_written_in_page(struct text page, int number)
 
 /* Counts the answer to `question` ("Q3", empty before the first one) as given or empty. An answer
  * may have been written in report.html (`page`) instead. */
-static void end_answer(struct check *check, struct text question, bool written, struct text page)
+static void count_answer(struct check *check, struct text question, bool written, struct text page)
 {
     if (question.len == 0)
         return;
@@ -73,10 +73,10 @@ void check_answers(struct check *check, struct text report, struct text page)
     struct text rest = report, line, question = TEXT("");
     struct buffer own = {0};
     bool written = false, is_answer = false;
-    put_field(report, name, &check->name);
+    put_field_value(report, name, &check->name);
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         if (is_heading(line) && (is_answer || memmem(line.data, line.len, " Q", 2))) {
-            end_answer(check, question, written, page);
+            count_answer(check, question, written, page);
             const char *number = memmem(line.data, line.len, " Q", 2);
             const char *point =
                 number ? memchr(number, '.', line.len - (size_t)(number - line.data)) : NULL;
@@ -93,7 +93,7 @@ void check_answers(struct check *check, struct text report, struct text page)
             buffer_char(&own, '\n');
         }
     }
-    end_answer(check, question, written, page);
+    count_answer(check, question, written, page);
     check->sum = own.len ? bytes_sum(buffer_text(&own)) : 0;
     buffer_free(&own);
 }

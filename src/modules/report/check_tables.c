@@ -87,7 +87,7 @@ static size_t find_row(const struct values *a, size_t i, const struct values *b)
 
 /* Returns true if the values differ by no more than the computed uncertainty (or by SAME_DIGITS if
  * there is none) and the uncertainties are the same within SAME_UNCERTAINTY. */
-static bool agree(struct measured stated, struct measured computed)
+static bool values_agree(struct measured stated, struct measured computed)
 {
     const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0;
     const double v = isfinite(stated.uncertainty) ? fabs(stated.uncertainty) : 0;
@@ -102,7 +102,7 @@ static void compare_value(struct check *check, const struct values *handed, size
     const struct measured stated = {handed->value[i], handed->uncertainty[i]};
     const struct measured computed = {again->value[j], again->uncertainty[j]};
     check->values++;
-    if (agree(stated, computed))
+    if (values_agree(stated, computed))
         return;
     struct buffer detail = {0};
     buffer_format(&detail,
@@ -114,8 +114,8 @@ static void compare_value(struct check *check, const struct values *handed, size
 }
 
 /* Reports a row that only one of the tables has; `what` says which. */
-static void tell_unmatched(struct check *check, const struct values *values, size_t i,
-                           const char *what)
+static void report_unmatched(struct check *check, const struct values *values, size_t i,
+                             const char *what)
 {
     struct buffer detail = {0};
     buffer_format(&detail, "%s of %s (%s) = %.9g", values->name[i], values->subject[i],
@@ -144,11 +144,11 @@ void check_values(struct check *check, struct text handed_text, struct text agai
         if (j < again.rows)
             compare_value(check, &handed, i, &again, j);
         else
-            tell_unmatched(check, &handed, i, "the session does not give");
+            report_unmatched(check, &handed, i, "the session does not give");
     }
     for (size_t j = 0; j < again.rows; j++)
         if (find_row(&again, j, &handed) == handed.rows)
-            tell_unmatched(check, &again, j, "it lacks");
+            report_unmatched(check, &again, j, "it lacks");
 }
 
 /* ---- data ---- */
@@ -224,8 +224,9 @@ static void checked_cell_put(const struct table_column *column, size_t row, stru
 }
 
 /* Reports the differing cell with the largest relative difference, and how many differ. */
-static void tell_data(struct check *check, const char *file, const struct table *handed,
-                      const struct table *again, const struct data_difference *found)
+static void report_data_difference(struct check *check, const char *file,
+                                   const struct table *handed, const struct table *again,
+                                   const struct data_difference *found)
 {
     const struct table_column *column = &handed->column[found->column];
     struct buffer detail = {0};
@@ -268,7 +269,7 @@ void check_data(struct check *check, const char *file, struct text handed_text,
         for (int c = 0; c < handed.columns; c++)
             compare_column(&handed, &again, c, &found);
         if (found.count > 0)
-            tell_data(check, file, &handed, &again, &found);
+            report_data_difference(check, file, &handed, &again, &found);
     }
     buffer_free(&detail);
 }

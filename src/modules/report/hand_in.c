@@ -31,7 +31,7 @@ static void put_script(const struct session *session, int *head, struct buffer *
 }
 
 /* Ends the document with links to the other files and the text of session.hk. */
-static void put_end(struct report *report, const struct buffer *script)
+static void put_report_end(struct report *report, const struct buffer *script)
 {
     struct document *document = &report->document;
     static const char *const files[][2] = {
@@ -88,7 +88,7 @@ bool report_write(struct report *report, struct error *error)
     if (ok)
         put_all_values(report);
     if (ok)
-        put_end(report, &script);
+        put_report_end(report, &script);
     ok = ok && report_put(report, "session.hk", &script, error) &&
          report_put(report, "report.md", &document->md, error) &&
          report_put(report, "report.html", &document->html, error) &&

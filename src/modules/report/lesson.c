@@ -45,7 +45,7 @@ static void say_step(const struct session *session, struct reply *reply)
 
 /* Makes `step` the current one, writes its recording if it needs one, and prints it. Notes where in
  * the log the previous step was left if the lesson moves forward. */
-static bool go_to(struct session *session, int step, struct reply *reply, struct error *error)
+static bool go_to_step(struct session *session, int step, struct reply *reply, struct error *error)
 {
     struct lesson *lesson = session_lesson(session);
     if (step > lesson->step)
@@ -73,12 +73,12 @@ void lesson_follow(struct session *session, struct reply *reply)
     struct lesson_step step;
     const struct lesson *lesson = session_lesson(session);
     if (lesson && lesson_step(lesson, lesson->step, &step) && step.done &&
-        lesson_done(session, step.wanted) && !go_to(session, lesson->step + 1, reply, &error))
+        lesson_done(session, step.wanted) && !go_to_step(session, lesson->step + 1, reply, &error))
         reply_warning(reply, "%s", error.text);
 }
 
 /* Returns true if a lesson has a step that waits; otherwise sets *error. */
-static bool need_lesson(const struct session *session, struct error *error)
+static bool require_lesson(const struct session *session, struct error *error)
 {
     struct lesson_step step;
     if (session_lesson(session) &&
@@ -117,7 +117,7 @@ HANDLER(lab)
     const bool is_waiting = waiting && waiting->step < waiting->steps;
     if (is_waiting && !name->count && !seed->count) {
         reply_line(reply, "the lesson continues here; 'lab off' ends it");
-        return go_to(session, waiting->step, reply, error);
+        return go_to_step(session, waiting->step, reply, error);
     }
     if (is_waiting && waiting->step > 0) {
         error_set(error, ERROR_COMMAND, "a lesson is in progress at step %d of %d",
@@ -127,7 +127,7 @@ HANDLER(lab)
     const long number = seed->count ? (long)seed->item->value.value : 1;
     return lesson_open(session, name->count ? name->item->text : TEXT("lab"), number, args,
                        error) &&
-           go_to(session, is_loaded(session, reply), reply, error);
+           go_to_step(session, is_loaded(session, reply), reply, error);
 }
 
 /* ---- checks ---- */
@@ -145,7 +145,7 @@ static bool fits_unit(const struct item *item, enum quantity quantity)
 /* Adds other forms in which the wanted value[0] may be given: a period as a frequency, a decay as
  * the time in which the amplitude falls to 1/e, a growth as a factor. Returns the number of forms,
  * at least 1. */
-static int values_said(const struct lesson_step *step, struct named_value value[3])
+static int equivalent_values(const struct lesson_step *step, struct named_value value[3])
 {
     const double x = value[0].value, relative = value[0].uncertainty / x;
     int count = 1;
@@ -169,7 +169,7 @@ static int values_said(const struct lesson_step *step, struct named_value value[
 
 /* Returns true if the value is within three uncertainties, that of the wanted one and the stated
  * one, or, without a stated one, within its first digits. */
-static bool is_right(const struct item *item, const struct named_value *wanted)
+static bool is_answer_right(const struct item *item, const struct named_value *wanted)
 {
     const double stated = item->value.uncertainty;
     const double own = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
@@ -185,7 +185,7 @@ HANDLER(check)
     const struct argument_value *value = argument_value(args, "VALUE");
     struct lesson_step step;
     struct named_value found[3] = {{.error_floor = 0}};
-    if (!need_lesson(session, error) ||
+    if (!require_lesson(session, error) ||
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
     if (step.done ? !lesson_done(session, step.wanted) : !lesson_found(session, &step, found)) {
@@ -206,9 +206,9 @@ HANDLER(check)
                          "its uncertainty is larger than %g %%, too large for a check",
                          100 * LESSON_VAGUE);
     bool right = step.done;
-    const int ways = values_said(&step, found);
+    const int ways = equivalent_values(&step, found);
     for (int i = 0; i < ways && !right; i++)
-        right = is_right(value->item, &found[i]);
+        right = is_answer_right(value->item, &found[i]);
     if (!right) {
         reply_line(reply, "not correct: outside the stated uncertainty ('hint' helps, 'again' "
                           "shows the step again)");
@@ -220,7 +220,7 @@ HANDLER(check)
         return true;
     }
     reply_line(reply, "right");
-    return go_to(session, session_lesson(session)->step + 1, reply, error);
+    return go_to_step(session, session_lesson(session)->step + 1, reply, error);
 }
 
 /* Prints the hint of the step, or its command if it has none. */
@@ -228,7 +228,7 @@ HANDLER(hint)
 {
     UNUSED(args);
     struct lesson_step step;
-    if (!need_lesson(session, error) ||
+    if (!require_lesson(session, error) ||
         !lesson_step(session_lesson(session), session_lesson(session)->step, &step))
         return false;
     struct buffer hint = {0};
@@ -242,18 +242,18 @@ HANDLER(hint)
 HANDLER(skip)
 {
     UNUSED(args);
-    return need_lesson(session, error) &&
-           go_to(session, session_lesson(session)->step + 1, reply, error);
+    return require_lesson(session, error) &&
+           go_to_step(session, session_lesson(session)->step + 1, reply, error);
 }
 
 /* Repeats the step; measurements made before no longer count as its answer. */
 HANDLER(again)
 {
     UNUSED(args);
-    if (!need_lesson(session, error))
+    if (!require_lesson(session, error))
         return false;
     session_lesson(session)->counted = session->history.count;
-    return go_to(session, session_lesson(session)->step, reply, error);
+    return go_to_step(session, session_lesson(session)->step, reply, error);
 }
 #endif
 

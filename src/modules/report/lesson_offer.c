@@ -128,7 +128,7 @@ static bool is_typed(const struct session *session, size_t first, struct text na
 
 /* Returns true if the script has this statement and no assignment after it, which would require it
  * to be repeated. */
-static bool is_done(struct text script, struct text statement)
+static bool is_statement_done(struct text script, struct text statement)
 {
     struct text line;
     bool done = false;
@@ -216,7 +216,7 @@ void lesson_remaining(const struct session *session, struct text command, size_t
         const char *step = memmem(statement.data, statement.len, " dt=", 4);
         if (name.len > 0
                 ? is_typed(session, typed_since(session, name), name)
-                : is_done(buffer_text(&script), statement) ||
+                : is_statement_done(buffer_text(&script), statement) ||
                       (text_is(word, "method") && has_command(buffer_text(&script), "method")))
             continue;
         is_unknown = memmem(statement.data, statement.len, UNKNOWN_MASS, 4) != NULL;

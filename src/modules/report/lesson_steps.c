@@ -39,7 +39,7 @@ static const char lesson_names[] =
 enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS };
 
 /* Computes the true parameters of the recordings of a seed, uniformly in their ranges. */
-static void truths(long seed, double value[TRUTHS])
+static void true_parameters(long seed, double value[TRUTHS])
 {
     static const double lower[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},
                         upper[TRUTHS] = {220, 0, 17, 5.6, 0.03, 24};
@@ -52,10 +52,10 @@ static void truths(long seed, double value[TRUTHS])
 
 /* Appends a generated recording as a sensor would write it: 10 ms apart, with Gaussian noise of
  * 0.02 cm; 10 s of the bare mass, 120 s of the mass with the disk. */
-static void put_recording(long seed, bool disk, struct buffer *output)
+static void put_generated_recording(long seed, bool disk, struct buffer *output)
 {
     double v[TRUTHS];
-    truths(seed, v);
+    true_parameters(seed, v);
     const double mass = v[disk ? DISK_MASS : BARE_MASS] / 1000;
     const double gamma = disk ? v[DRAG] : 0.008;
     const double omega = sqrt(v[SPRING] / mass - gamma * gamma / 4);
@@ -73,7 +73,7 @@ static void put_recording(long seed, bool disk, struct buffer *output)
 double lesson_mass(long seed, bool disk)
 {
     double v[TRUTHS];
-    truths(seed, v);
+    true_parameters(seed, v);
     return v[disk ? DISK_MASS : BARE_MASS];
 }
 
@@ -205,7 +205,7 @@ bool lesson_files(struct session *session, struct reply *reply, struct error *er
     struct error missing;
     char name[64];
     snprintf(name, sizeof name, "%s-%ld.txt", step.disk ? "disk" : "bare", lesson->seed);
-    put_recording(lesson->seed, step.disk, &wanted);
+    put_generated_recording(lesson->seed, step.disk, &wanted);
     bool ok = !wanted.failed || error_memory(error);
     if (ok && (!file_read(name, 1u << 24, &there, &missing) ||
                !text_equal(buffer_text(&there), buffer_text(&wanted)))) {

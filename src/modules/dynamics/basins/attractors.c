@@ -31,7 +31,8 @@
 /* ---- distances ---- */
 
 /* Returns the distance, in sizes, of y from the states or the line of an attractor. */
-static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
+static double attractor_distance(const struct basin_walk *walk, const struct attractor *a,
+                                 const double *y)
 {
     double least = HUGE_VAL, nearest[FIELD_VARIABLES];
     for (int k = 0; k < a->points; k++) {
@@ -72,7 +73,7 @@ static long cell_at(const struct basin_walk *walk, const double *y, const int *c
 }
 
 /* Marks the cell of y and its neighbours. */
-static void visit(const struct basin_walk *walk, unsigned char *cell, const double *y)
+static void mark_cells(const struct basin_walk *walk, unsigned char *cell, const double *y)
 {
     int cell_shift[3] = {-1, -1, -1};
     for (int k = 0; k < 27; k++) {
@@ -95,14 +96,14 @@ void walker_start(const struct basin_walk *walk, struct walker *walker, const do
 static bool is_near(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     if (!a->cell)
-        return a->basin.stable && apart_from(walk, a, y) < ATTRACTOR_NEAR_SIZES;
+        return a->basin.stable && attractor_distance(walk, a, y) < ATTRACTOR_NEAR_SIZES;
     const long cell_index = cell_at(walk, y, NULL);
     return cell_index >= 0 && a->cell[cell_index];
 }
 
 /* Counts checks near an attractor. Returns its index once the motion has been there often enough,
  * else BASIN_MISSING. */
-static int comes_to(const struct basin_walk *walk, struct walker *w)
+static int approached_attractor(const struct basin_walk *walk, struct walker *w)
 {
     const bool stays = w->attractor >= 0 && is_near(walk, &walk->attractor[w->attractor], w->y);
     w->near_count = stays ? w->near_count + 1 : 0;
@@ -120,7 +121,7 @@ static int comes_to(const struct basin_walk *walk, struct walker *w)
 }
 
 /* Returns true if the walker has repeatedly been where it was a fixed number of looks before. */
-static bool repeats(const struct basin_walk *walk, struct walker *w)
+static bool has_repeated(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
         if (field_distance(&walk->field, w->y, w->past[(w->looks - q) % WALK_PAST]) >=
@@ -145,10 +146,10 @@ int walker_look(const struct basin_walk *walk, struct walker *w)
     }
     w->looks++;
     w->found = false;
-    const int fate = comes_to(walk, w);
+    const int fate = approached_attractor(walk, w);
     if (fate >= 0)
         return fate;
-    w->found = repeats(walk, w);
+    w->found = has_repeated(walk, w);
     memcpy(w->past[w->looks % WALK_PAST], w->y, sizeof w->past[0]);
     if (w->found)
         return BASIN_UNDECIDED;
@@ -170,7 +171,7 @@ static bool is_equilibrium(struct basin_walk *walk, const double *y)
 /* Sets basin->growth to the largest real part of an eigenvalue [1/s] of an equilibrium, or the
  * largest magnitude of a multiplier (without that along the orbit), and basin->stable, which is
  * true if differences decay or if that is unknown. */
-static void judge(struct basin_walk *walk, struct basin *basin)
+static void find_growth(struct basin_walk *walk, struct basin *basin)
 {
     struct flow_slopes *slopes = malloc(sizeof *slopes);
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], end[FIELD_VARIABLES];
@@ -213,7 +214,7 @@ static int add_attractor(struct basin_walk *walk, struct attractor *a)
         return BASIN_UNDECIDED;
     }
     if (a->basin.kind != BASIN_IRREGULAR)
-        judge(walk, &a->basin);
+        find_growth(walk, &a->basin);
     if (a->basin.kind == BASIN_ORBIT && !a->basin.stable) { /* one of a family */
         free(a->point);
         return BASIN_UNDECIDED;
@@ -223,10 +224,11 @@ static int add_attractor(struct basin_walk *walk, struct attractor *a)
 }
 
 /* Returns the index of the known attractor within `tolerance` (in sizes) of y, or BASIN_MISSING. */
-static int known_as(const struct basin_walk *walk, const double *y, double tolerance)
+static int find_known(const struct basin_walk *walk, const double *y, double tolerance)
 {
     for (int k = 0; k < walk->attractors; k++)
-        if (!walk->attractor[k].cell && apart_from(walk, &walk->attractor[k], y) < tolerance)
+        if (!walk->attractor[k].cell &&
+            attractor_distance(walk, &walk->attractor[k], y) < tolerance)
             return k;
     return BASIN_MISSING;
 }
@@ -253,7 +255,7 @@ static void settle_state(struct basin_walk *walk, double *y)
  * drive. Returns its index or BASIN_UNDECIDED. */
 static int learn_points(struct basin_walk *walk, const struct walker *w)
 {
-    const int known = known_as(walk, w->y, ATTRACTORS_SAME_SIZES);
+    const int known = find_known(walk, w->y, ATTRACTORS_SAME_SIZES);
     if (known >= 0)
         return known;
     const int n = walk->n;
@@ -277,7 +279,7 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
  * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_LOOKS_MAX looks or
  * cannot be followed. *closure_error is the distance from the start at the last passage near it,
  * unchanged if there was none. */
-static double go_round(struct basin_walk *walk, const double *start, double *closure_error)
+static double orbit_period(struct basin_walk *walk, const double *start, double *closure_error)
 {
     struct field_plane plane;
     double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, previous_side = 0;
@@ -312,11 +314,11 @@ static int learn_orbit(struct basin_walk *walk, struct walker *w)
     double closure_error = HUGE_VAL;
     walk->field.tol = 1e-10;
     const double period =
-        walk->forced || is_equilibrium(walk, w->y) ? 0 : go_round(walk, w->y, &closure_error);
+        walk->forced || is_equilibrium(walk, w->y) ? 0 : orbit_period(walk, w->y, &closure_error);
     walk->field.tol = tol;
     if (!(period > 0) || closure_error > ORBIT_CLOSED_SIZES)
         return BASIN_MISSING;
-    const int known = known_as(walk, w->y, ATTRACTOR_NEAR_SIZES);
+    const int known = find_known(walk, w->y, ATTRACTOR_NEAR_SIZES);
     if (known >= 0)
         return known;
     struct attractor a = {.points = FIELD_TIMES, .basin = {.kind = BASIN_ORBIT, .period = period}};
@@ -358,7 +360,7 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
         stepper_advance(stepper, w, 1);
         w->looks = 0; /* no limit on the number of looks */
         fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
-        visit(walk, a.cell, w->y);
+        mark_cells(walk, a.cell, w->y);
         for (int i = 0; i < walk->n; i++) {
             const bool begins = k % (CLOUD_LOOKS / 3) == 0;
             low[i] = begins ? w->y[i] : fmin(low[i], w->y[i]);

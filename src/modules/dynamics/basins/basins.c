@@ -58,8 +58,8 @@ struct late {
 };
 
 /* Begins the motion of start number `point`. */
-static void start_at(const struct basins_request *request, const struct basin_walk *walk,
-                     int64_t point, struct walker *walker)
+static void walker_begin_at(const struct basins_request *request, const struct basin_walk *walk,
+                            int64_t point, struct walker *walker)
 {
     double y[FIELD_VARIABLES];
     memcpy(y, walk->field.system.start, sizeof y);
@@ -190,7 +190,7 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
     for (int k = 0; k < active; k++) {
         const int64_t a = request->axis[0].count * (int64_t)(2 * (k / 8) + 1) / 16,
                       b = request->axis[1].count * (int64_t)(2 * (k % 8) + 1) / 16;
-        start_at(request, walk, a * request->axis[1].count + b, &walker[k]);
+        walker_begin_at(request, walk, a * request->axis[1].count + b, &walker[k]);
     }
     for (int look = 1; active > 0 && !cancelled(request->cancel); look++) {
         stepper_advance(stepper, walker, active);
@@ -252,7 +252,7 @@ static void *walk_all(void *context)
             more = next < job->basins->total;
             if (more) {
                 point[active] = next;
-                start_at(job->request, job->walk, next, &walker[active++]);
+                walker_begin_at(job->request, job->walk, next, &walker[active++]);
             }
         }
         stepper_advance(stepper, walker, active);
@@ -323,7 +323,7 @@ static void walk_by_threads(struct basins_job *job)
 }
 
 /* Compares two late motions by their starts, for qsort(). */
-static int by_point(const void *a, const void *b)
+static int compare_late(const void *a, const void *b)
 {
     const struct late *x = a, *y = b;
     return (x->point > y->point) - (x->point < y->point);
@@ -333,7 +333,7 @@ static int by_point(const void *a, const void *b)
 static void learn_late(struct basins_job *job, struct basin_walk *walk)
 {
     if (job->lates > 0 && !cancelled(job->request->cancel))
-        qsort(job->late, job->lates, sizeof *job->late, by_point);
+        qsort(job->late, job->lates, sizeof *job->late, compare_late);
     const int old_count = walk->attractors;
     for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {
         struct walker *w = &job->late[i].walker;
@@ -351,7 +351,7 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
 /* ---- result ---- */
 
 /* Counts the starts of each basin, sorts basins by size, and renumbers the fates. */
-static void count_up(struct basins *basins, const struct basin_walk *walk)
+static void count_basins(struct basins *basins, const struct basin_walk *walk)
 {
     int order[BASINS_MOST] = {0}, place[BASINS_MOST] = {0};
     int64_t count[BASINS_MOST] = {0};
@@ -409,7 +409,7 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
     basins->looks += atomic_load(&job.looks);
     basins->cancelled = cancelled(request->cancel);
     if (!job.failed)
-        count_up(basins, walk);
+        count_basins(basins, walk);
     if (request->progress)
         request->progress(request->context, 2);
     free(job.late);

@@ -92,8 +92,8 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
 
 /* Sets difference[i] to the change of the end of start i, in sizes, if a look takes twice as many
  * steps. Returns false if out of memory or if the system cannot go in lanes. */
-static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
-                        double *difference)
+static bool step_differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
+                             double *difference)
 {
     struct walker *walker = calloc(2 * LANE_COUNT, sizeof *walker);
     bool fine = walker != NULL;
@@ -125,7 +125,7 @@ int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], in
 {
     double difference[LANE_COUNT];
     for (walk->steps = STEPS_MIN; walk->steps < STEPS_MAX; walk->steps *= 2) {
-        if (!differences(walk, start, count, difference))
+        if (!step_differences(walk, start, count, difference))
             break;
         double worst = 0;
         for (int i = 0; i < count; i++)

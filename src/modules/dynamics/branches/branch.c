@@ -31,8 +31,8 @@
 /* ---- the walk ---- */
 
 /* Returns true if a step turns little and has converged quickly. */
-static bool good_step(const struct curve_problem *problem, const struct curve_place *current,
-                      const struct curve_place *next)
+static bool is_good_step(const struct curve_problem *problem, const struct curve_place *current,
+                         const struct curve_place *next)
 {
     double cosine = 0;
     for (int i = 0; i <= problem->n; i++)
@@ -42,8 +42,8 @@ static bool good_step(const struct curve_problem *problem, const struct curve_pl
 
 /* Returns the longest step at a place: the parameter changes by at most `longest` of its range, the
  * state by at most three times that part of its size. */
-static double longest_at(const struct branch_walk *w, const struct curve_place *point,
-                         double longest)
+static double longest_step_at(const struct branch_walk *w, const struct curve_place *point,
+                              double longest)
 {
     const int n = w->path->problem->n;
     double sum = 0;
@@ -61,7 +61,7 @@ bool curve_next(const struct curve_problem *problem, const struct curve_place *p
         if (cancelled(cancel))
             return false;
         if (curve_step(problem, previous, current, *step, next) &&
-            good_step(problem, current, next) &&
+            is_good_step(problem, current, next) &&
             (!resolves || *step < UNRESOLVED_STEP_FRACTION * longest ||
              step_is_resolved(resolves, current, next)))
             return true;
@@ -78,7 +78,7 @@ static bool drive_stops(const struct branch_walk *w)
 }
 
 /* Returns true if the period has grown so much that it seems to be unbounded. */
-static bool too_slow(struct branch_walk *w, const struct curve_place *point)
+static bool is_period_unbounded(struct branch_walk *w, const struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT && !drive_stops(w))
         return false;
@@ -93,7 +93,7 @@ static bool too_slow(struct branch_walk *w, const struct curve_place *point)
 
 /* Returns true if solutions change at a constant parameter, as in a family of orbits of
  * conservative motion. */
-static bool in_family(const struct branch_walk *w, const struct curve_place *point)
+static bool is_family_step(const struct branch_walk *w, const struct curve_place *point)
 {
     const struct solution *s = &w->branch->point[w->branch->count - 1].solution;
     bool one = w->path->kind == SOLUTION_EQUILIBRIUM;
@@ -121,7 +121,7 @@ static bool orbit_segments_refine(struct branch_walk *w, struct curve_place *poi
 
 /* Redistributes the time of an autonomous orbit over its segments, unless the parameter hardly
  * changes. */
-static void stretch(struct branch_walk *w, struct curve_place *point)
+static void stretch_orbit(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind != SOLUTION_ORBIT ||
         fabs(point->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM ||
@@ -139,8 +139,8 @@ static void branch_end_set(struct branch_walk *w, const char *why)
 
 /* Returns the distance of two places by the first state, the period and the parameter, whose
  * indices are a_last and b_last: the numbers of segments may differ. */
-static double apart(const struct branch_walk *w, const struct curve_place *a, int a_last,
-                    const struct curve_place *b, int b_last)
+static double place_distance(const struct branch_walk *w, const struct curve_place *a, int a_last,
+                             const struct curve_place *b, int b_last)
 {
     const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
     return hypot(hypot(a->u[a_last] - b->u[b_last], period),
@@ -149,21 +149,21 @@ static double apart(const struct branch_walk *w, const struct curve_place *a, in
 
 /* Returns true if a step ends near the start of the branch, or passes it, after the walk has been
  * elsewhere. A start half way along the step is nearer than half of it from neither end. */
-static bool comes_back(struct branch_walk *w, const struct curve_place *point,
-                       const struct curve_place *next, const struct curve_place *start)
+static bool has_returned(struct branch_walk *w, const struct curve_place *point,
+                         const struct curve_place *next, const struct curve_place *start)
 {
     const int last = w->path->problem->n;
     /* The way along a step may be longer than its chord by this factor. */
     static const double detour = 1.1;
-    const double far = apart(w, next, last, start, w->start),
-                 step = apart(w, next, last, point, last),
-                 last_distance = apart(w, point, last, start, w->start);
+    const double far = place_distance(w, next, last, start, w->start),
+                 step = place_distance(w, next, last, point, last),
+                 last_distance = place_distance(w, point, last, start, w->start);
     w->away = w->away || far > 2 * step;
     return w->away && (far < step / 2 || last_distance + far < detour * step);
 }
 
 /* Returns the extent of the last orbit, in natural sizes, relative to the largest so far. */
-static double extent(const struct branch_walk *w)
+static double relative_extent(const struct branch_walk *w)
 {
     const struct branch *b = w->branch;
     double last = 0, largest = 0;
@@ -178,7 +178,7 @@ static double extent(const struct branch_walk *w)
 }
 
 /* Ends the walk at its last point, which is labelled as an end. Returns true. */
-static bool end_there(struct branch_walk *w, const char *why)
+static bool end_walk(struct branch_walk *w, const char *why)
 {
     w->branch->point[w->branch->count - 1].special = SPECIAL_END;
     branch_end_set(w, why);
@@ -187,7 +187,7 @@ static bool end_there(struct branch_walk *w, const char *why)
 
 /* Ends the walk at its last point, without a label. If cancelled, that point is labelled as an end,
  * so that the branch can be continued there, unless it is a special point. Returns true. */
-static bool fails_there(struct branch_walk *w, const char *why)
+static bool fail_walk(struct branch_walk *w, const char *why)
 {
     const bool stopped = cancelled(w->request->cancel);
     struct branch_point *last = &w->branch->point[w->branch->count - 1];
@@ -251,16 +251,16 @@ static bool is_over(struct branch_walk *w, const struct curve_place *point,
     double *value = &w->branch->point[w->branch->count - 1].solution.param[0];
     if (leaves) {
         *value = fabs(*value - r->low) < fabs(*value - r->high) ? r->low : r->high;
-        return end_there(w, "end of the range");
+        return end_walk(w, "end of the range");
     }
-    w->level = in_family(w, next) ? w->level + 1 : 0;
+    w->level = is_family_step(w, next) ? w->level + 1 : 0;
     if (w->level == VERTICAL_STEPS_MAX) {
         forget_turns(w);
-        return end_there(w, "a family of orbits at one parameter value");
+        return end_walk(w, "a family of orbits at one parameter value");
     }
-    if (too_slow(w, next))
-        return end_there(w, "the period grows without bound");
-    if (!comes_back(w, point, next, start))
+    if (is_period_unbounded(w, next))
+        return end_walk(w, "the period grows without bound");
+    if (!has_returned(w, point, next, start))
         return false;
     w->branch->closed = true;
     unmark_repeats(w);
@@ -283,7 +283,7 @@ static void branch_progress_report(struct branch_walk *w, const struct curve_pla
 }
 
 /* Returns true if the equations jump along the orbit. */
-static bool jumps(struct branch_walk *w, const struct solution *s)
+static bool orbit_jumps(struct branch_walk *w, const struct solution *s)
 {
     struct vector_field *field = &w->path->field;
     return w->path->kind != SOLUTION_EQUILIBRIUM &&
@@ -304,7 +304,7 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *point, 
             ahead.u[i] += distance * point->tangent[i];
         if (!solutions_seen(w->path, &ahead, &s))
             return false;
-        if (jumps(w, &s))
+        if (orbit_jumps(w, &s))
             return true;
         distance *= 2;
     }
@@ -315,8 +315,8 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *point, 
 static bool walk_stop(struct branch_walk *w, const struct curve_place *point, double longest)
 {
     if (!cancelled(w->request->cancel) && jumps_ahead(w, point, longest))
-        return end_there(w, BRANCH_JUMP);
-    return fails_there(w, "no further step is possible");
+        return end_walk(w, BRANCH_JUMP);
+    return fail_walk(w, "no further step is possible");
 }
 
 /* Follows the branch from `point`, which is recorded already. Returns false if out of memory. */
@@ -336,7 +336,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                                           : "1000 points (max=N allows more)");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
-        const double far = longest_at(w, &point, longest);
+        const double far = longest_step_at(w, &point, longest);
         branch_progress_report(w, &point, &start, i, max);
         step = fmin(step, far);
         if (!curve_next(w->path->problem, w->bends ? &w->previous : NULL, &point, &step, far, w,
@@ -346,12 +346,13 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0) { /* The step has passed the equilibrium, or changed the phase. */
             step /= 2;
-            if (step > STEP_MIN_FRACTION * far && extent(w) > SHRUNK_ORBIT_FRACTION) {
+            if (step > STEP_MIN_FRACTION * far && relative_extent(w) > SHRUNK_ORBIT_FRACTION) {
                 i--;
                 continue;
             }
-            return end_there(w, extent(w) > SHRUNK_ORBIT_FRACTION ? "no further step is possible"
-                                                                  : "it shrinks to an equilibrium");
+            return end_walk(w, relative_extent(w) > SHRUNK_ORBIT_FRACTION
+                                   ? "no further step is possible"
+                                   : "it shrinks to an equilibrium");
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
         if (leaves) { /* special points before the edge are recorded first */
@@ -362,8 +363,8 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
             if (!ranges_step_to_edge(&w->ranges, w->path->problem, &point, &next))
                 return w->branch->point[w->branch->count - 1].special != SPECIAL_NONE ||
                                cancelled(w->request->cancel)
-                           ? fails_there(w, "end of the range")
-                           : end_there(w, "no step reaches the end of the range");
+                           ? fail_walk(w, "end of the range")
+                           : end_walk(w, "no step reaches the end of the range");
         }
         const int p = w->path->problem->n;
         if (i == 0) {
@@ -375,7 +376,7 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                        : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution))
-            return fails_there(w, "the solution there is unknown");
+            return fail_walk(w, "the solution there is unknown");
         if (i == 0)
             w->behind_grows = walk_grows(w, &solution);
         const int index = w->branch->count - 1;
@@ -383,14 +384,14 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
                         (w->bends && !walk_record_pairs(w, &w->previous, &point, index, &next))))
             return false;
         if (cancelled(w->request->cancel)) /* special points may be missing */
-            return fails_there(w, "");
+            return fail_walk(w, "");
         if (!branch_append(w->branch, w->path, &next, leaves ? SPECIAL_END : SPECIAL_NONE,
                            &solution))
             return false;
         if (is_over(w, &point, &next, &start, leaves))
             return true;
-        if (jumps(w, &solution))
-            return end_there(w, BRANCH_JUMP);
+        if (orbit_jumps(w, &solution))
+            return end_walk(w, BRANCH_JUMP);
         w->previous = point;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > STEP_TURN_COSINE_MIN;
         if (!w->bends)
@@ -398,9 +399,9 @@ static bool branch_walk_follow(struct branch_walk *w, struct curve_place point)
         if (next.corrections <= 3)
             step = fmin(1.5 * step, far);
         point = next;
-        stretch(w, &point);
+        stretch_orbit(w, &point);
         if (!orbit_segments_refine(w, &point))
-            return fails_there(w, "small differences grow too much along the orbit");
+            return fail_walk(w, "small differences grow too much along the orbit");
     }
     return true;
 }

@@ -32,8 +32,8 @@ struct taylor {
 };
 
 /* Computes the Jacobian at the state moved by `step` along u, times v. */
-static void moved(const struct taylor *t, const double *u, double step, const double *v,
-                  double *result)
+static void jacobian_times(const struct taylor *t, const double *u, double step, const double *v,
+                           double *result)
 {
     const int n = t->field->n;
     double y[FIELD_VARIABLES] = {0}, jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
@@ -57,13 +57,14 @@ static double step_along(const struct taylor *t, const double *u)
 }
 
 /* Computes the second derivative B(u, v) by differences of fourth order. */
-static void second(const struct taylor *t, const double *u, const double *v, double *result)
+static void second_derivative(const struct taylor *t, const double *u, const double *v,
+                              double *result)
 {
     const double h = step_along(t, u);
     double derivative[4][FIELD_VARIABLES];
     static const double place[] = {-2, -1, 1, 2};
     for (int k = 0; k < 4; k++)
-        moved(t, u, place[k] * h, v, derivative[k]);
+        jacobian_times(t, u, place[k] * h, v, derivative[k]);
     for (int i = 0; i < t->field->n; i++)
         result[i] =
             (8 * (derivative[2][i] - derivative[1][i]) - (derivative[3][i] - derivative[0][i])) /
@@ -71,12 +72,13 @@ static void second(const struct taylor *t, const double *u, const double *v, dou
 }
 
 /* Computes the third derivative C(u, u, v) by differences of fourth order. */
-static void third(const struct taylor *t, const double *u, const double *v, double *result)
+static void third_derivative(const struct taylor *t, const double *u, const double *v,
+                             double *result)
 {
     const double h = step_along(t, u);
     double derivative[5][FIELD_VARIABLES];
     for (int k = 0; k < 5; k++)
-        moved(t, u, (k - 2) * h, v, derivative[k]);
+        jacobian_times(t, u, (k - 2) * h, v, derivative[k]);
     for (int i = 0; i < t->field->n; i++)
         result[i] = (16 * (derivative[1][i] + derivative[3][i]) -
                      (derivative[0][i] + derivative[4][i]) - 30 * derivative[2][i]) /
@@ -135,13 +137,13 @@ static double coefficient(const struct taylor *t, double omega)
         return NAN;
     double aa[FIELD_VARIABLES], ab[FIELD_VARIABLES], bb[FIELD_VARIABLES], aaa[FIELD_VARIABLES],
         bba[FIELD_VARIABLES], aab[FIELD_VARIABLES], bbb[FIELD_VARIABLES];
-    second(t, a, a, aa);
-    second(t, a, b, ab);
-    second(t, b, b, bb);
-    third(t, a, a, aaa);
-    third(t, b, a, bba);
-    third(t, a, b, aab);
-    third(t, b, b, bbb);
+    second_derivative(t, a, a, aa);
+    second_derivative(t, a, b, ab);
+    second_derivative(t, b, b, bb);
+    third_derivative(t, a, a, aaa);
+    third_derivative(t, b, a, bba);
+    third_derivative(t, a, b, aab);
+    third_derivative(t, b, b, bbb);
     /* C(q, q, conj q) = C(aaa) + C(abb) + i (C(aab) + C(bbb)) */
     double re[FIELD_VARIABLES] = {0}, im[FIELD_VARIABLES] = {0};
     for (int i = 0; i < n; i++) {
@@ -157,8 +159,8 @@ static double coefficient(const struct taylor *t, double omega)
     memcpy(work, jacobian, sizeof work);
     if (!matrix_solve(n, work, still))
         return NAN;
-    second(t, a, still, x);
-    second(t, b, still, y);
+    second_derivative(t, a, still, x);
+    second_derivative(t, b, still, y);
     sum -= 2 * real_product(n, p, q, x, y);
     /* B(conj q, (2 i omega - A)^-1 B(q, q)): B(q, q) = aa - bb + 2 i ab */
     double twice[2 * FIELD_VARIABLES];
@@ -169,10 +171,10 @@ static double coefficient(const struct taylor *t, double omega)
     if (!solve_shifted(n, jacobian, 2 * omega, twice))
         return NAN;
     double xa[FIELD_VARIABLES], xb[FIELD_VARIABLES], ya[FIELD_VARIABLES], yb[FIELD_VARIABLES];
-    second(t, a, twice, xa);
-    second(t, b, twice, xb);
-    second(t, a, twice + n, ya);
-    second(t, b, twice + n, yb);
+    second_derivative(t, a, twice, xa);
+    second_derivative(t, b, twice, xb);
+    second_derivative(t, a, twice + n, ya);
+    second_derivative(t, b, twice + n, yb);
     for (int i = 0; i < n; i++) { /* (a - i b)(x + i y) */
         re[i] = xa[i] + yb[i];
         im[i] = ya[i] - xb[i];

@@ -14,8 +14,8 @@ static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
 
 /* Finds a place of the other branch at one of these distances along `direction`. Returns false if
  * none is found. */
-static bool step_aside(struct solution_curve *path, const double *u, const double *direction,
-                       struct curve_place *first)
+static bool find_beside(struct solution_curve *path, const double *u, const double *direction,
+                        struct curve_place *first)
 {
     const int n = path->problem->n;
     for (size_t k = 0; k < COUNT_OF(distances); k++) {
@@ -34,8 +34,9 @@ static bool step_aside(struct solution_curve *path, const double *u, const doubl
  * parameter, each in its unit. u are the unknowns there. Returns false if a flow cannot be
  * followed.
  */
-static bool spread(struct solution_curve *path, const struct solution *solution, double period,
-                   const double *displacement, double *u, double *direction)
+static bool spread_displacement(struct solution_curve *path, const struct solution *solution,
+                                double period, const double *displacement, double *u,
+                                double *direction)
 {
     struct vector_field *field = &path->field;
     struct orbit_curve *orbit = &path->orbit;
@@ -60,7 +61,8 @@ bool solutions_along(struct solution_curve *path, const struct branch_point *spe
 {
     const struct solution *s = &special->solution;
     if (path->kind != SOLUTION_EQUILIBRIUM)
-        return spread(path, s, orbit_curve_period(&path->orbit, u), special->tangent, u, direction);
+        return spread_displacement(path, s, orbit_curve_period(&path->orbit, u), special->tangent,
+                                   u, direction);
     memcpy(direction, special->tangent, (size_t)(path->problem->n + 1) * sizeof *direction);
     return true;
 }
@@ -78,7 +80,7 @@ static bool scaled_jacobian(struct vector_field *field, const double *state, dou
 
 /* Returns the angular frequency of the eigenvalue pair nearest to the imaginary axis [1/s], or 0 if
  * there is none. */
-static double frequency(const struct solution *s)
+static double hopf_frequency(const struct solution *s)
 {
     double best = HUGE_VAL, omega = 0;
     for (int i = 0; i < s->values; i++)
@@ -95,7 +97,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
                        double psize, const struct solution *hopf, const struct cancel *cancel,
                        struct curve_place *first, struct error *error)
 {
-    const double omega = frequency(hopf);
+    const double omega = hopf_frequency(hopf);
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], re[FIELD_VARIABLES], im[FIELD_VARIABLES],
         u[CURVE_MAX], direction[CURVE_MAX] = {0};
     struct solution orbit = *hopf;
@@ -124,7 +126,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     for (int i = 0; i < field.n; i++)
         path->orbit.normal[i] = -im[i];
     vector_normalise(field.n, path->orbit.normal);
-    if (step_aside(path, u, direction, first))
+    if (find_beside(path, u, direction, first))
         return true;
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
@@ -153,8 +155,8 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
     twice.period *= 2;
     twice.multiple *= 2;
     if (fine && solutions_begin(path, scene, param, psize, &twice, cancel, u, error)) {
-        if (spread(path, &twice, twice.period, re, u, direction) &&
-            step_aside(path, u, direction, first))
+        if (spread_displacement(path, &twice, twice.period, re, u, direction) &&
+            find_beside(path, u, direction, first))
             return true;
         solutions_end(path);
     }
@@ -162,7 +164,7 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
 }
 
 /* Ends the curve and sets *error. Returns false. */
-static bool leave_nothing(struct solution_curve *path, struct error *error)
+static bool refuse_crossing(struct solution_curve *path, struct error *error)
 {
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
@@ -183,15 +185,15 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
     if (path->problem->residual(path->problem->context, u, f, jacobian)) {
         double known[CURVE_MAX];
         if (!solutions_along(path, special, u, known))
-            return leave_nothing(path, error);
+            return refuse_crossing(path, error);
         if (matrix_second_null(n + 1, jacobian, known, direction)) {
             for (int i = 0; i <= n; i++)
                 direction[i] *= side;
-            if (step_aside(path, u, direction, first))
+            if (find_beside(path, u, direction, first))
                 return true;
         }
     }
-    return leave_nothing(path, error);
+    return refuse_crossing(path, error);
 }
 
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,

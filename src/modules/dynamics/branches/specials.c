@@ -69,8 +69,8 @@ bool is_in_range(const struct branch_request *r, double *param)
 
 /* Locates the zero of a test. A fold of orbits that is too flat to be located is put at the better
  * of both places. Returns false if it is not found. */
-static bool locate(const struct branch_walk *w, const struct curve_place *previous,
-                   const struct curve_place *next, int test, struct found_special *f)
+static bool locate_test(const struct branch_walk *w, const struct curve_place *previous,
+                        const struct curve_place *next, int test, struct found_special *f)
 {
     const struct curve_problem *problem = w->path->problem;
     const int n = problem->n;
@@ -111,7 +111,7 @@ static bool turns_back(const struct branch_walk *w, const struct curve_place *pr
 bool special_locate(struct branch_walk *w, const struct curve_place *previous,
                     const struct curve_place *next, int test, struct found_special *f)
 {
-    if (!locate(w, previous, next, test, f) ||
+    if (!locate_test(w, previous, next, test, f) ||
         !solutions_at(w->path, &f->point, true, &f->solution))
         return false;
     f->special = solutions_special(w->path, test, &f->solution);

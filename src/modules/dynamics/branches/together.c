@@ -20,7 +20,7 @@
 #define COMPLEX_PAIR_IMAG_MIN 1e-5 /* imaginary part above which an eigenvalue is complex */
 
 /* Returns the growth of a difference: a rate [1/s], or the logarithm of a multiplier. */
-static double growth(const struct solution *s, int k)
+static double growth_exponent(const struct solution *s, int k)
 {
     return s->kind == SOLUTION_EQUILIBRIUM ? s->value[k].re
                                            : log(hypot(s->value[k].re, s->value[k].im));
@@ -40,7 +40,7 @@ int walk_grows(struct branch_walk *w, const struct solution *s)
     int count = s->values > 0 ? 0 : -1;
     w->unit = fmax(w->unit, unit_of(s));
     for (int k = 0; k < s->values; k++) {
-        const double rate = growth(s, k);
+        const double rate = growth_exponent(s, k);
         if (!(fabs(rate) > CERTAIN_RATE_RELATIVE * w->unit))
             return -1;
         count += rate > 0;
@@ -49,13 +49,14 @@ int walk_grows(struct branch_walk *w, const struct solution *s)
 }
 
 /* Finds the indices place [count] of the eigenvalues that are nearest to becoming critical. */
-static void nearest(const struct solution *s, int count, int *place)
+static void nearest_critical(const struct solution *s, int count, int *place)
 {
     bool taken[DYNAMICS_VARIABLES] = {false};
     for (int i = 0; i < count; i++) {
         place[i] = -1;
         for (int k = 0; k < s->values; k++)
-            if (!taken[k] && (place[i] < 0 || fabs(growth(s, k)) < fabs(growth(s, place[i]))))
+            if (!taken[k] &&
+                (place[i] < 0 || fabs(growth_exponent(s, k)) < fabs(growth_exponent(s, place[i]))))
                 place[i] = k;
         taken[place[i]] = true;
     }
@@ -86,9 +87,9 @@ static double rate_sum(void *context, const struct curve_place *point)
     struct solution s;
     if (!solutions_at(p->w->path, point, false, &s) || s.values < p->count)
         return NAN;
-    nearest(&s, p->count, place);
+    nearest_critical(&s, p->count, place);
     for (int i = 0; i < p->count; i++)
-        sum += growth(&s, place[i]);
+        sum += growth_exponent(&s, place[i]);
     return sum;
 }
 
@@ -118,9 +119,9 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
                          &found->uncertainty) ||
         !solutions_at(p->w->path, &found->point, true, &found->solution))
         return false;
-    nearest(&found->solution, p->count, place);
+    nearest_critical(&found->solution, p->count, place);
     for (int i = 0; i < p->count; i++)
-        if (fabs(growth(&found->solution, place[i])) > AT_ONCE * p->w->unit)
+        if (fabs(growth_exponent(&found->solution, place[i])) > AT_ONCE * p->w->unit)
             return false;
     found->special = special_kind_of(&found->solution, p->w->unit, p->count, place);
     return true;
@@ -128,8 +129,8 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
 
 /* Finds a place near the middle of the chord at which the number of growing eigenvalues is certain.
  * Returns false if there is none. */
-static __attribute__((noinline)) bool middle_of(const struct chord_piece *p,
-                                                struct curve_place *point, int *grows)
+static __attribute__((noinline)) bool certain_middle(const struct chord_piece *p,
+                                                     struct curve_place *point, int *grows)
 {
     static const double share[] = {0.5, 0.4, 0.6, 0.3, 0.7};
     struct solution s;
@@ -160,7 +161,7 @@ static void chord_specials_find(struct branch_walk *w, const struct curve_place 
     }
     struct curve_place middle;
     int grows;
-    if (depth == HALVINGS_MAX || !middle_of(&p, &middle, &grows))
+    if (depth == HALVINGS_MAX || !certain_middle(&p, &middle, &grows))
         return;
     chord_specials_find(w, a, a_grows, &middle, grows, depth + 1, found, count);
     chord_specials_find(w, &middle, grows, b, b_grows, depth + 1, found, count);

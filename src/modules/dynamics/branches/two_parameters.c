@@ -90,7 +90,7 @@ static bool is_fresh(const struct special_curve *c, const double *u)
 
 /* Computes the derivatives of the condition by differences. Those of equilibria are central: they
  * cost little and show where two folds meet. Returns false if the condition cannot be evaluated. */
-static bool derive(struct special_curve *c, const double *u)
+static bool derive_condition(struct special_curve *c, const double *u)
 {
     const int n = c->base.problem->n;
     const bool both = c->base.kind == SOLUTION_EQUILIBRIUM;
@@ -121,7 +121,7 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
 {
     struct special_curve *c = context;
     const int n = c->base.problem->n, all = n + 2;
-    if (cancelled(c->base.field.cancel) || (!is_fresh(c, u) && !derive(c, u)) ||
+    if (cancelled(c->base.field.cancel) || (!is_fresh(c, u) && !derive_condition(c, u)) ||
         !evaluate_condition(c, u, f))
         return false;
     for (int i = 0; i < n; i++) {
@@ -319,7 +319,8 @@ static void special_walk_end_set(struct special_walk *w, const char *why)
 }
 
 /* Appends a point. Returns false if out of memory or if its solution is not found again. */
-static bool record(struct special_walk *w, const struct curve_place *point, enum special special)
+static bool record_point(struct special_walk *w, const struct curve_place *point,
+                         enum special special)
 {
     struct special_curve *c = w->curve;
     struct solution s;
@@ -344,7 +345,7 @@ static bool record_specials(struct special_walk *w, const struct curve_place *cu
             signbit(current->test[k]) == signbit(next->test[k]) ||
             !curve_locate(&c->problem, current, next, k, &point, &uncertainty))
             continue;
-        if (!record(w, &point, special_of(c, k)))
+        if (!record_point(w, &point, special_of(c, k)))
             return false;
         w->branch->point[w->branch->count - 1].accuracy = uncertainty;
         if (c->kind == SPECIAL_HOPF && k == 0) {
@@ -415,7 +416,7 @@ static void special_walk_follow(struct special_walk *w, struct curve_place point
                                    ? 1
                                    : orbit_curve_upright(&w->curve->base.orbit);
         if (!record_specials(w, &point, &next) ||
-            !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
+            !record_point(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
             return;
         if (leaves) {
             special_walk_end_set(w, "the parameters' range");
@@ -455,7 +456,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
         struct special_walk w = {
             .request = r, .curve = curve, .branch = branch, .end = branch->ends[side > 0]};
         branch->kind = curve->base.kind;
-        if (branch->count > 0 || record(&w, &first, r->leave->special))
+        if (branch->count > 0 || record_point(&w, &first, r->leave->special))
             special_walk_follow(&w, first);
         if (side < 0)
             branch_reverse(branch);

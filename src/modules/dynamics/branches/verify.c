@@ -39,7 +39,7 @@
 /* Returns the index of the eigenvalue or multiplier that the label is about: the one nearest to
  * where it becomes critical, and of two at about the same distance the one that grows. Returns -1
  * if there is none. */
-static int critical(const struct branch_point *special, const struct solution *s)
+static int critical_index(const struct branch_point *special, const struct solution *s)
 {
     const bool map = s->kind != SOLUTION_EQUILIBRIUM,
                pair = special->special == SPECIAL_HOPF || special->special == SPECIAL_TORUS;
@@ -67,13 +67,13 @@ static int critical(const struct branch_point *special, const struct solution *s
 
 /* Returns the growth rate [1/s] of an eigenvalue, or of a multiplier as its logarithm per
  * period. */
-static double rate_of(const struct solution *s, struct eigenvalue v)
+static double growth_rate(const struct solution *s, struct eigenvalue v)
 {
     return s->kind == SOLUTION_EQUILIBRIUM ? v.re : log(hypot(v.re, v.im)) / s->period;
 }
 
 /* Copies the matrix whose eigenvectors are needed: the Jacobian, or the map over a period. */
-static void matrix_of(struct solution_curve *path, double *a)
+static void growth_matrix(struct solution_curve *path, double *a)
 {
     const int n = path->field.n, all = path->problem->n + 1;
     if (path->kind != SOLUTION_EQUILIBRIUM) {
@@ -87,7 +87,7 @@ static void matrix_of(struct solution_curve *path, double *a)
 
 /* Returns how long [s] a run has to be to show the growth of this eigenvalue without others
  * dominating. */
-static double time_of(const struct solution *s, struct eigenvalue v)
+static double run_time(const struct solution *s, struct eigenvalue v)
 {
     double fastest = 0, growth = DBL_MIN;
     if (s->kind != SOLUTION_EQUILIBRIUM)
@@ -111,11 +111,11 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
     double a[FIELD_VARIABLES * FIELD_VARIABLES], turned[FIELD_VARIABLES * FIELD_VARIABLES];
     double right[2][FIELD_VARIABLES], left[2][FIELD_VARIABLES], begin[2][FIELD_VARIABLES],
         end[2][FIELD_VARIABLES], seen[2][2] = {{0}}, uneven[2] = {0};
-    matrix_of(path, a);
+    growth_matrix(path, a);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             turned[i * n + j] = a[j * n + i];
-    const double span = time_of(s, v), t0 = field->system.t0,
+    const double span = run_time(s, v), t0 = field->system.t0,
                  moved = fmin(START_SHIFT_SIZES,
                               fmax(MOVED_PART * distance, START_SHIFT_SIZES * MOVED_PART));
     if (!matrix_eigenvector(n, a, v, right[0], right[1]) ||
@@ -156,14 +156,14 @@ static struct side side_at(struct solution_curve *path, const struct branch_poin
 {
     struct side side = {.found = false};
     struct solution s;
-    const int i = solutions_at(path, point, false, &s) ? critical(special, &s) : -1;
+    const int i = solutions_at(path, point, false, &s) ? critical_index(special, &s) : -1;
     if (i < 0)
         return side;
     const double run = rate_of_run(path, &s, s.value[i], distance),
-                 still = GROWTH_NEGLIGIBLE / time_of(&s, s.value[i]);
+                 still = GROWTH_NEGLIGIBLE / run_time(&s, s.value[i]);
     side.found = !isnan(run);
     side.param = point->u[path->problem->n];
-    side.rate = rate_of(&s, s.value[i]);
+    side.rate = growth_rate(&s, s.value[i]);
     side.agrees = fabs(run - side.rate) <= RATES_AGREE_RELATIVE * fabs(side.rate) + still;
     side.rate = fabs(side.rate) <= still ? 0 : side.rate;
     return side;
@@ -198,8 +198,8 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
 
 /* Returns true if there is no solution at this parameter, beyond a fold, within twice the arclength
  * of its arms. */
-static bool is_empty(const struct branch_request *r, const struct branch_point *special,
-                     double param, double arm)
+static bool has_no_solution(const struct branch_request *r, const struct branch_point *special,
+                            double param, double arm)
 {
     struct solution_curve path;
     struct curve_place point;
@@ -276,14 +276,16 @@ static enum branch_verdict confirm_fold(const struct branch_request *r,
     if ((a > 0) != (b > 0))
         return VERDICT_NO_TURN;
     const enum branch_verdict verdict = growth_verdict(&left, &right);
-    return verdict == VERDICT_CONFIRMED && !is_empty(r, special, here - a, arm) ? VERDICT_OTHER_SIDE
-                                                                                : verdict;
+    return verdict == VERDICT_CONFIRMED && !has_no_solution(r, special, here - a, arm)
+               ? VERDICT_OTHER_SIDE
+               : verdict;
 }
 
 /* Returns the verdict on a special point from both sides at a distance in the parameter, as a part
  * of its range. */
-static enum branch_verdict confirm(const struct branch_request *r,
-                                   const struct branch_point *special, double side_distance)
+static enum branch_verdict confirm_at_distance(const struct branch_request *r,
+                                               const struct branch_point *special,
+                                               double side_distance)
 {
     if (special->special == SPECIAL_FOLD)
         return confirm_fold(r, special, side_distance * (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
@@ -316,7 +318,7 @@ static enum branch_verdict confirm_anywhere(const struct branch_request *r,
     int contradictions = 0;
     double side_distance = fmin(SIDE_DISTANCE_FRACTION, farthest);
     for (int k = 0; k < nearer && !cancelled(r->cancel); k++, side_distance /= 4) {
-        const enum branch_verdict verdict = confirm(r, special, side_distance);
+        const enum branch_verdict verdict = confirm_at_distance(r, special, side_distance);
         if (verdict == VERDICT_CONFIRMED)
             return verdict;
         if (verdict == VERDICT_OPEN && k > 0)
@@ -327,7 +329,7 @@ static enum branch_verdict confirm_anywhere(const struct branch_request *r,
     for (side_distance = 4 * SIDE_DISTANCE_FRACTION;
          side_distance <= fmin(farthest, SIDE_DISTANCE_MAX_FRACTION) && !cancelled(r->cancel);
          side_distance *= 4) {
-        const enum branch_verdict verdict = confirm(r, special, side_distance);
+        const enum branch_verdict verdict = confirm_at_distance(r, special, side_distance);
         if (verdict == VERDICT_CONFIRMED && contradiction != VERDICT_SAME_GROWTH)
             return verdict;
         contradiction = contradiction == VERDICT_OPEN ? verdict : contradiction;
@@ -354,7 +356,8 @@ const char *branch_contradiction(int verdict)
 
 /* Returns the largest distance at which the point number `place` is examined, a quarter of that to
  * the next special point. */
-static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
+static double side_distance_at(const struct branch_request *r, const struct branch *branch,
+                               int place)
 {
     const double here = branch->point[place].solution.param[0];
     double side_distance = SIDE_DISTANCE_MAX_FRACTION;
@@ -368,7 +371,8 @@ static double beside_of(const struct branch_request *r, const struct branch *bra
 
 /* Returns how far from a fold of equilibria the nearest other special point is along the curve, as
  * the distance beside it at which arms remain well before that point. */
-static double beside_of_fold(const struct branch_request *r, const struct branch *branch, int place)
+static double side_distance_at_fold(const struct branch_request *r, const struct branch *branch,
+                                    int place)
 {
     struct solution_curve path;
     struct error ignored;
@@ -402,8 +406,8 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
                                         (1 - FOLLOWING_TIME_FRACTION) * i / branch->count);
         const enum branch_verdict verdict =
             confirm_anywhere(r, point,
-                             point->special == SPECIAL_FOLD ? beside_of_fold(r, branch, i)
-                                                            : beside_of(r, branch, i));
+                             point->special == SPECIAL_FOLD ? side_distance_at_fold(r, branch, i)
+                                                            : side_distance_at(r, branch, i));
         if (!cancelled(r->cancel))
             point->verified = verdict;
     }

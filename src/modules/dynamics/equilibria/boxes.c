@@ -57,7 +57,7 @@ bool boxes_meet(int n, const struct interval *box, const struct interval *other)
 /* ---- the operator of Krawczyk ---- */
 
 /* Computes an approximate inverse of the middle of the bounds. Returns false if it is singular. */
-static bool invert(int n, const struct interval *jacobian, double *inverse)
+static bool invert_middle(int n, const struct interval *jacobian, double *inverse)
 {
     for (int column = 0; column < n; column++) {
         double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
@@ -73,7 +73,7 @@ static bool invert(int n, const struct interval *jacobian, double *inverse)
 }
 
 /* Returns half of the width that the rounding of f(m) alone gives the operator in direction i. */
-static double rounding_of(int n, const double *inverse, const struct interval *rate, int i)
+static double operator_rounding(int n, const double *inverse, const struct interval *rate, int i)
 {
     double sum = 0;
     for (int j = 0; j < n; j++)
@@ -89,7 +89,7 @@ enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box
     struct interval centre[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
     for (int i = 0; rounding && i < n; i++)
         rounding[i] = 0;
-    if (!invert(n, jacobian, inverse))
+    if (!invert_middle(n, jacobian, inverse))
         return UNKNOWN;
     for (int i = 0; i < n; i++)
         centre[i] = interval_point(interval_middle(box[i]));
@@ -97,7 +97,7 @@ enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box
     bool inside = true;
     for (int i = 0; i < n; i++) {
         if (rounding)
-            rounding[i] = rounding_of(n, inverse, rate, i);
+            rounding[i] = operator_rounding(n, inverse, rate, i);
         k[i] = centre[i];
         for (int j = 0; j < n; j++)
             k[i] = interval_sub(k[i], interval_mul(interval_point(inverse[i * n + j]), rate[j]));

@@ -44,7 +44,7 @@ struct equilibria_search {
 
 /* Returns true if every derivative is 0 at y [n] but for the rounding of y and of its parts, and
  * has finite slopes there. */
-static bool rests_at(const struct zero_search *s, const double *y)
+static bool is_rest_to_rounding(const struct zero_search *s, const double *y)
 {
     struct interval point[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                     jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
@@ -121,7 +121,7 @@ static void round_to_zero(const struct zero_search *s, double *y)
         if (fabs(value) >= doubtful_apart_min * s->width[i])
             continue;
         y[i] = 0;
-        if (!rests_at(s, y))
+        if (!is_rest_to_rounding(s, y))
             y[i] = value;
     }
 }
@@ -143,7 +143,7 @@ static bool is_listed(const struct zero_search *s, const double *y)
 }
 
 /* Computes the middle y [n] of an undecided box. */
-static void middle_of(const struct zero_search *s, size_t box, double *y)
+static void undecided_middle(const struct zero_search *s, size_t box, double *y)
 {
     for (int i = 0; i < s->n; i++)
         y[i] = interval_middle(s->undecided.box[s->undecided.first + box].side[i]);
@@ -163,12 +163,12 @@ static bool list_doubtful(struct zero_search *s)
         double y[FIELD_VARIABLES];
         if (!s->undecided.box[s->undecided.first + b].is_smallest)
             continue;
-        middle_of(s, b, y);
+        undecided_middle(s, b, y);
         const struct state_box *box = &s->undecided.box[s->undecided.first + b];
         if (!move_to_edge(s, box, y)) {
             zeros_correct(s, y);
             round_to_zero(s, y);
-            if (!rests_at(s, y))
+            if (!is_rest_to_rounding(s, y))
                 continue;
         }
         if (!zeros_in_range(s, y) || is_listed(s, y))
@@ -192,7 +192,7 @@ static bool search_by_newton(struct zero_search *s)
     if (s->found->count >= ZEROS_MAX)
         return true;
     for (size_t k = 0; k < starts && !cancelled(s->request->cancel); k++) {
-        middle_of(s, k * count / starts, y);
+        undecided_middle(s, k * count / starts, y);
         if (!zeros_prove_from(s, y))
             return false;
     }
@@ -208,7 +208,7 @@ static bool search_by_newton(struct zero_search *s)
 
 /* Sets *error for equations without bounds: nothing moves, or they depend on time without a period.
  * Returns false. */
-static bool no_bounds(const struct equilibria_search *s, struct error *error)
+static bool refuse_without_bounds(const struct equilibria_search *s, struct error *error)
 {
     if (s->field.system.autonomous)
         return error_set(error, ERROR_COMMAND, "nothing ever moves: every state is an equilibrium");
@@ -246,7 +246,7 @@ static bool begin_equilibria_search(struct equilibria_search *search, struct err
     }
     s->found->forced = !field->system.autonomous;
     if (!system_bounds(&s->bounded, box.side, rate, NULL))
-        return no_bounds(search, error);
+        return refuse_without_bounds(search, error);
     return box_queue_add(&s->waiting, &box) || error_memory(error);
 }
 
@@ -313,7 +313,7 @@ static bool has_singular(const struct box_queue *boxes)
 }
 
 /* Stores the reason why there may be more equilibria. */
-static void give_reason(struct equilibria_search *search)
+static void store_reason(struct equilibria_search *search)
 {
     const struct zero_search *s = &search->zeros;
     struct equilibria *found = s->found;
@@ -338,7 +338,7 @@ static void give_reason(struct equilibria_search *search)
 }
 
 /* Compares two solutions for qsort(), by the first variable that differs. */
-static int in_order(const void *a, const void *b)
+static int compare_states(const void *a, const void *b)
 {
     const struct solution *x = a, *y = b;
     for (int i = 0; i < x->n; i++)
@@ -349,14 +349,14 @@ static int in_order(const void *a, const void *b)
 
 /* Sorts the equilibria and determines their types; those without a proof are degenerate. Returns
  * false if out of memory or if eigenvalues are not found. */
-static bool finish(struct equilibria_search *search)
+static bool classify_all(struct equilibria_search *search)
 {
     struct equilibria *found = search->zeros.found;
     found->form = calloc((size_t)found->count + 1, sizeof *found->form);
     if (!found->form)
         return false;
     if (found->count > 0)
-        qsort(found->solution, (size_t)found->count, sizeof *found->solution, in_order);
+        qsort(found->solution, (size_t)found->count, sizeof *found->solution, compare_states);
     for (int k = 0; k < found->count; k++)
         if (!equilibrium_form(&search->field, &search->zeros.bounded, search->conservative,
                               &found->solution[k], &found->form[k]))
@@ -370,7 +370,7 @@ static bool finish(struct equilibria_search *search)
 }
 
 /* Runs all stages of the search. Returns false if out of memory. */
-static bool find_all(struct equilibria_search *search)
+static bool run_search(struct equilibria_search *search)
 {
     struct zero_search *s = &search->zeros;
     if (!zeros_search(s))
@@ -380,8 +380,8 @@ static bool find_all(struct equilibria_search *search)
         return false;
     s->found->complete = box_queue_count(&s->undecided) == 0;
     if (!s->found->complete)
-        give_reason(search);
-    return list_doubtful(s) && finish(search);
+        store_reason(search);
+    return list_doubtful(s) && classify_all(search);
 }
 
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
@@ -392,7 +392,7 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
     struct zero_search *s = &search.zeros;
     *found = (struct equilibria){.complete = false};
     const bool fine =
-        begin_equilibria_search(&search, error) && (find_all(&search) || error_memory(error));
+        begin_equilibria_search(&search, error) && (run_search(&search) || error_memory(error));
     free(s->waiting.box);
     free(s->singular.box);
     free(s->undecided.box);

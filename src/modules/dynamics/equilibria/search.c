@@ -59,7 +59,7 @@ void zeros_correct(const struct zero_search *s, double *y)
 /* ---- zeros that are proven ---- */
 
 /* Shrinks a box with exactly one zero as far as the operator can. */
-static void tighten(const struct zero_search *s, struct interval *box)
+static void tighten_box(const struct zero_search *s, struct interval *box)
 {
     struct interval rate[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES],
         previous[FIELD_VARIABLES];
@@ -128,7 +128,7 @@ static bool keep_zero(struct zero_search *s, const struct interval *region)
     double y[FIELD_VARIABLES];
     memcpy(proof.unique, region, sizeof proof.unique);
     memcpy(proof.tight, region, sizeof proof.tight);
-    tighten(s, proof.tight);
+    tighten_box(s, proof.tight);
     for (int i = 0; i < s->n; i++)
         y[i] = interval_middle(proof.tight[i]);
     zeros_correct(s, y);
@@ -210,7 +210,7 @@ void zeros_drop_decided(struct zero_search *s)
 /* ---- boxes ---- */
 
 /* Returns the volume of a box as a fraction of that of the range. */
-static double volume(const struct zero_search *s, const struct interval *box)
+static double volume_share(const struct zero_search *s, const struct interval *box)
 {
     double part = 1;
     for (int i = 0; i < s->n; i++)
@@ -248,7 +248,7 @@ static bool add_halves(struct zero_search *s, const struct state_box *box)
 /* Handles a box that bounds do not decide: cuts it, defers it if it is singular, or, if it is too
  * small to be cut, tries to prove its zero or leaves it undecided. rounding [n] is that of
  * krawczyk_verdict(). Returns false if out of memory. */
-static bool split(struct zero_search *s, struct state_box *box, const double *rounding)
+static bool split_box(struct zero_search *s, struct state_box *box, const double *rounding)
 {
     const int widest = widest_side(s, box->side);
     const struct interval side = box->side[widest];
@@ -257,7 +257,7 @@ static bool split(struct zero_search *s, struct state_box *box, const double *ro
     if (length >= box_side_min * s->width[widest] && cut > side.lo && cut < side.hi &&
         !(rounding[widest] >= length / 4))
         return box->is_singular ? box_queue_add(&s->singular, box) : add_halves(s, box);
-    s->done += volume(s, box->side);
+    s->done += volume_share(s, box->side);
     if (!box->is_singular && find_region(s, box->side, region))
         return keep_zero(s, region);
     return leave_undecided(s, box->side, box->is_singular, true);
@@ -290,7 +290,7 @@ static bool meets_range(const struct zero_search *s, const struct interval *box)
 /* Examines one box, again as long as the operator shrinks it. Returns false if out of memory. */
 static bool examine_box(struct zero_search *s, struct state_box *box)
 {
-    const double part = volume(s, box->side);
+    const double part = volume_share(s, box->side);
     for (;;) {
         struct interval rate[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES],
             saved[FIELD_VARIABLES];
@@ -314,8 +314,8 @@ static bool examine_box(struct zero_search *s, struct state_box *box)
         const int widest = widest_side(s, saved);
         if (!(box->side[widest].hi - box->side[widest].lo <
               shrunk_share * (saved[widest].hi - saved[widest].lo))) {
-            s->done += part - volume(s, box->side);
-            return split(s, box, rounding);
+            s->done += part - volume_share(s, box->side);
+            return split_box(s, box, rounding);
         }
     }
 }
@@ -328,7 +328,7 @@ static void report_search(const struct zero_search *s)
 }
 
 /* Moves all boxes of a queue to the undecided ones. Returns false if out of memory. */
-static bool leave(struct zero_search *s, struct box_queue *queue)
+static bool leave_queue_undecided(struct zero_search *s, struct box_queue *queue)
 {
     struct state_box box;
     while (box_queue_take(queue, &box))
@@ -354,5 +354,5 @@ bool zeros_search(struct zero_search *s)
         }
         report_search(s);
     }
-    return leave(s, &s->waiting) && leave(s, &s->singular);
+    return leave_queue_undecided(s, &s->waiting) && leave_queue_undecided(s, &s->singular);
 }

@@ -37,7 +37,7 @@ bool basins_known(const struct session *session)
 }
 
 /* Returns the index in `marks` of the fate of start (a, b), or FATE_KINDS if it is missing. */
-static int kind_at(const struct grid *g, size_t a, size_t b)
+static int fate_at(const struct grid *g, size_t a, size_t b)
 {
     const char *fate = g->table->column[2].text[a * g->height + b];
     if (fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z')
@@ -54,7 +54,7 @@ static double value_at(const struct grid *g, int axis, size_t place)
 }
 
 /* Returns the factor between the unit of an axis and SI. */
-static double unit_of(const struct axis *side)
+static double unit_factor(const struct axis *side)
 {
     return side->factor > 0 ? side->factor : 1;
 }
@@ -88,7 +88,7 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
             if (strncmp(basins->column[c].name, "state.", 6) == 0 && basins->column[c].value &&
                 strcmp(basins->column[c].name + 6, g->table->column[axis].name) == 0)
                 buffer_format(&text, "%s%.3g", n++ == 0 ? " at " : ", ",
-                              basins->column[c].value[row] / unit_of(&g->side[axis]));
+                              basins->column[c].value[row] / unit_factor(&g->side[axis]));
     if (isfinite(share))
         buffer_format(&text, " (%.3g %%)", 100 * share);
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -140,7 +140,7 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
     size_t first[FATE_KINDS + 1];
     bool there[FATE_KINDS + 1] = {false};
     for (size_t k = g->table->rows; k-- > 0;) {
-        const int kind = kind_at(g, k / g->height, k % g->height);
+        const int kind = fate_at(g, k / g->height, k % g->height);
         there[kind] = true;
         first[kind] = k;
     }
@@ -151,7 +151,7 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
         const double u = ((double)(k / rows) + 0.5) / (double)columns,
                      v = ((double)(k % rows) + 0.5) / (double)rows;
         const int kind =
-            kind_at(g, (size_t)(u * (double)g->width), (size_t)(v * (double)g->height));
+            fate_at(g, (size_t)(u * (double)g->width), (size_t)(v * (double)g->height));
         if (kind < FATE_KINDS)
             put_letter(
                 &fate_letters[kind],
@@ -169,7 +169,7 @@ static bool put_letters(struct drawing *d, const struct grid *g, size_t columns,
 
 /* Returns the map of the starts, coloured by their attractors; starts that end in none have no
  * colour. Returns NULL if out of memory. */
-static const struct heat *colours_of(struct drawing *d, const struct grid *g)
+static const struct heat *fate_map(struct drawing *d, const struct grid *g)
 {
     struct heat *heat = arena_alloc(d->arena, sizeof *heat);
     const size_t rows = g->table->rows;
@@ -178,7 +178,7 @@ static const struct heat *colours_of(struct drawing *d, const struct grid *g)
     if (!heat || !value || !side)
         return NULL;
     for (size_t k = 0; k < rows; k++) {
-        const int kind = kind_at(g, k / g->height, k % g->height);
+        const int kind = fate_at(g, k / g->height, k % g->height);
         value[k] = kind < FATE_LETTERS ? kind : NAN;
     }
     for (size_t i = 0; i < g->width; i++)
@@ -253,7 +253,7 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     if (!d->curve)
         return error_memory(d->error);
     d->curves = 0;
-    const struct heat *colours = picture ? colours_of(d, &g) : NULL;
+    const struct heat *colours = picture ? fate_map(d, &g) : NULL;
     if (picture && !colours)
         return error_memory(d->error);
     if (!put_letters(d, &g, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y))

@@ -35,7 +35,7 @@ struct diagram {
 
 /* Returns what is drawn upwards: the second parameter, the state, or an extremum of an orbit (side
  * 1 is the maximum). */
-static double height_of(const struct diagram *g, const struct solution *s, int side)
+static double plotted_value(const struct diagram *g, const struct solution *s, int side)
 {
     if (g->last->params == 2)
         return s->param[1];
@@ -57,13 +57,13 @@ static void diagram_point_put(struct diagram *g, bool stable, double x, double y
 }
 
 /* Adds one line of a branch: its equilibria, or the minima or maxima of its orbits. */
-static void put_side(struct diagram *g, const struct kept_branch *b, int side)
+static void put_branch_line(struct diagram *g, const struct kept_branch *b, int side)
 {
     bool was_stable = false;
     for (int i = 0; i < b->branch.count; i++) {
         const struct solution *s = &b->branch.point[i].solution;
         const bool stable = solution_stable(s);
-        const double y = height_of(g, s, side);
+        const double y = plotted_value(g, s, side);
         if (was_stable && !stable) { /* the line reaches to where it ends */
             diagram_point_put(g, true, s->param[0], y);
             diagram_point_put(g, true, NAN, NAN);
@@ -99,7 +99,7 @@ static bool put_specials(struct drawing *d, const struct diagram *g, int count)
                     continue;
                 buffer_put(&labels, text_of(label));
                 place[curve->n] = s->param[0];
-                place[count + (int)curve->n++] = height_of(g, s, 1);
+                place[count + (int)curve->n++] = plotted_value(g, s, 1);
             }
         }
         curve->label =
@@ -165,7 +165,7 @@ bool branches_figure(struct drawing *d, struct figure *figure)
         const struct kept_branch *b = g.dynamics->branch[k];
         const bool two = b->branch.kind != SOLUTION_EQUILIBRIUM && b->params == 1;
         for (int side = 0; side < (two ? 2 : 1) && is_shown(g.last, b); side++)
-            put_side(&g, b, side);
+            put_branch_line(&g, b, side);
     }
     const struct param_row *param = param_at(scene, g.last->param[0]);
     const struct variable *variable = &scene->model->variable[g.variable];

@@ -56,7 +56,7 @@ static bool next_equilibrium(const struct session *session, const struct plot_pl
 }
 
 /* Returns the index of the equilibrium that the cursor is on, or -1. */
-static int equilibrium_there(const struct session *session, const struct plot_plane *plane)
+static int equilibrium_at_cursor(const struct session *session, const struct plot_plane *plane)
 {
     const struct equilibria *found = &stored_portrait(session)->portrait.found;
     for (int e = 0; e < found->count; e++) {
@@ -75,7 +75,7 @@ static int equilibrium_there(const struct session *session, const struct plot_pl
 static void say_equilibrium(const struct session *session, const struct plot_plane *plane,
                             struct buffer *text)
 {
-    const int there = equilibrium_there(session, plane);
+    const int there = equilibrium_at_cursor(session, plane);
     const struct equilibria *found = &stored_portrait(session)->portrait.found;
     if (there >= 0)
         buffer_format(text, "   on equilibrium %d, %s", there + 1,

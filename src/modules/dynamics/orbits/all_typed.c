@@ -19,7 +19,7 @@ struct writing {
 };
 
 /* Returns the number of equations: half of the variables for those of second order. */
-static int rows_of(const struct system *system)
+static int equation_count(const struct system *system)
 {
     return system->order == 2 ? system->n / 2 : system->n;
 }
@@ -51,7 +51,7 @@ static struct text variable_name(const struct writing *w, int i)
 
 /* Sets *name to the name of variable i with a prime: its derivative. Returns false if out of
  * memory. */
-static bool primed(struct writing *w, int i, struct text *name)
+static bool derivative_name(struct writing *w, int i, struct text *name)
 {
     struct buffer buffer = {0};
     buffer_format(&buffer, "%s'", w->system.model->variable[i].name);
@@ -59,7 +59,7 @@ static bool primed(struct writing *w, int i, struct text *name)
 }
 
 /* Returns the length of the name at the beginning of the text. */
-static size_t letters(struct text text)
+static size_t name_length(struct text text)
 {
     size_t n = 0;
     while (n < text.len && (isalnum((unsigned char)text.data[n]) || text.data[n] == '_'))
@@ -72,7 +72,7 @@ static bool is_name_used(const struct writing *w, const char *wanted)
 {
     for (int i = 0; i < w->lines; i++)
         for (struct text rest = w->line[i].expr; rest.len > 0;) {
-            const struct text name = {rest.data, letters(rest)};
+            const struct text name = {rest.data, name_length(rest)};
             if (text_is(name, wanted))
                 return true;
             const size_t length = name.len > 0 ? name.len : 1;
@@ -126,7 +126,7 @@ static bool write_observed(struct writing *w)
         const bool usual = own.len == variable.len + 1 && own.data[0] == 'v' &&
                            text_equal((struct text){own.data + 1, variable.len}, variable);
         struct typed_line *line = usual ? NULL : writing_line_append(w, TYPED_OBSERVE, own);
-        if (line && !primed(w, i, &line->expr))
+        if (line && !derivative_name(w, i, &line->expr))
             return false;
     }
     for (int i = 0; i < typed_lines(model); i++) {
@@ -140,10 +140,10 @@ static bool write_observed(struct writing *w)
 /* Writes the initial values. Returns false if out of memory. */
 static bool write_start(struct writing *w)
 {
-    const int rows = rows_of(&w->system);
+    const int rows = equation_count(&w->system);
     for (int i = 0; i < w->system.n; i++) {
         struct text name = variable_name(w, i);
-        if (i >= rows && !primed(w, i - rows, &name))
+        if (i >= rows && !derivative_name(w, i - rows, &name))
             return false;
         struct typed_line *line = writing_line_append(w, TYPED_VAR, name);
         line->value = w->system.start[i];
@@ -175,7 +175,7 @@ static bool write_lines(struct writing *w)
     if (!w->line)
         return error_memory(w->error);
     bool fine = write_observed(w) && write_start(w);
-    for (int row = 0; fine && row < rows_of(&w->system); row++)
+    for (int row = 0; fine && row < equation_count(&w->system); row++)
         fine = write_equation(w, row);
     if (fine)
         write_params(w);

@@ -78,7 +78,8 @@ double orbit_extent(const struct vector_field *field, const struct solution *s)
 
 /* Returns the error of a solution by comparison with flows at a looser tolerance, or NAN if
  * unknown. */
-static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
+static double solution_error(struct solution_curve *path, const struct curve_place *point,
+                             double *room)
 {
     const int n = path->problem->n;
     double f[CURVE_MAX], *jacobian = room, *a = room + JACOBIAN_ENTRIES_MAX, most = 0;
@@ -132,7 +133,7 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
         memcpy(point.u, better.u, sizeof point.u);
         fine = solutions_at(&path, &point, true, &orbit->solution);
     }
-    orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
+    orbit->error = fine && !orbit->family ? solution_error(&path, &point, room) : NAN;
     if (fine && orbit->family) { /* double multipliers are less accurate */
         orbit->solution.unstable = 0;
         for (int i = 0; i < orbit->solution.values; i++)

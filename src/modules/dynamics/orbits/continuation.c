@@ -92,8 +92,8 @@ static double correction_size(int n, const double *correction, const double *u)
 /* Applies Newton's method in the plane through `guess` across `direction`, then computes tangent
  * and tests. Without `fine` it stops when the next correction would be negligible for a step.
  * Returns false if it fails. */
-static bool correct(const struct curve_problem *problem, const double *guess,
-                    const double *direction, bool fine, struct curve_place *point)
+static bool correct_in_plane(const struct curve_problem *problem, const double *guess,
+                             const double *direction, bool fine, struct curve_place *point)
 {
     const int n = problem->n;
     double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
@@ -145,7 +145,7 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
 {
     curve_problem_aim(problem, fine);
     point->careful = fine;
-    return correct(problem, guess, direction, fine, point);
+    return correct_in_plane(problem, guess, direction, fine, point);
 }
 
 /* Returns true if the parameter changes so little that the correction must go to rounding to show
@@ -172,7 +172,7 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *p
                    (previous ? bend * (current->tangent[i] - previous->tangent[i]) : 0);
     next->careful = is_steep(problem, current);
     curve_problem_aim(problem, false);
-    if (!correct(problem, guess, current->tangent, false, next))
+    if (!correct_in_plane(problem, guess, current->tangent, false, next))
         return false;
     if (!next->careful && problem->aim)
         return true;
@@ -180,7 +180,7 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *p
      * are to rounding cost nothing more */
     const int before_that = next->corrections;
     curve_problem_aim(problem, true);
-    const bool fine = correct(problem, next->u, current->tangent, !problem->aim, next);
+    const bool fine = correct_in_plane(problem, next->u, current->tangent, !problem->aim, next);
     if (!problem->aim || before_that > next->corrections)
         next->corrections = before_that;
     return fine;
@@ -204,7 +204,7 @@ struct chord {
 
 /* Computes a guess at a share (0 to 1) of the chord: along the tangent of the last place if that is
  * near, else by the cubic through both ends with their tangents. */
-static void guess_at(const struct chord *c, double share, double *guess)
+static void chord_guess(const struct chord *c, double share, double *guess)
 {
     const int n = c->problem->n;
     const double advance = (share - c->share) * c->length;
@@ -228,11 +228,11 @@ static void guess_at(const struct chord *c, double share, double *guess)
 
 /* Evaluates the test, or c->value, at a share of the chord; NAN if there is no solution. A test
  * that is 0 but for rounding gives 0. */
-static double test_at(void *context, double share)
+static double chord_test(void *context, double share)
 {
     struct chord *c = context;
     double guess[CURVE_MAX];
-    guess_at(c, share, guess);
+    chord_guess(c, share, guess);
     c->share = share;
     if (c->looks++ == ZERO_LOOKS_MAX ||
         !curve_correct(c->problem, guess, c->direction, true, &c->point)) {
@@ -266,7 +266,7 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
     struct chord c;
     double guess[CURVE_MAX];
     chord_init(&c, problem, a, b, 0);
-    guess_at(&c, share, guess);
+    chord_guess(&c, share, guess);
     return c.length > 0 && curve_correct(problem, guess, c.direction, true, point);
 }
 
@@ -305,15 +305,15 @@ static double fitted_value(void *context, double position)
 /* Gathers places at Chebyshev nodes around `centre`, up to `half` away. Places too near to the
  * crossing are left out, as their correction may lead to the other curve. Returns false if too few
  * remain on both sides. */
-static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
-                   struct curve_place *point)
+static bool gather_nodes(struct chord *c, double centre, double half, struct fitted_test *fit,
+                         struct curve_place *point)
 {
     double most = 0;
     fit->count = 0;
     for (int k = 0; k < INTERPOLATION_NODES; k++) {
         const double node = centre - half * cos((2 * k + 1) * PI / (2 * INTERPOLATION_NODES));
         c->failed = false;
-        const double value = test_at(c, node);
+        const double value = chord_test(c, node);
         if (c->failed || !isfinite(value))
             continue;
         fit->node[fit->count] = node;
@@ -342,7 +342,7 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     const int n = c->problem->n;
     struct fitted_test fit;
     struct curve_place place[INTERPOLATION_NODES];
-    if (!gather(c, centre, half, &fit, place))
+    if (!gather_nodes(c, centre, half, &fit, place))
         return false;
     const int last = fit.count - 1;
     *share = root_between(fitted_value, &fit, fit.node[0], fit.value[0], fit.node[last],
@@ -365,8 +365,8 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
 /* Finds a crossing from places that come ever nearer, as long as that moves the result less: too
  * near, errors of the corrections and rounding dominate. Returns false if the uncertainty remains
  * too large. */
-static bool look_about(struct chord *c, double share, double half, struct curve_place *point,
-                       double *uncertainty)
+static bool refine_crossing(struct chord *c, double share, double half, struct curve_place *point,
+                            double *uncertainty)
 {
     double next;
     *uncertainty = HUGE_VAL;
@@ -396,7 +396,7 @@ bool curve_find_zero(const struct curve_problem *problem, const struct curve_pla
     chord_init(&c, problem, a, b, 0);
     c.value = value;
     c.context = context;
-    return c.length > 0 && look_about(&c, 0.5, 0.5, point, uncertainty);
+    return c.length > 0 && refine_crossing(&c, 0.5, 0.5, point, uncertainty);
 }
 
 /* Finds the crossing on ever shorter parts of the chord, until the test is nearly a polynomial
@@ -407,11 +407,11 @@ static bool find_crossing(struct chord *c, struct curve_place *point, double *un
     bool is_negative = signbit(c->a->test[c->test]);
     for (int k = 0; k < HALVINGS_MAX; k++) {
         const double middle = (begin + end) / 2;
-        if (look_about(c, middle, (end - begin) / 2, point, uncertainty))
+        if (refine_crossing(c, middle, (end - begin) / 2, point, uncertainty))
             return true;
         c->failed = false;
         c->looks = 0;
-        const double value = test_at(c, middle);
+        const double value = chord_test(c, middle);
         if (c->failed || !isfinite(value))
             return false;
         *(signbit(value) == is_negative ? &begin : &end) = middle;
@@ -430,11 +430,11 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
     if (problem->singular >> test & 1)
         return find_crossing(&c, point, uncertainty);
     const double root =
-        root_between(test_at, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
+        root_between(chord_test, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
     if (c.failed)
         return false;
     if (c.share != root)
-        test_at(&c, root);
+        chord_test(&c, root);
     *point = c.point;
     *uncertainty = c.length * TEST_ROUNDING_RELATIVE;
     return !c.failed;

@@ -26,7 +26,7 @@ static const double unseen_size_max = 2e-12;
 /* ---- rates and their derivatives ---- */
 
 /* Drops what was computed for the old values of the parameters. */
-static void forget(struct vector_field *field)
+static void forget_derivatives(struct vector_field *field)
 {
     field->varied = false;
     field->drive_by[0] = field->drive_by[1] = NAN;
@@ -61,7 +61,7 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
     for (int i = 0; i < system->n; i++) {
         field->turn[i] = variable_is_angle(system, i) ? TWO_PI : 0;
     }
-    forget(field);
+    forget_derivatives(field);
     return true;
 }
 
@@ -78,7 +78,7 @@ static bool rebind(struct vector_field *field)
     double scale[LIMIT_VARIABLES];
     const size_t bytes = (size_t)field->n * sizeof *scale;
     memcpy(scale, field->system.scale, bytes);
-    forget(field);
+    forget_derivatives(field);
     if (!scene_bind_rates(&field->scene, &field->system))
         return false;
     memcpy(field->system.scale, scale, bytes);
@@ -117,7 +117,7 @@ void field_jacobian(struct vector_field *field, const double *y, double *jacobia
 
 /* Copies the scene with free parameter j a little larger and smaller. Returns the difference of its
  * values. */
-static double sides(const struct vector_field *field, int j, struct scene side[2])
+static double parameter_sides(const struct vector_field *field, int j, struct scene side[2])
 {
     const int index = field->param[j];
     const double value = field->scene.value[index],
@@ -133,7 +133,7 @@ bool field_by_parameter(struct vector_field *field, int j, const double *y, doub
     struct scene side[2];
     struct system system;
     double rate[2][LIMIT_VARIABLES];
-    const double apart = sides(field, j, side);
+    const double apart = parameter_sides(field, j, side);
     for (int s = 0; s < 2; s++) {
         if (!scene_bind_rates(&side[s], &system))
             return false;
@@ -157,7 +157,7 @@ double field_drive_by(struct vector_field *field, int j)
     struct scene side[2];
     struct system system;
     double period[2];
-    const double apart = sides(field, j, side);
+    const double apart = parameter_sides(field, j, side);
     for (int s = 0; s < 2; s++) {
         if (!scene_bind_rates(&side[s], &system))
             return NAN;
@@ -190,8 +190,8 @@ static bool flow_integrate(struct vector_field *field, const struct system *syst
 
 /* Integrates with dop853, or with radau5 if that takes too many steps because the equations are
  * stiff. Returns false if neither gets there or if cancelled. */
-static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
-                  double *grid)
+static bool integrate_flow(struct vector_field *field, const struct system *system, double span,
+                           double *end, double *grid)
 {
     return (!field->stiff && flow_integrate(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
            (!cancelled(field->cancel) &&
@@ -209,7 +209,7 @@ bool field_follow(struct vector_field *field, double t, const double *start, dou
     memcpy(system.start, start, (size_t)field->n * sizeof *start);
     memcpy(system.scale, field->size, (size_t)field->n * sizeof *start);
     field->tol = 1e-10;
-    const bool fine = go_on(field, &system, span, end, grid);
+    const bool fine = integrate_flow(field, &system, span, end, grid);
     field->tol = tol;
     return fine;
 }
@@ -267,7 +267,7 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
         for (int i = 0; i < n; i++)
             system->scale[n * (n + 1 + j) + i] *=
                 fmax(PARAM_DERIVATIVE_ERROR / field->tol, 1) / field->unit[j];
-    if (!go_on(field, system, span, all, NULL))
+    if (!integrate_flow(field, system, span, all, NULL))
         return false;
     memcpy(end, all, (size_t)n * sizeof *end);
     if (slopes)

@@ -73,7 +73,7 @@ struct plane {
 };
 
 /* Chooses a random state within one size of the centre. */
-static void sample(const struct plane *plane, uint64_t *seed, double *y)
+static void sample_state(const struct plane *plane, uint64_t *seed, double *y)
 {
     for (int i = 0; i < 2; i++)
         y[i] = plane->centre[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
@@ -86,7 +86,7 @@ static bool keeps_areas(const struct plane *plane)
     bool keeps = true;
     for (int k = 0; k < SYMMETRY_SAMPLES && keeps; k++) {
         double y[2] = {0}, rate[2], jacobian[4] = {0};
-        sample(plane, &seed, y);
+        sample_state(plane, &seed, y);
         mean_field(plane->bounded, y, rate, jacobian);
         keeps = fabs(jacobian[0] + jacobian[3]) <=
                 SYMMETRY_ROUNDING_RELATIVE * fmax(fabs(jacobian[0]), fabs(jacobian[3]));
@@ -96,14 +96,14 @@ static bool keeps_areas(const struct plane *plane)
 
 /* Returns true if R f(R y) = -f(y) at all sampled states, for the reflection R with matrix r about
  * the centre. */
-static bool reverses(const struct plane *plane, const double r[4])
+static bool is_reversed_by(const struct plane *plane, const double r[4])
 {
     const double *centre = plane->centre;
     uint64_t seed = 13;
     bool same = true;
     for (int k = 0; k < SYMMETRY_SAMPLES && same; k++) {
         double y[2] = {0}, other[2], f[2] = {0}, g[2] = {0};
-        sample(plane, &seed, y);
+        sample_state(plane, &seed, y);
         for (int i = 0; i < 2; i++)
             other[i] =
                 centre[i] + r[2 * i] * (y[0] - centre[0]) + r[2 * i + 1] * (y[1] - centre[1]);
@@ -126,7 +126,7 @@ static bool has_centres(const struct vector_field *field, const struct system *b
     const struct plane plane = {bounded, field->size, centre};
     bool has = field->n == 2 && keeps_areas(&plane);
     for (size_t i = 0; i < COUNT_OF(reflection) && !has && field->n == 2; i++)
-        has = reverses(&plane, reflection[i]);
+        has = is_reversed_by(&plane, reflection[i]);
     return has;
 }
 
@@ -216,7 +216,7 @@ static void find_vectors(int n, const double *jacobian, const struct solution *s
 }
 
 /* Sets real parts that are 0 but for rounding to 0, and counts the growing eigenvalues. */
-static void clean(struct solution *s)
+static void round_real_parts(struct solution *s)
 {
     double size = 0;
     for (int i = 0; i < s->values; i++)
@@ -305,7 +305,7 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
     }
     if (!matrix_eigenvalues(n, copy, solution->value))
         return false;
-    clean(solution);
+    round_real_parts(solution);
     *form = (struct equilibrium_form){.type = type_of(solution, field, bounded, conservative),
                                       .index = index_of(solution)};
     find_vectors(n, jacobian, solution, form);

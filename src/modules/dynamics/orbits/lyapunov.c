@@ -75,7 +75,7 @@ static double state_timescale(const struct exponents_search *s)
 
 /* Advances for a tenth of the default number of evaluations, when no time was given. Returns false
  * if the motion ends or if cancelled. */
-static bool go_unasked(struct exponents_search *s)
+static bool advance_default(struct exponents_search *s)
 {
     double span = s->period > 0 ? s->period : state_timescale(s);
     while (tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR) {
@@ -90,7 +90,7 @@ static bool go_unasked(struct exponents_search *s)
 
 /* Advances for the time `skip` [s], or for whole periods of the drive. Returns false if the motion
  * ends or if cancelled. */
-static bool go_before(struct exponents_search *s, double skip)
+static bool advance_skip(struct exponents_search *s, double skip)
 {
     double pieces = 32, span = skip / pieces;
     if (s->period > 0) {
@@ -135,10 +135,10 @@ static bool begin_exponents(struct exponents_search *s)
     double duration = r->duration;
     const double skip = r->skip >= 0 ? r->skip : duration / 10;
     const bool unasked = duration == 0 && r->skip < 0;
-    if (!(unasked ? go_unasked(s) : go_before(s, skip)))
+    if (!(unasked ? advance_default(s) : advance_skip(s, skip)))
         return false;
     s->found->skip = s->t.elapsed;
-    if (duration == 0 && !unasked && !go_unasked(s))
+    if (duration == 0 && !unasked && !advance_default(s))
         return false;
     if (duration == 0) {
         const double unit = s->period > 0 ? s->period : 1;
@@ -154,7 +154,7 @@ static bool begin_exponents(struct exponents_search *s)
 
 /* Advances through bin b and stores its mean rates. Returns false if the motion ends or if
  * cancelled. */
-static bool go_bin(struct exponents_search *s, size_t b)
+static bool advance_bin(struct exponents_search *s, size_t b)
 {
     struct tangents *t = &s->t;
     bool fine = true;
@@ -175,10 +175,10 @@ static bool go_bin(struct exponents_search *s, size_t b)
 }
 
 /* Advances through all bins. Returns false if the motion ends or if cancelled. */
-static bool go_through(struct exponents_search *s)
+static bool advance_all_bins(struct exponents_search *s)
 {
     for (s->done = 0; s->done < s->bins; s->done++) {
-        if (!go_bin(s, s->done))
+        if (!advance_bin(s, s->done))
             return false;
         if (s->done % 16 == 0)
             report_exponents(s, 0.1 + 0.9 * (double)s->done / (double)s->bins);
@@ -241,7 +241,7 @@ static void exponents_sort(struct lyapunov *f, int *order)
 }
 
 /* Computes all results from the finished bins. */
-static void evaluate(struct exponents_search *s)
+static void evaluate_exponents(struct exponents_search *s)
 {
     struct lyapunov *f = s->found;
     const int count = f->count;
@@ -350,14 +350,14 @@ bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *foun
     s->t0 = system->t0;
     s->period = found->period > 0 ? found->period : 0;
     s->timed = isnan(found->period);
-    if (begin_exponents(s) && go_through(s) && s->period > 0 && s->t.condition < 1e6)
+    if (begin_exponents(s) && advance_all_bins(s) && s->period > 0 && s->t.condition < 1e6)
         found->strobe = compare_with_map(s);
     const bool fine = s->series || s->end != TANGENTS_OK;
     found->condition = s->t.condition;
     for (int j = 0; j < found->count; j++)
         found->exponent[j] = (struct exponent){NAN, NAN};
     if (s->done > 0)
-        evaluate(s);
+        evaluate_exponents(s);
     if (s->end == TANGENTS_LEAVE || s->end == TANGENTS_JUMP)
         found->determined = false;
     found->cancelled = s->end == TANGENTS_CANCELLED;

@@ -47,8 +47,8 @@ static void transverse_basis(int n, const double *rate, double *basis)
 
 /* Computes the map of a segment between the directions across the motion at both of its ends, [n -
  * 1][n - 1]. `first` and `last` are the rates there. */
-static void quotient(int n, const double *map, const double *first, const double *last,
-                     double *reduced)
+static void transverse_map(int n, const double *map, const double *first, const double *last,
+                           double *reduced)
 {
     double first_basis[FIELD_VARIABLES * FIELD_VARIABLES],
         last_basis[FIELD_VARIABLES * FIELD_VARIABLES], moved[FIELD_VARIABLES * FIELD_VARIABLES],
@@ -64,7 +64,7 @@ static void quotient(int n, const double *map, const double *first, const double
 
 /* Computes the relative error of each segment in carrying the direction of motion along. Returns
  * their sum, or NAN if no multiplier is trivial; all errors are then 0. */
-static double drift(const struct orbit_maps *o, double *each)
+static double direction_errors(const struct orbit_maps *o, double *each)
 {
     const int n = o->n;
     double sum = 0, moved[FIELD_VARIABLES];
@@ -105,8 +105,8 @@ static void orthogonalise(int n, double *a, double *r)
 /* Carries the basis q once around the orbit. r becomes the product of the maps of all segments,
  * upper triangular. errors [segments] are relative errors of the maps, and uncertain [n] becomes
  * the relative uncertainty of the diagonal of r. */
-static void carry(int n, int segments, const double *map, const double *errors, double *q,
-                  double *r, double *uncertain)
+static void carry_basis(int n, int segments, const double *map, const double *errors, double *q,
+                        double *r, double *uncertain)
 {
     square moved, triangle, product;
     for (int i = 0; i < n * n; i++)
@@ -142,7 +142,8 @@ static void eigenvalues_sort(int n, struct eigenvalue *value)
 
 /* Computes the smallest multiplier from the product of all, which Liouville's formula gives, if
  * that is more accurate. */
-static void mend_last(int n, double log_determinant, struct eigenvalue *value, double *uncertain)
+static void correct_smallest(int n, double log_determinant, struct eigenvalue *value,
+                             double *uncertain)
 {
     double log_others = 0, sign = 1, error_sum = 0;
     for (int i = 0; i < n - 1; i++) {
@@ -161,7 +162,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
 {
     const int n = o->rate ? o->n - 1 : o->n;
     double map[CURVE_MAX * FIELD_VARIABLES], errors[CURVE_MAX];
-    *m = (struct multipliers){.count = n, .trivial = drift(o, errors)};
+    *m = (struct multipliers){.count = n, .trivial = direction_errors(o, errors)};
     if (n == 0)
         return true;
     /* Directions across the orbit are no better known than the direction of motion: where this
@@ -173,8 +174,8 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     for (int s = 0; s < o->segments; s++) {
         const double *given = o->map + s * o->n * o->n;
         if (o->rate)
-            quotient(o->n, given, o->rate + s * o->n, o->rate + (s + 1) % o->segments * o->n,
-                     map + s * n * n);
+            transverse_map(o->n, given, o->rate + s * o->n, o->rate + (s + 1) % o->segments * o->n,
+                           map + s * n * n);
         else
             memcpy(map + s * n * n, given, (size_t)(n * n) * sizeof *given);
     }
@@ -182,7 +183,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
         q[i] = i % (n + 1) == 0;
     for (int sweep = 0; sweep < (n > 1 ? QR_SWEEPS : 1); sweep++) {
         memcpy(first, q, sizeof first);
-        carry(n, o->segments, map, errors, q, r, uncertain);
+        carry_basis(n, o->segments, map, errors, q, r, uncertain);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
@@ -192,7 +193,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     if (!matrix_eigenvalues(n, turned, m->value))
         return false;
     eigenvalues_sort(n, m->value);
-    mend_last(n, o->log_determinant, m->value, uncertain);
+    correct_smallest(n, o->log_determinant, m->value, uncertain);
     m->log_determinant = o->log_determinant;
     for (int k = 0; k < n; k++)
         if (!(uncertain[k] < MULTIPLIER_KNOWN_RELATIVE))
@@ -202,7 +203,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
 
 /* Returns x - reference, divided by |x| if that exceeds 1, so that products of many do not
  * overflow. */
-static double bounded(double x, double reference)
+static double bounded_difference(double x, double reference)
 {
     return (x - reference) / fmax(1, fabs(x));
 }
@@ -212,7 +213,8 @@ double multipliers_doubling(const struct multipliers *m)
     double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;
     for (int i = 0; i < m->count; i++) {
         const struct eigenvalue v = m->value[i];
-        product *= v.im == 0 ? bounded(v.re, -1) : hypot(v.re + 1, v.im) / fmax(1, size_of(v));
+        product *=
+            v.im == 0 ? bounded_difference(v.re, -1) : hypot(v.re + 1, v.im) / fmax(1, size_of(v));
     }
     return product;
 }
@@ -221,14 +223,14 @@ double multipliers_torus(const struct multipliers *m)
 {
     double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;
     if (m->count == 2) /* exact where volumes are kept: it is 0 all along */
-        return product * bounded(exp(m->log_determinant), 1);
+        return product * bounded_difference(exp(m->log_determinant), 1);
     for (int i = 0; i < m->count; i++)
         for (int j = i + 1; j < m->count; j++) {
             const struct eigenvalue a = m->value[i], b = m->value[j];
             const double re = a.re * b.re - a.im * b.im, im = a.re * b.im + a.im * b.re;
             const bool pair = a.re == b.re && a.im == -b.im;
-            product *=
-                pair || im == 0 ? bounded(re, 1) : hypot(re - 1, im) / fmax(1, hypot(re, im));
+            product *= pair || im == 0 ? bounded_difference(re, 1)
+                                       : hypot(re - 1, im) / fmax(1, hypot(re, im));
         }
     return product;
 }

@@ -66,7 +66,7 @@ static void orbit_progress_report(const struct orbit_search *s)
 
 /* Tries to close an orbit. The first one found is stored in *s->found, and a wanted one replaces
  * it: a stable one, or any if the motion need not settle. Returns true if it is wanted. */
-static bool take_orbit(struct orbit_search *s, const double *state, double period, int multiple)
+static bool try_orbit(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};
     s->tries++;
@@ -128,24 +128,24 @@ static bool find_returns(struct orbit_search *s, double span, struct returns *fo
 }
 
 /* Returns true if the search has used up its evaluations or tries. */
-static bool spent(const struct orbit_search *s)
+static bool is_search_spent(const struct orbit_search *s)
 {
     return s->field.evals > SEARCH_EVALUATIONS_MAX || s->tries >= ALL_TRIES;
 }
 
 /* Tries the returns that come near enough, the earliest first. Returns true if an orbit was found
  * or if cancelled. */
-static bool take_returns(struct orbit_search *s, const struct returns *r, double distance_max)
+static bool try_returns(struct orbit_search *s, const struct returns *r, double distance_max)
 {
     double best = HUGE_VAL;
     int tried = 0;
     for (int k = 0; k < r->count; k++)
         best = fmin(best, r->distance[k]);
-    for (int k = 0; k < r->count && tried < RETURN_TRIES_MAX && !spent(s); k++)
+    for (int k = 0; k < r->count && tried < RETURN_TRIES_MAX && !is_search_spent(s); k++)
         if (r->distance[k] <= distance_max &&
             (r->distance[k] <= 1e3 * best || r->distance[k] <= RETURN_NEAR_FRACTION)) {
             tried++;
-            if (cancelled(s->request->cancel) || take_orbit(s, s->state, r->time[k], 0))
+            if (cancelled(s->request->cancel) || try_orbit(s, s->state, r->time[k], 0))
                 return true;
         }
     return false;
@@ -153,23 +153,23 @@ static bool take_returns(struct orbit_search *s, const struct returns *r, double
 
 /* Ends a search that has found no wanted orbit. Returns true if there is another one at least, else
  * sets *error: `why`, or that it was cancelled. */
-static bool nothing(struct orbit_search *s, const char *why, struct error *error)
+static bool end_search(struct orbit_search *s, const char *why, struct error *error)
 {
     if (cancelled(s->request->cancel))
         return error_set(error, ERROR_CANCELLED, "cancelled");
-    s->found->given_up =
-        s->request->settles && s->any && spent(s) && !solution_stable(&s->found->solution);
+    s->found->given_up = s->request->settles && s->any && is_search_spent(s) &&
+                         !solution_stable(&s->found->solution);
     if (s->any)
         return true;
     error_set(error, ERROR_COMMAND, "%s%s", why,
-              spent(s) ? " within the time searched; it may be chaotic" : "");
+              is_search_spent(s) ? " within the time searched; it may be chaotic" : "");
     return error_hint(error, "give a guess: orbit period=T and variables, as in %s=1",
                       system_variable(&s->field.system, 0).name);
 }
 
 /* Finds an orbit of an autonomous scene. The span is adapted until it has some returns; then these
  * are tried, and if none closes to a stable orbit, the motion goes on to settle. */
-static bool find_own(struct orbit_search *s, struct error *error)
+static bool find_autonomous(struct orbit_search *s, struct error *error)
 {
     static const char none[] = "the motion does not return to an earlier state";
     const int n = s->field.n;
@@ -178,10 +178,10 @@ static bool find_own(struct orbit_search *s, struct error *error)
         struct returns found;
         orbit_progress_report(s);
         if (cancelled(s->request->cancel) || !find_returns(s, span, &found, end))
-            return nothing(s, looks > 0 ? none : "the motion from there ends before it returns",
-                           error);
+            return end_search(s, looks > 0 ? none : "the motion from there ends before it returns",
+                              error);
         if (s->extent < REST_SIZES)
-            return nothing(s, "the motion comes to rest at an equilibrium", error);
+            return end_search(s, "the motion comes to rest at an equilibrium", error);
         s->first = fmax(s->first, s->extent);
         if (found.count == 0 && span < 1e6 * s->request->span && looks < SETTLING_SPANS_MAX) {
             span *= 2;
@@ -191,15 +191,15 @@ static bool find_own(struct orbit_search *s, struct error *error)
             span /= 4;
             continue;
         }
-        if (take_returns(s, &found,
-                         waits < SETTLING_SPANS_MAX / 2 ? RETURN_NEAR_FRACTION
-                                                        : RETURN_FAR_FRACTION))
-            return nothing(s, none, error) || s->any;
-        if (waits++ == SETTLING_SPANS_MAX || !s->request->settles || spent(s))
+        if (try_returns(s, &found,
+                        waits < SETTLING_SPANS_MAX / 2 ? RETURN_NEAR_FRACTION
+                                                       : RETURN_FAR_FRACTION))
+            return end_search(s, none, error) || s->any;
+        if (waits++ == SETTLING_SPANS_MAX || !s->request->settles || is_search_spent(s))
             break;
         memcpy(s->state, end, (size_t)n * sizeof *end);
     }
-    return nothing(s, s->extent < s->first / 2 ? "the motion dies away" : none, error);
+    return end_search(s, s->extent < s->first / 2 ? "the motion dies away" : none, error);
 }
 
 /* Finds an orbit near a guess of the period; in a family the member that has this period. */
@@ -210,13 +210,13 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
     struct orbit_request motion = *wanted;
     struct error ignored;
     motion.period = 0;
-    if (!take_orbit(s, s->state, period, 0) && !s->any) {
+    if (!try_orbit(s, s->state, period, 0) && !s->any) {
         s->request = &motion; /* Find the orbit on which it moves, which may be one of a family. */
-        const bool family = find_own(s, &ignored) && s->found->family;
+        const bool family = find_autonomous(s, &ignored) && s->found->family;
         s->request = wanted;
         s->any = family;
         if (!family)
-            return nothing(s, none, error);
+            return end_search(s, none, error);
     }
     return !s->found->family || orbit_of_period(s, period, error);
 }
@@ -234,17 +234,17 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
         if (!(fabs(ratio - rint(ratio)) < 0.02 && ratio > 0.5 && ratio < 1000))
             return error_set(error, ERROR_COMMAND,
                              "the period is one of the drive's %.9g s, or a multiple of it", drive);
-        return take_orbit(s, s->state, s->request->period, (int)lrint(ratio)) ||
-               nothing(s, "no response of that period was found near this guess", error);
+        return try_orbit(s, s->state, s->request->period, (int)lrint(ratio)) ||
+               end_search(s, "no response of that period was found near this guess", error);
     }
     /* Continue to the time at which the drive is as at the start. */
     const double turns = ceil((s->t - t0) / drive - 1e-9), remaining = t0 + turns * drive - s->t;
     if (remaining > 1e-9 * drive &&
         !field_flow(&s->field, s->t, s->state, remaining, s->state, NULL))
-        return nothing(s, "the motion from there ends", error);
+        return end_search(s, "the motion from there ends", error);
     struct returns ignored;
     if (!find_returns(s, drive, &ignored, history[0]))
-        return nothing(s, "the motion from there ends", error);
+        return end_search(s, "the motion from there ends", error);
     const double extent = fmax(s->extent, REST_SIZES);
     memcpy(history[0], s->state, sizeof history[0]);
     for (int k = 1; k <= SETTLING_PERIODS_MAX && s->request->settles; k++) {
@@ -253,28 +253,28 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
         orbit_progress_report(s);
         if (cancelled(s->request->cancel) ||
             !field_flow(&s->field, t0, history[(k - 1) % (SUBHARMONIC_MAX + 1)], drive, now, NULL))
-            return nothing(s, "the motion from there ends", error);
+            return end_search(s, "the motion from there ends", error);
         memcpy(s->state, now, sizeof s->state);
         for (int q = 1; q <= SUBHARMONIC_MAX && q <= k; q++) {
             distance[q] =
                 field_distance(&s->field, s->state, history[(k - q) % (SUBHARMONIC_MAX + 1)]);
             best = fmin(best, distance[q]);
         }
-        if (spent(s))
+        if (is_search_spent(s))
             break;
         if (best > 1e-4 * extent)
             continue;
         for (int q = 1; q <= SUBHARMONIC_MAX && q <= k; q++)
-            if (distance[q] < RETURN_NEAR_FRACTION * extent && take_orbit(s, now, q * drive, q))
+            if (distance[q] < RETURN_NEAR_FRACTION * extent && try_orbit(s, now, q * drive, q))
                 return true;
         if (best < 1e-9 * extent)
             break;
     }
     for (int q = 1; q <= 3; q++)
-        if (!s->any && take_orbit(s, s->state, q * drive, q))
+        if (!s->any && try_orbit(s, s->state, q * drive, q))
             return true;
-    return nothing(s, "no response with the period of the drive, or a few of these, was found",
-                   error);
+    return end_search(s, "no response with the period of the drive, or a few of these, was found",
+                      error);
 }
 
 /* ---- the orbit itself ---- */
@@ -311,8 +311,8 @@ static bool is_far(const struct solution *s, const double *a, const double *b, d
 /* Samples the motion from `start` over `span` [s], and again more densely between states that are
  * far apart. `depth` is the number of such subdivisions. Returns false if the motion cannot be
  * followed. */
-static bool sample(struct vector_field *field, struct found_orbit *orbit, double t,
-                   const double *start, double span, int depth)
+static bool sample_orbit(struct vector_field *field, struct found_orbit *orbit, double t,
+                         const double *start, double span, int depth)
 {
     const struct solution *s = &orbit->solution;
     double grid[FIELD_TIMES * FIELD_VARIABLES], last[FIELD_VARIABLES];
@@ -323,7 +323,7 @@ static bool sample(struct vector_field *field, struct found_orbit *orbit, double
     for (int k = 1; k < FIELD_TIMES; k++) {
         const double *a = grid + (k - 1) * s->n, *b = a + s->n;
         if (depth < SUBDIVISIONS_MAX && is_far(s, a, b, SAMPLE_GAP_FRACTION) &&
-            !sample(field, orbit, t + (k - 1) * h, a, h, depth + 1))
+            !sample_orbit(field, orbit, t + (k - 1) * h, a, h, depth + 1))
             return false;
         if (depth > 0 && k + 1 < FIELD_TIMES && !is_far(s, last, b, SAMPLE_GAP_FRACTION / 2))
             continue;
@@ -335,7 +335,7 @@ static bool sample(struct vector_field *field, struct found_orbit *orbit, double
 }
 
 /* Returns the smallest distance of the orbit from the requested state as a part of its extent. */
-static double away_from(const struct orbit_search *s, const struct found_orbit *orbit)
+static double distance_from_request(const struct orbit_search *s, const struct found_orbit *orbit)
 {
     const int n = s->field.n;
     double nearest = HUGE_VAL;
@@ -352,7 +352,7 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
 
 /* Returns the energy [J] that the drive puts in over a period; without a drive, that which the
  * forces put in while their power is positive. */
-static double energy_of(const struct system *system, const struct found_orbit *orbit)
+static double energy_per_period(const struct system *system, const struct found_orbit *orbit)
 {
     const int n = system->n;
     double sum = 0, last = 0, t_last = 0;
@@ -370,7 +370,7 @@ static double energy_of(const struct system *system, const struct found_orbit *o
 
 /* Completes *s->found: samples, distance from the requested state, energy. An orbit on which the
  * equations jump has no multipliers. Returns false with *error if out of memory. */
-static bool finish(struct orbit_search *s, struct error *error)
+static bool complete_orbit(struct orbit_search *s, struct error *error)
 {
     struct found_orbit *orbit = s->found;
     const int n = s->field.n;
@@ -379,9 +379,9 @@ static bool finish(struct orbit_search *s, struct error *error)
     if (!orbit->sample)
         return error_memory(error);
     put_sample(orbit, n, 0, orbit->solution.state);
-    if (!sample(&s->field, orbit, 0, orbit->solution.state, orbit->solution.period, 0))
+    if (!sample_orbit(&s->field, orbit, 0, orbit->solution.state, orbit->solution.period, 0))
         orbit->samples = 1;
-    orbit->away = orbit->samples > 1 ? away_from(s, orbit) : NAN;
+    orbit->away = orbit->samples > 1 ? distance_from_request(s, orbit) : NAN;
     if (field_jumps(&s->field, s->field.system.t0, orbit->solution.state, orbit->solution.period)) {
         orbit->solution.values = 0;
         orbit->solution.trivial = orbit->error = NAN;
@@ -389,13 +389,13 @@ static bool finish(struct orbit_search *s, struct error *error)
     }
     orbit->energy_in = NAN;
     if (scene_bind(s->request->scene, &system, error) && system.order == 2 && system.energy)
-        orbit->energy_in = energy_of(&system, orbit);
+        orbit->energy_in = energy_per_period(&system, orbit);
     return true;
 }
 
 /* Returns the index of a parameter that the shooting equations can be differentiated by: not 0, and
  * not the start time. */
-static int some_param(const struct scene *scene)
+static int differentiable_parameter(const struct scene *scene)
 {
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
         if (strcmp(param_at(scene, i)->row.name, "t0") != 0 && scene->value[i] != 0)
@@ -406,7 +406,7 @@ static int some_param(const struct scene *scene)
 bool orbit_find(const struct orbit_request *request, struct found_orbit *found, struct error *error)
 {
     const int64_t start_time = clock_ns();
-    const int param = some_param(request->scene);
+    const int param = differentiable_parameter(request->scene);
     struct orbit_search s = {.request = request, .found = found, .t = request->t};
     *found = (struct found_orbit){.samples = 0};
     if (!field_init(&s.field, request->scene, &param, 1, error))
@@ -424,8 +424,8 @@ bool orbit_find(const struct orbit_request *request, struct found_orbit *found, 
     else if (request->period > 0)
         fine = find_of_period(&s, request->period, error);
     else
-        fine = find_own(&s, error);
-    fine = fine && finish(&s, error);
+        fine = find_autonomous(&s, error);
+    fine = fine && complete_orbit(&s, error);
     if (fine && cancelled(request->cancel))
         fine = error_set(error, ERROR_CANCELLED, "cancelled");
     found->evals = s.field.evals;

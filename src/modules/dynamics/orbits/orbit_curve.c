@@ -36,15 +36,15 @@ double orbit_curve_period(const struct orbit_curve *c, const double *u)
 }
 
 /* Returns the time [s] from the start of the orbit to the beginning of segment i. */
-static double begins(const struct orbit_curve *c, int i, double period)
+static double segment_start(const struct orbit_curve *c, int i, double period)
 {
     return c->fixed[i] + period * c->share[i];
 }
 
 /* Returns the length [s] of segment i. */
-static double span_of(const struct orbit_curve *c, int i, double period)
+static double segment_span(const struct orbit_curve *c, int i, double period)
 {
-    return begins(c, i + 1, period) - begins(c, i, period);
+    return segment_start(c, i + 1, period) - segment_start(c, i, period);
 }
 
 /* Computes the rate in units of size at a time. */
@@ -64,12 +64,12 @@ struct shot {
 };
 
 /* Computes the flow over segment i. Returns false if it cannot be followed. */
-static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
-                  struct shot *s)
+static bool shoot_segment(const struct orbit_curve *c, const double *u, int i, double period,
+                          struct shot *s)
 {
     struct vector_field *field = c->field;
-    s->span = span_of(c, i, period);
-    s->t = field->system.t0 + begins(c, i, period);
+    s->span = segment_span(c, i, period);
+    s->t = field->system.t0 + segment_start(c, i, period);
     state_of(field, u + i * field->n, s->start);
     if (!(s->span > 0) || !field_flow(field, s->t, s->start, s->span, s->end, &s->slopes))
         return false;
@@ -142,7 +142,7 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     c->log_determinant = 0;
     for (int i = 0; i < c->segments; i++) {
         struct shot s;
-        if (!shoot(c, u, i, period, &s))
+        if (!shoot_segment(c, u, i, period, &s))
             return false;
         memcpy(c->map + i * n * n, s.slopes.by_start, (size_t)(n * n) * sizeof *c->map);
         memcpy(c->rate + i * n, s.first, (size_t)n * sizeof *c->rate);
@@ -180,14 +180,14 @@ void orbit_curve_map(const struct orbit_curve *c, double *map)
 }
 
 /* Computes the rates [segments][n] at the beginnings of the segments, in units of size. */
-static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
+static void segment_rates(const struct orbit_curve *c, const double *u, double *rate)
 {
     const int n = c->field->n;
     double y[FIELD_VARIABLES];
     const double period = orbit_curve_period(c, u);
     for (int i = 0; i < c->segments; i++) {
         state_of(c->field, u + i * n, y);
-        rate_of(c->field, c->field->system.t0 + begins(c, i, period), y, rate + i * n);
+        rate_of(c->field, c->field->system.t0 + segment_start(c, i, period), y, rate + i * n);
     }
 }
 
@@ -220,11 +220,11 @@ static void orbit_curve_aim(void *context, bool fine)
 
 /* Changes the tangent so that it leads to orbits of the present phase: all segments are shifted by
  * the same time. */
-static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
+static void shift_tangent_phase(const struct orbit_curve *c, const double *u, double *tangent)
 {
     const int n = c->field->n;
     double rate[CURVE_MAX] = {0}, normal_part = 0, normal_rate = 0;
-    rates_of(c, u, rate);
+    segment_rates(c, u, rate);
     for (int k = 0; k < n; k++) {
         normal_part += c->normal[k] * tangent[k];
         normal_rate += c->normal[k] * rate[k];
@@ -235,11 +235,11 @@ static void turn_tangent(const struct orbit_curve *c, const double *u, double *t
 }
 
 /* Returns by how much the period [s] may shrink before a segment of these shares has no length. */
-static double room_of(const struct orbit_curve *c, double period, const double *share)
+static double shrink_room(const struct orbit_curve *c, double period, const double *share)
 {
     double room = HUGE_VAL;
     for (int i = 0; i < c->segments; i++)
-        room = fmin(room, span_of(c, i, period) / fmax(share[i + 1] - share[i], 0));
+        room = fmin(room, segment_span(c, i, period) / fmax(share[i + 1] - share[i], 0));
     return room;
 }
 
@@ -253,7 +253,7 @@ static void slow_shares(const struct orbit_curve *c, double period, const double
     for (int i = 0; i < m; i++) {
         const double speed =
             fmax(vector_length(n, rate + i * n), vector_length(n, rate + (i + 1) % m * n));
-        share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
+        share[i + 1] = share[i] + segment_span(c, i, period) / (speed * speed);
     }
     for (int i = 0; i < m; i++)
         share[i] /= share[m];
@@ -268,21 +268,21 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
     if (c->forced)
         return false;
     const double room = direction[m * n] < 0 ? SHRINK_ROOM_FRACTION * period : 0;
-    rates_of(c, u, rate);
+    segment_rates(c, u, rate);
     slow_shares(c, period, rate, share);
-    if (!(room_of(c, period, share) > room))
+    if (!(shrink_room(c, period, share) > room))
         for (int i = 0; i < m; i++)
-            share[i] = begins(c, i, period) / period;
+            share[i] = segment_start(c, i, period) / period;
     for (int i = 0; i < m; i++) {
         const double shift = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
         for (int k = i * n; k < (i + 1) * n; k++)
             moved[k] = direction[k] + shift * rate[k];
     }
     if (!(vector_length(m * n, moved) < STRETCH_MIN_FRACTION * vector_length(m * n, direction)) &&
-        room_of(c, period, c->share) > room)
+        shrink_room(c, period, c->share) > room)
         return false;
     for (int i = 1; i < m; i++) {
-        c->fixed[i] = begins(c, i, period) - share[i] * period;
+        c->fixed[i] = segment_start(c, i, period) - share[i] * period;
         c->share[i] = share[i];
     }
     memcpy(direction, moved, (size_t)(m * n) * sizeof *moved);
@@ -298,7 +298,7 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
     rate_of(c->field, c->field->system.t0, y, c->normal);
     vector_normalise(c->field->n, c->normal);
     if (tangent && !c->forced)
-        turn_tangent(c, u, tangent);
+        shift_tangent_phase(c, u, tangent);
 }
 
 double orbit_curve_upright(const struct orbit_curve *c)
@@ -319,8 +319,8 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
     for (int i = 0; i < c->segments; i++) {
         for (int k = 0; k < n; k++)
             u[i * n + k] = y[k] / field->size[k];
-        if (!field_flow(field, field->system.t0 + begins(c, i, period), y, span_of(c, i, period),
-                        end, NULL))
+        if (!field_flow(field, field->system.t0 + segment_start(c, i, period), y,
+                        segment_span(c, i, period), end, NULL))
             return false;
         memcpy(y, end, sizeof y);
     }
@@ -338,8 +338,8 @@ bool orbit_curve_follow(const struct orbit_curve *c, const double *u, int segmen
     double y[FIELD_VARIABLES];
     const double period = orbit_curve_period(c, u);
     state_of(c->field, u + segment * c->field->n, y);
-    *t = c->field->system.t0 + begins(c, segment, period);
-    *span = span_of(c, segment, period);
+    *t = c->field->system.t0 + segment_start(c, segment, period);
+    *span = segment_span(c, segment, period);
     return field_follow(c->field, *t, y, *span, grid);
 }
 
@@ -374,8 +374,8 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
         if (!halved[i])
             continue;
         state_of(field, u + i * n, y);
-        if (!field_flow(field, field->system.t0 + begins(c, i, period), y,
-                        span_of(c, i, period) / 2, end, NULL))
+        if (!field_flow(field, field->system.t0 + segment_start(c, i, period), y,
+                        segment_span(c, i, period) / 2, end, NULL))
             return false;
         for (int k = 0; k < n; k++)
             cut[next * n + k] = end[k] / field->size[k];

@@ -85,7 +85,7 @@ bool solutions_correct_at(struct solution_curve *path, const double *u, int sign
 /* ---- properties of a solution ---- */
 
 /* Extends the extrema of variable i to the value y. */
-static void take_extremes(struct solution *s, int i, double y)
+static void extend_extremes(struct solution *s, int i, double y)
 {
     s->top[i] = fmax(s->top[i], y);
     s->bottom[i] = fmin(s->bottom[i], y);
@@ -96,7 +96,7 @@ static void take_extremes(struct solution *s, int i, double y)
 static void cubic_extremes(struct solution *s, int i, double h, double y0, double f0, double y1,
                            double f1)
 {
-    take_extremes(s, i, y1);
+    extend_extremes(s, i, y1);
     if (signbit(f0) == signbit(f1))
         return;
     /* y' = f0 + theta (2 c) + theta^2 (3 d), in units of h */
@@ -105,7 +105,7 @@ static void cubic_extremes(struct solution *s, int i, double h, double y0, doubl
     for (int k = 0; k < 2; k++) {
         const double theta = k == 0 ? q / (3 * d) : f0 / q;
         if (theta > 0 && theta < 1)
-            take_extremes(s, i, hermite(theta, h, y0, f0, y1, f1));
+            extend_extremes(s, i, hermite(theta, h, y0, f0, y1, f1));
     }
 }
 
@@ -123,7 +123,7 @@ static bool find_extremes(struct solution_curve *path, const double *u, struct s
         const double h = span / (FIELD_TIMES - 1);
         system_derivative(&field->system, t, grid, rate[0]);
         for (int i = 0; i < n; i++)
-            take_extremes(s, i, grid[i]);
+            extend_extremes(s, i, grid[i]);
         for (int k = 1; k < FIELD_TIMES; k++) {
             const double *left = grid + (k - 1) * n, *right = grid + k * n;
             system_derivative(&field->system, t + k * h, right, rate[k % 2]);
@@ -171,8 +171,8 @@ static bool fill_orbit(struct solution_curve *path, const double *u, struct solu
 }
 
 /* Sets kind and state of the solution from the unknowns of a point. */
-static void place(const struct solution_curve *path, const struct curve_place *point,
-                  struct solution *s)
+static void set_state(const struct solution_curve *path, const struct curve_place *point,
+                      struct solution *s)
 {
     const struct vector_field *field = &path->field;
     *s = (struct solution){.kind = path->kind, .n = field->n};
@@ -185,7 +185,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_place *point, 
 {
     struct vector_field *field = &path->field;
     double f[CURVE_MAX], *jacobian = path->work->jacobian;
-    place(path, point, s);
+    set_state(path, point, s);
     if (!path->problem->residual(path->problem->context, point->u, f, jacobian))
         return false;
     for (int i = 0; i < path->problem->n; i++)
@@ -202,7 +202,7 @@ bool solutions_seen(struct solution_curve *path, const struct curve_place *point
     struct vector_field *field = &path->field;
     if (path->kind == SOLUTION_EQUILIBRIUM)
         return solutions_at(path, point, false, s);
-    place(path, point, s);
+    set_state(path, point, s);
     s->residual = point->residual;
     s->param[0] = point->u[path->problem->n] * path->orbit.psize;
     return field_set(field, s->param) && fill_orbit(path, point->u, s) &&
@@ -211,7 +211,7 @@ bool solutions_seen(struct solution_curve *path, const struct curve_place *point
 
 /* Returns true if a complex pair of eigenvalues is on the imaginary axis, or for a `map` on the
  * unit circle, so that the test of the pair is not 0 because of two real ones. */
-static bool has_pair(const struct solution *s, bool map)
+static bool has_critical_pair(const struct solution *s, bool map)
 {
     double best = HUGE_VAL, im = 0, size = 0;
     for (int i = 0; i < s->values; i++) {
@@ -235,7 +235,7 @@ int solution_ones(const struct solution *s)
 }
 
 /* Returns true if a multiplier is -1. */
-static bool has_turned(const struct solution *s)
+static bool has_multiplier_minus_one(const struct solution *s)
 {
     for (int i = 0; i < s->values; i++)
         if (fabs(s->value[i].re + 1) < 1e-3 && fabs(s->value[i].im) < 1e-3)
@@ -257,8 +257,8 @@ enum special solutions_special(const struct solution_curve *path, int test,
     const enum special special = (is_map ? orbit : equilibrium)[test];
     bool is_real = true;
     if (special == SPECIAL_HOPF || special == SPECIAL_TORUS)
-        is_real = has_pair(solution, is_map);
+        is_real = has_critical_pair(solution, is_map);
     else if (special == SPECIAL_DOUBLING)
-        is_real = has_turned(solution);
+        is_real = has_multiplier_minus_one(solution);
     return is_real ? special : SPECIAL_NONE;
 }

@@ -80,7 +80,7 @@ void tangents_orthonormalise(int n, int count, double *column, double *diagonal)
 
 /* Makes the tangents orthonormal and adds their growth to t->growth, if `wanted` or if their
  * condition or length exceeds ORTHONORMAL_CONDITION_MAX. */
-static void straighten(struct tangents *t, bool wanted)
+static void tangents_straighten(struct tangents *t, bool wanted)
 {
     const int n = t->n;
     double column[FIELD_VARIABLES * FIELD_VARIABLES], diagonal[FIELD_VARIABLES];
@@ -119,7 +119,7 @@ static bool is_beyond(const struct tangents *t, double bound)
 
 /* Returns false if the motion has escaped. With linear forces tangents do not depend on the motion,
  * which then begins anew at 0. */
-static bool stays(struct tangents *t)
+static bool has_not_escaped(struct tangents *t)
 {
     const bool far = is_beyond(t, ESCAPE_SIZES);
     if (!far || !t->field.system.linear)
@@ -131,7 +131,7 @@ static bool stays(struct tangents *t)
 
 /* Returns true if the last step has crossed a switch at which the right-hand sides jump. branch
  * [switches] are the states of the switches before the step, and are updated. */
-static bool jumps(const struct tangents *t, double *branch)
+static bool has_jumped(const struct tangents *t, double *branch)
 {
     const struct system *system = &t->variation.base;
     double now[LIMIT_SWITCHES], rate[2][LIMIT_VARIABLES], size = 0, jump = 0;
@@ -168,16 +168,16 @@ enum tangents_end tangents_advance(struct tangents *t, double t_begin, double sp
         const enum step_status status = method_adapt(t->method, &t->step, &t->controller, end);
         if (status != STEP_OK)
             return status == STEP_NONFINITE ? TANGENTS_LEAVE : TANGENTS_STALL;
-        if (!stays(t))
+        if (!has_not_escaped(t))
             return TANGENTS_LEAVE;
-        if (switches && jumps(t, branch))
+        if (switches && has_jumped(t, branch))
             return TANGENTS_JUMP;
         hopeless = fabs(t->step.h) < HOPELESS_STEP_FRACTION * span ? hopeless + 1 : 0;
         if (hopeless > HOPELESS_STEPS_MAX && is_beyond(t, STALLED_ESCAPE_SIZES))
             return TANGENTS_LEAVE;
         if (hopeless > HOPELESS_STEPS_MAX)
             return switches ? TANGENTS_JUMP : TANGENTS_STALL;
-        straighten(t, t->step.t == end);
+        tangents_straighten(t, t->step.t == end);
         if ((++t->steps & 63) == 0 && cancelled(t->field.cancel))
             return TANGENTS_CANCELLED;
     }

@@ -40,8 +40,8 @@ static double value_at(const struct marching *m, double x, double y)
 
 /* Finds the zero on the side from a to b, each x, y and value, where the values have different
  * signs. Starts from the same end for both cells that share the side. Returns false at a pole. */
-static bool crossing(const struct marching *m, const double a[3], const double b[3],
-                     double point[2])
+static bool side_crossing(const struct marching *m, const double a[3], const double b[3],
+                          double point[2])
 {
     double low[3], high[3];
     memcpy(low, a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]) ? a : b, sizeof low);
@@ -81,14 +81,14 @@ static void add_level_segment(struct marching *m, const double a[2], const doubl
 
 /* Adds the segments of one cell. Its corners, in turn, are x, y and value each; 0 counts as
  * positive. */
-static void march(struct marching *m, double corner[4][3])
+static void march_cell(struct marching *m, double corner[4][3])
 {
     double crossings[4][2];
     int count = 0;
     for (int i = 0; i < 4; i++) {
         const double *a = corner[i], *b = corner[(i + 1) % 4];
         if (isfinite(a[2]) && isfinite(b[2]) && (a[2] < 0) != (b[2] < 0) &&
-            crossing(m, a, b, crossings[count]))
+            side_crossing(m, a, b, crossings[count]))
             count++;
     }
     if (count == 2) {
@@ -123,7 +123,7 @@ static void examine_cells(struct marching *m, const double box[2][2], int cells)
     if (cells >=
         (changes || !request->may_be_zero ? SIGN_CHANGE_CELLS_PER_SIDE : DOUBTFUL_CELLS_PER_SIDE)) {
         if (changes)
-            march(m, corner);
+            march_cell(m, corner);
         return;
     }
     const double x[] = {box[0][0], box[0][0] + (box[0][1] - box[0][0]) / 2, box[0][1]},

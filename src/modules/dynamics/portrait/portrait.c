@@ -47,7 +47,7 @@ struct plane_value {
 
 /* Sets the state with coordinates (x, y) in the plane; other variables have the values of the
  * request. */
-static void place(const struct portrait_work *work, double x, double y, double *state)
+static void plane_state(const struct portrait_work *work, double x, double y, double *state)
 {
     memcpy(state, work->request->state, (size_t)work->field.n * sizeof *state);
     state[work->request->variable[0]] = x;
@@ -60,7 +60,7 @@ static double plane_value(const void *context, double x, double y)
     const struct plane_value *v = context;
     const struct system *system = &v->work->field.system;
     double state[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
-    place(v->work, x, y, state);
+    plane_state(v->work, x, y, state);
     v->work->portrait->evals++;
     if (v->variable < 0)
         return system_kinetic(system, state) + system_potential(system, state) - v->level;
@@ -74,7 +74,7 @@ static bool may_be_zero(const void *context, const double box[2][2])
     const struct plane_value *v = context;
     double state[LIMIT_VARIABLES];
     struct interval region[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
-    place(v->work, 0, 0, state);
+    plane_state(v->work, 0, 0, state);
     for (int i = 0; i < v->work->field.n; i++)
         region[i] = (struct interval){state[i], state[i]};
     for (int k = 0; k < 2; k++)
@@ -84,7 +84,7 @@ static bool may_be_zero(const void *context, const double box[2][2])
 }
 
 /* Appends the lines on which the function is 0. Returns false if out of memory. */
-static bool level(const struct plane_value *value, struct polyline *line)
+static bool add_level_lines(const struct plane_value *value, struct polyline *line)
 {
     const struct portrait_work *work = value->work;
     const bool bounds = value->variable >= 0 && work->bounded && work->field.system.autonomous;
@@ -98,7 +98,7 @@ static bool level(const struct plane_value *value, struct polyline *line)
 
 /* Appends lines of equal energy between the lowest equilibrium and the highest of 9 x 9 sampled
  * states. Returns false if out of memory. */
-static bool energies(struct portrait_work *work, struct polyline *line)
+static bool add_energy_lines(struct portrait_work *work, struct polyline *line)
 {
     struct plane_value value = {.work = work, .variable = -1};
     const double(*box)[2] = work->request->box;
@@ -119,7 +119,7 @@ static bool energies(struct portrait_work *work, struct polyline *line)
     for (int k = 1; k <= ENERGY_LEVELS && fine && high > low; k++) {
         /* amplitudes grow evenly where the energy goes as their square */
         value.level = low + (high - low) * (k - 0.5) * (k - 0.5) / (ENERGY_LEVELS * ENERGY_LEVELS);
-        fine = level(&value, line);
+        fine = add_level_lines(&value, line);
     }
     return fine;
 }
@@ -145,12 +145,12 @@ static bool portrait_draw(struct portrait_work *work)
     bool fine = true;
     for (int k = 0; k < 2 && fine; k++) {
         const struct plane_value value = {.work = work, .variable = request->variable[k]};
-        fine = level(&value, &line[PORTRAIT_NULLCLINE + k]);
+        fine = add_level_lines(&value, &line[PORTRAIT_NULLCLINE + k]);
     }
     if (fine && work->field.system.autonomous)
         fine = portrait_separatrices(work);
     if (fine && request->energy && work->field.n == 2)
-        fine = energies(work, &line[PORTRAIT_ENERGY]);
+        fine = add_energy_lines(work, &line[PORTRAIT_ENERGY]);
     work->portrait->cancelled = cancelled(request->cancel);
     return fine;
 }

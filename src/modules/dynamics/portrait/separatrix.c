@@ -43,7 +43,7 @@ static void rate_here(struct plane_walk *w)
 
 /* Returns the time [s], negative backwards, to the next point: about POINT_STRIDE_FRACTION of the
  * box. */
-static double stride(const struct plane_walk *w)
+static double walk_stride(const struct plane_walk *w)
 {
     double speed = 0;
     for (int k = 0; k < 2; k++)
@@ -69,7 +69,7 @@ static bool plane_angle_wrap(struct plane_walk *w)
 }
 
 /* Returns true if the state is outside of the box. */
-static bool outside(const struct plane_walk *w)
+static bool is_outside(const struct plane_walk *w)
 {
     for (int k = 0; k < 2; k++) {
         const double *range = w->work->request->box[k], y = w->y[variable_of(w, k)];
@@ -82,7 +82,7 @@ static bool outside(const struct plane_walk *w)
 
 /* Returns the distance in the plane from a state, as a fraction of the box; for angles the shorter
  * way around. */
-static double distance(const struct plane_walk *w, const double *state)
+static double plane_distance(const struct plane_walk *w, const double *state)
 {
     double far = 0;
     for (int k = 0; k < 2; k++) {
@@ -96,11 +96,12 @@ static double distance(const struct plane_walk *w, const double *state)
 
 /* Returns the index of the equilibrium that the trajectory has reached, other than `except`, or
  * -1. */
-static int reached(const struct plane_walk *w, int except)
+static int reached_equilibrium(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int e = 0; e < found->count; e++)
-        if (e != except && distance(w, found->solution[e].state) < EQUILIBRIUM_REACHED_FRACTION)
+        if (e != except &&
+            plane_distance(w, found->solution[e].state) < EQUILIBRIUM_REACHED_FRACTION)
             return e;
     return -1;
 }
@@ -109,7 +110,8 @@ static int reached(const struct plane_walk *w, int except)
 
 /* Records the crossing at which variable k has this value, between the previous state and the one
  * `span` later. */
-static void cross(struct plane_walk *w, const double *previous, double span, int k, double value)
+static void record_crossing(struct plane_walk *w, const double *previous, double span, int k,
+                            double value)
 {
     struct separatrix *s = w->separatrix;
     struct field_plane plane = {.normal = {0}};
@@ -140,7 +142,7 @@ static void look_for_crossings(struct plane_walk *w, const double *previous, dou
             seen[count++] = value;
             if (!known && ((a < 0) != (b < 0)) &&
                 fabs(a) > 10 * START_OFFSET_FRACTION * w->width[k])
-                cross(w, previous, span, k, value);
+                record_crossing(w, previous, span, k, value);
         }
     }
 }
@@ -152,7 +154,7 @@ static void look_for_crossings(struct plane_walk *w, const double *previous, dou
 enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
 
 /* Follows the trajectory for `span` [s] and appends the point there. */
-static enum walk_end advance(struct plane_walk *w, double span, int except)
+static enum walk_end walk_advance(struct plane_walk *w, double span, int except)
 {
     double previous[LIMIT_VARIABLES];
     memcpy(previous, w->y, sizeof previous);
@@ -167,9 +169,9 @@ static enum walk_end advance(struct plane_walk *w, double span, int except)
         (!polyline_gap(w->line) ||
          !polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)])))
         return WALK_MEMORY;
-    if (outside(w))
+    if (is_outside(w))
         return WALK_FRAME;
-    const int target = reached(w, except);
+    const int target = reached_equilibrium(w, except);
     if (w->separatrix)
         w->separatrix->target = target;
     return target >= 0 ? WALK_REST : WALK_ON;
@@ -223,8 +225,8 @@ static bool follow_separatrix(struct portrait_work *work, int e, int value, int 
     for (int i = 0;
          i < SEPARATRIX_POINTS_MAX && end == WALK_ON && !cancelled(work->request->cancel); i++) {
         rate_here(&w);
-        end = advance(&w, stride(&w), away ? -1 : e);
-        away = away || distance(&w, equilibrium->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
+        end = walk_advance(&w, walk_stride(&w), away ? -1 : e);
+        away = away || plane_distance(&w, equilibrium->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
     }
     s->end = "goes on";
     if (end == WALK_FRAME || end == WALK_REST)
@@ -277,11 +279,11 @@ bool portrait_trajectory(const struct portrait_request *request, const double *s
     for (double gone = 0; fine && end == WALK_ON && gone < fabs(span) &&
                           line->n < 20 * SEPARATRIX_POINTS_MAX && !cancelled(request->cancel);) {
         rate_here(&w);
-        double step = stride(&w);
+        double step = walk_stride(&w);
         if (!(fabs(step) < fabs(span) - gone))
             step = w.sign * (fabs(span) - gone);
         gone += fabs(step);
-        end = advance(&w, step, -1);
+        end = walk_advance(&w, step, -1);
         fine = end != WALK_MEMORY;
     }
     field_free(&work.field);

@@ -34,7 +34,7 @@ struct pair_counts {
 };
 
 /* Returns the bin of a distance, counted from 0: the leading bits of the double. */
-static uint64_t bits_of(double x)
+static uint64_t distance_bin(double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -42,7 +42,7 @@ static uint64_t bits_of(double x)
 }
 
 /* Returns the lower edge of a bin. */
-static double edge_of(uint64_t cell)
+static double bin_lower_edge(uint64_t cell)
 {
     double x;
     cell <<= CELL_BITS;
@@ -64,7 +64,7 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
         for (int k = 0; k <= EXTRA_DELAYS; k++) {
             const int d = s->dimensions - 1 + k;
             most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));
-            const uint64_t cell = bits_of(most);
+            const uint64_t cell = distance_bin(most);
             const uint64_t bin = cell < first ? 0 : cell - first;
             count[k][bin < DISTANCE_BINS ? bin : DISTANCE_BINS - 1]++;
         }
@@ -72,10 +72,10 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
 }
 
 /* Computes the correlation sums of a motion of that size. Returns false if cancelled. */
-static bool find_sums(const struct delay_space *s, double size, struct pair_counts *sums)
+static bool count_all_pairs(const struct delay_space *s, double size, struct pair_counts *sums)
 {
     int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS] = {{0}};
-    const uint64_t first = bits_of(ldexp(size, 4 - OCTAVES_MAX));
+    const uint64_t first = distance_bin(ldexp(size, 4 - OCTAVES_MAX));
     const size_t stride = s->points / COMPARED_VECTORS + 1,
                  each = s->points / REFERENCE_VECTORS + 1;
     for (size_t i = 0; i < s->points; i += each) {
@@ -88,7 +88,7 @@ static bool find_sums(const struct delay_space *s, double size, struct pair_coun
         for (int b = 0; b < DISTANCE_BINS; b++) {
             sum += count[k][b];
             sums->log_count[k][b] = sum > 0 ? log((double)sum) : -1;
-            sums->log_edge[b] = log(edge_of(first + (uint64_t)b + 1));
+            sums->log_edge[b] = log(bin_lower_edge(first + (uint64_t)b + 1));
         }
         sums->pairs = (double)sum;
     }
@@ -114,7 +114,7 @@ static double slope_between(const struct pair_counts *sums, int k, int first, in
 
 /* Returns the uncertainty of the slope of the range from bin `first` on: how much it differs
  * between its halves and with more delays. */
-static double open_part(const struct pair_counts *sums, int first, double slope)
+static double slope_uncertainty(const struct pair_counts *sums, int first, double slope)
 {
     const int last = first + SLOPE_BINS, middle = first + SLOPE_BINS / 2;
     double deviation =
@@ -126,7 +126,7 @@ static double open_part(const struct pair_counts *sums, int first, double slope)
 
 /* Returns the median of the slopes of all ranges that hold enough pairs but not too many, or NAN if
  * there is none. Sets ends to the first and last bin of these ranges, and *error to half of the
- * spread of the middle 80 % with the median of open_part(). */
+ * spread of the middle 80 % with the median of slope_uncertainty(). */
 static double median_slope(const struct pair_counts *sums, double *error, int *ends)
 {
     double slope[DISTANCE_BINS], deviation[DISTANCE_BINS];
@@ -138,7 +138,7 @@ static double median_slope(const struct pair_counts *sums, double *error, int *e
         ends[0] = count == 0 ? b : ends[0];
         ends[1] = b + SLOPE_BINS;
         slope[count] = slope_between(sums, 0, b, b + SLOPE_BINS);
-        deviation[count] = open_part(sums, b, slope[count]);
+        deviation[count] = slope_uncertainty(sums, b, slope[count]);
         count++;
     }
     const double middle = values_quantile(slope, count, 0.9) - values_quantile(slope, count, 0.1);
@@ -162,7 +162,7 @@ bool correlation_dimension(const struct delay_space *space, size_t n, struct are
         low = fmin(low, s.y[i]);
         high = fmax(high, s.y[i]);
     }
-    if (!find_sums(&s, high - low, sums))
+    if (!count_all_pairs(&s, high - low, sums))
         return false;
     const double slope = median_slope(sums, &error, ends);
     if (isnan(slope))

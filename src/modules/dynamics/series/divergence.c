@@ -13,20 +13,20 @@
 #define SATURATION_LOG_MARGIN 1.5
 
 /* Returns the logarithm of the distance between two vectors. */
-static double log_apart(const struct delay_space *s, size_t i, size_t j)
+static double log_distance(const struct delay_space *s, size_t i, size_t j)
 {
     const double square = space_distance2(s, i, j);
     return square > 0 ? log(square) / 2 : ROUNDED_LOG_DISTANCE;
 }
 
 /* Returns the mean logarithm of the distance between random vectors: where growth must end. */
-static double between_any(const struct delay_space *s)
+static double mean_log_distance(const struct delay_space *s)
 {
     uint64_t seed = 1;
     double sum = 0;
     for (int k = 0; k < NEIGHBOUR_PAIRS; k++)
-        sum += log_apart(s, (size_t)(random_fraction(&seed) * (double)s->points),
-                         (size_t)(random_fraction(&seed) * (double)s->points));
+        sum += log_distance(s, (size_t)(random_fraction(&seed) * (double)s->points),
+                            (size_t)(random_fraction(&seed) * (double)s->points));
     return sum / NEIGHBOUR_PAIRS;
 }
 
@@ -62,8 +62,8 @@ static double log_across(const struct delay_space *s, size_t i, size_t centre, s
 
 /* Follows the pair of vectors i and j for the time of the curve, and adds their ln(distance) to
  * `mean` [steps]. */
-static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t samples,
-                         const struct divergence *d, double *mean)
+static void follow_pair(const struct delay_space *s, size_t i, size_t j, size_t samples,
+                        const struct divergence *d, double *mean)
 {
     const size_t most = s->points + samples - 1;
     const bool flows = s->delay > 1 && i > 0; /* a map has no direction of flow */
@@ -71,7 +71,7 @@ static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t
     for (size_t k = 0; k < d->steps; k++) {
         const size_t shift = k * d->stride;
         mean[k] += flows ? log_across(s, i + shift, j + shift, most, &neighbour)
-                         : log_apart(s, i + shift, j + shift);
+                         : log_distance(s, i + shift, j + shift);
         neighbour = neighbour + d->stride < most ? neighbour + d->stride : most;
     }
 }
@@ -89,7 +89,7 @@ static void put_means(const struct delay_space *s, const size_t *count, struct d
     d->last = 0;
     for (size_t k = d->steps - d->steps / 4; k < d->steps; k++)
         d->last += d->mean[k] / (double)(d->steps / 4);
-    d->apart = fmin(between_any(s), d->last);
+    d->apart = fmin(mean_log_distance(s), d->last);
 }
 
 bool divergence_find(const struct delay_space *s, size_t samples, struct arena *arena,
@@ -114,7 +114,7 @@ bool divergence_find(const struct delay_space *s, size_t samples, struct arena *
             continue;
         if (i / stride % 64 == 0 && cancelled(s->cancel))
             return false;
-        follow_pairs(s, i, nearest.index[0], samples, d, d->part + part * d->steps);
+        follow_pair(s, i, nearest.index[0], samples, d, d->part + part * d->steps);
         count[part]++;
         d->pairs++;
     }

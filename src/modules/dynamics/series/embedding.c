@@ -21,8 +21,8 @@
 
 /* Adds vector j to the neighbours of vector i, unless `wanted` ones are nearer, it is at distance
  * 0, or within the Theiler window. */
-static void look_at(const struct delay_space *s, size_t i, size_t j, int wanted,
-                    struct neighbours *f)
+static void consider_neighbour(const struct delay_space *s, size_t i, size_t j, int wanted,
+                               struct neighbours *f)
 {
     const double most = f->count == wanted ? f->square[f->count - 1] : HUGE_VAL;
     double square = 0;
@@ -72,7 +72,7 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
         if (found->count == wanted && distance * distance >= found->square[wanted - 1])
             return;
         if (j < s->points)
-            look_at(s, i, j, wanted, found);
+            consider_neighbour(s, i, j, wanted, found);
     }
 }
 
@@ -97,7 +97,7 @@ static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsign
 }
 
 /* Returns the mutual information [nat] of values that are `lag` samples apart, from their bins. */
-static double information(const unsigned char *bin, size_t n, size_t lag)
+static double mutual_information(const unsigned char *bin, size_t n, size_t lag)
 {
     int count[INFORMATION_BINS][INFORMATION_BINS] = {{0}}, first[INFORMATION_BINS] = {0},
         second[INFORMATION_BINS] = {0};
@@ -116,7 +116,7 @@ static double information(const unsigned char *bin, size_t n, size_t lag)
 }
 
 /* Returns the autocovariance of y at a lag [samples]. */
-static double correlation(const double *y, size_t n, double mean, size_t lag)
+static double autocovariance(const double *y, size_t n, double mean, size_t lag)
 {
     double sum = 0;
     for (size_t i = 0; i + lag < n; i++)
@@ -134,14 +134,14 @@ int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct 
     double mean = 0, previous = HUGE_VAL;
     for (size_t i = 0; i < looked; i++)
         mean += y[i] / (double)looked;
-    const double variance = correlation(y, looked, mean, 0);
+    const double variance = autocovariance(y, looked, mean, 0);
     for (size_t lag = 1; lag < most; lag++) {
         if (lag % 16 == 0 && cancelled(cancel))
             return 0;
-        const double now = information(bin, looked, lag);
+        const double now = mutual_information(bin, looked, lag);
         if (now > previous)
             return (int)lag - 1;
-        if (correlation(y, looked, mean, lag) < variance / exp(1))
+        if (autocovariance(y, looked, mean, lag) < variance / exp(1))
             return (int)lag;
         previous = now;
     }
@@ -151,7 +151,7 @@ int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct 
 /* ---- the number of delays ---- */
 
 /* Returns the number of vectors behind which `ahead` more samples exist. */
-static size_t vectors_of(size_t n, const struct delay_space *s, size_t ahead)
+static size_t vector_count(size_t n, const struct delay_space *s, size_t ahead)
 {
     const size_t window = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     return n > window ? n - window : 0;
@@ -183,7 +183,7 @@ static double false_neighbours(const struct delay_space *s, double sigma)
 int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *false_share)
 {
     for (s->dimensions = 1; s->dimensions < SPACE_DIMENSIONS - 1; s->dimensions++) {
-        s->points = vectors_of(n, s, (size_t)s->delay);
+        s->points = vector_count(n, s, (size_t)s->delay);
         if (s->points < EXAMINED_VECTORS / 2)
             break;
         *false_share = false_neighbours(s, sigma);
@@ -239,7 +239,7 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
 /* Compares the root mean square errors of about EXAMINED_VECTORS predictions. */
 double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
 {
-    const size_t vectors = vectors_of(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,
+    const size_t vectors = vector_count(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,
                  target_offset = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     const double linear = linear_error(s, ahead, vectors);
     double sum = 0;

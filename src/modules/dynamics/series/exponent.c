@@ -28,9 +28,10 @@
 #define SYSTEMATIC_ERROR_RELATIVE 0.08
 
 /* Stores the reason why the exponent is not determined. Returns true, since that is a result. */
-static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
+static bool set_undetermined(struct series_exponent *found, const char *format, ...)
+    PRINTF_LIKE(2, 3);
 /* The text is cut off if it is longer than found->reason. */
-static bool leave(struct series_exponent *found, const char *format, ...)
+static bool set_undetermined(struct series_exponent *found, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -60,7 +61,7 @@ static struct part series_part_of(const double *y, size_t begin, size_t end)
 }
 
 /* Returns true if size and mean of the motion are steady; otherwise stores the reason. */
-static bool lasts(const struct samples *x, struct series_exponent *found)
+static bool is_steady(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
     for (size_t k = 0; k < SERIES_PARTS; k++) {
@@ -72,12 +73,12 @@ static bool lasts(const struct samples *x, struct series_exponent *found)
         right = fmax(right, p.mean);
     }
     if (high > PART_SIZE_RATIO_MAX * low)
-        return !leave(
+        return !set_undetermined(
             found,
             "the size of the motion changes: between quarters of the time by a factor of %.3g",
             high / low);
     if (right - left > PART_MEAN_DRIFT_MAX * high)
-        return !leave(
+        return !set_undetermined(
             found,
             "the motion drifts: between quarters of the time its mean moves by %.3g times its size",
             (right - left) / high);
@@ -86,7 +87,7 @@ static bool lasts(const struct samples *x, struct series_exponent *found)
 
 /* Returns the number of upward crossings of the mean, and sets *turn to the mean time between them
  * [samples]. */
-static size_t turns_of(const struct samples *x, double mean, double *turn)
+static size_t count_turns(const struct samples *x, double mean, double *turn)
 {
     size_t count = 0;
     for (size_t i = 1; i < x->n; i++)
@@ -96,24 +97,25 @@ static size_t turns_of(const struct samples *x, double mean, double *turn)
 }
 
 /* Returns true if the series can be analysed; otherwise stores the reason. Sets *turn as
- * turns_of(). */
-static bool is_fit(const struct samples *x, const struct part *whole, double *turn,
-                   struct series_exponent *found)
+ * count_turns(). */
+static bool is_suitable(const struct samples *x, const struct part *whole, double *turn,
+                        struct series_exponent *found)
 {
     if (x->n < EXPONENT_SAMPLES)
-        return !leave(found, "%zu samples are too few, %d are needed", x->n, EXPONENT_SAMPLES);
+        return !set_undetermined(found, "%zu samples are too few, %d are needed", x->n,
+                                 EXPONENT_SAMPLES);
     if (!x->uniform)
-        return !leave(found,
-                      "the samples are not evenly spaced in time (of a run: a method with fixed "
-                      "steps)");
+        return !set_undetermined(
+            found, "the samples are not evenly spaced in time (of a run: a method with fixed "
+                   "steps)");
     if (!(whole->sigma > 1e-12 * fabs(whole->mean)) || !isfinite(whole->sigma))
-        return !leave(found, "nothing moves");
-    if (!lasts(x, found))
+        return !set_undetermined(found, "nothing moves");
+    if (!is_steady(x, found))
         return false;
-    const size_t turns = turns_of(x, whole->mean, turn);
+    const size_t turns = count_turns(x, whole->mean, turn);
     if (turns < MEAN_CROSSINGS_MIN)
-        return !leave(found, "the motion turns only %zu times; %d turns are needed", turns,
-                      MEAN_CROSSINGS_MIN);
+        return !set_undetermined(found, "the motion turns only %zu times; %d turns are needed",
+                                 turns, MEAN_CROSSINGS_MIN);
     return true;
 }
 
@@ -122,8 +124,8 @@ static bool is_fit(const struct samples *x, const struct part *whole, double *tu
 /* Chooses the delay and the dimension, with shorter delays if the first unfolds nothing. Returns
  * false if out of memory, if cancelled, or with the reason set if no number of delays unfolds the
  * motion. */
-static bool unfold(struct delay_space *space, const struct samples *x, double sigma,
-                   struct arena *arena, struct series_exponent *found)
+static bool choose_embedding(struct delay_space *space, const struct samples *x, double sigma,
+                             struct arena *arena, struct series_exponent *found)
 {
     double share = NAN;
     int dimensions = 0;
@@ -141,10 +143,11 @@ static bool unfold(struct delay_space *space, const struct samples *x, double si
     found->dimensions = dimensions;
     found->delay = space->delay * x->dt;
     return dimensions > 0 ||
-           leave(found,
-                 "no number of delays up to %d unfolds the motion (%.2g %% false neighbours): it "
-                 "is noise, or has too many variables for this record",
-                 SPACE_DIMENSIONS - 2, 100 * share);
+           set_undetermined(
+               found,
+               "no number of delays up to %d unfolds the motion (%.2g %% false neighbours): it "
+               "is noise, or has too many variables for this record",
+               SPACE_DIMENSIONS - 2, 100 * share);
 }
 
 /* ---- separation of neighbours ---- */
@@ -159,9 +162,9 @@ static size_t horizon_of(const struct samples *x, int delays, int delay, double 
 
 /* Computes divergence and growth with that number of delayed values. Returns false if out of memory
  * or cancelled. */
-static bool grow_with(const struct delay_space *space, const struct samples *x, int dimensions,
-                      double turn, struct arena *arena, struct divergence *divergence,
-                      struct even_growth *growth)
+static bool measure_growth(const struct delay_space *space, const struct samples *x, int dimensions,
+                           double turn, struct arena *arena, struct divergence *divergence,
+                           struct even_growth *growth)
 {
     struct delay_space s = *space;
     s.dimensions = dimensions;
@@ -176,23 +179,25 @@ static bool grow_with(const struct delay_space *space, const struct samples *x, 
 
 /* Returns true with a reason stored if distances do not grow exponentially. `step` [s] is that of
  * the divergence. */
-static bool judge(const struct divergence *d, const struct even_growth *g, double step,
-                  struct series_exponent *found)
+static bool is_not_exponential(const struct divergence *d, const struct even_growth *g, double step,
+                               struct series_exponent *found)
 {
     const double growth = g->slope * (double)(g->last - g->first),
                  rise = d->last - d->mean[g->first];
     if (rise < log(DISTANCE_GROWTH_MIN))
-        return leave(
+        return set_undetermined(
             found,
             "neighbours do not separate: the motion is periodic or quasi-periodic, or decays");
     if (!(g->error >= 0) || !(growth >= log(EXPONENT_GROWTH)))
-        return leave(found,
-                     "distances grow exponentially by less than a factor of %g before they reach "
-                     "the size of the motion: too much noise, or too short a record",
-                     EXPONENT_GROWTH);
+        return set_undetermined(
+            found,
+            "distances grow exponentially by less than a factor of %g before they reach "
+            "the size of the motion: too much noise, or too short a record",
+            EXPONENT_GROWTH);
     if (fabs(g->halves[0] - g->halves[1]) > HALVES_DIFFERENCE_MAX * g->slope)
-        return leave(found, "distances do not grow exponentially: at %.3g, then at %.3g 1/s",
-                     g->halves[0] / step, g->halves[1] / step);
+        return set_undetermined(found,
+                                "distances do not grow exponentially: at %.3g, then at %.3g 1/s",
+                                g->halves[0] / step, g->halves[1] / step);
     return false;
 }
 
@@ -204,15 +209,15 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
     struct divergence d;
     struct even_growth g, deeper;
     double spread = 0;
-    if (!grow_with(space, x, space->dimensions, turn, arena, &d, &g))
+    if (!measure_growth(space, x, space->dimensions, turn, arena, &d, &g))
         return false;
     const double step = x->dt * (double)d.stride;
     found->pairs = d.pairs;
-    if (judge(&d, &g, step, found))
+    if (is_not_exponential(&d, &g, step, found))
         return true;
     for (int k = 1; k <= EXTRA_DELAYS; k++) {
         struct divergence other;
-        if (!grow_with(space, x, space->dimensions + k, turn, arena, &other, &deeper))
+        if (!measure_growth(space, x, space->dimensions + k, turn, arena, &other, &deeper))
             return false;
         if (isfinite(deeper.slope))
             spread = fmax(spread, fabs(deeper.slope - g.slope));
@@ -222,8 +227,9 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
                  error =
                      sqrt(g.error * g.error + spread * spread + halves * halves + method * method);
     if (error > HALVES_DIFFERENCE_MAX * g.slope)
-        return leave(found, "%.3g 1/s is not significantly different from 0 (error %.3g)",
-                     g.slope / step, error / step);
+        return set_undetermined(found,
+                                "%.3g 1/s is not significantly different from 0 (error %.3g)",
+                                g.slope / step, error / step);
     found->value = (struct measured){g.slope / step, error / step};
     found->t_begin = (double)g.first * step;
     found->t_end = (double)g.last * step;
@@ -244,16 +250,17 @@ bool series_exponent(const struct series *series, struct arena *arena,
         return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
                                          : error_memory(error);
     const struct part whole = series_part_of(x.y, 0, x.n);
-    if (!is_fit(&x, &whole, &turn, found))
+    if (!is_suitable(&x, &whole, &turn, found))
         return true;
     struct delay_space space = {.y = x.y, .apart = (size_t)turn, .cancel = series->cancel};
     found->apart = turn * x.dt;
-    bool fine = unfold(&space, &x, whole.sigma, arena, found);
+    bool fine = choose_embedding(&space, &x, whole.sigma, arena, found);
     if (fine && found->dimensions > 0) {
         const double ratio = prediction_ratio(&space, x.n, (size_t)space.delay);
         if (!(ratio < PREDICTION_ERROR_RATIO))
-            leave(found, "a linear function of the same values predicts %s: noise, or sines",
-                  ratio < 1 / PREDICTION_ERROR_RATIO ? "as well" : "better");
+            set_undetermined(found,
+                             "a linear function of the same values predicts %s: noise, or sines",
+                             ratio < 1 / PREDICTION_ERROR_RATIO ? "as well" : "better");
         else
             fine = find_exponent(&space, &x, turn, arena, found) &&
                    correlation_dimension(&space, x.n, arena, found);

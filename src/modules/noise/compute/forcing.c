@@ -26,7 +26,7 @@ static void probe_state(const struct system *system, double shift, double speed,
  * Finds the linear damping [half] of each coordinate at rest. Returns false if it depends on the
  * position or the time, or couples coordinates, so that there is no such number.
  */
-static bool own_damping(const struct system *system, double *gamma)
+static bool linear_damping(const struct system *system, double *gamma)
 {
     static const double shift[DAMPING_PROBES] = {0, 0.31, -0.47, 0.83};
     const int n = system->n, half = n / 2;
@@ -76,7 +76,7 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
 {
     const struct system *system = &forcing->system;
     double own[LIMIT_VARIABLES] = {0};
-    const bool known = own_damping(system, own);
+    const bool known = linear_damping(system, own);
     const bool stated = !isnan(request->gamma);
     if (!known)
         memset(own, 0, sizeof own);

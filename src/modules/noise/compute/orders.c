@@ -186,7 +186,7 @@ static void find_linear_weak(const struct orders_work *work, struct method_order
 }
 
 /* Computes the levels and orders from the sums over all paths. */
-static void summarise(const struct orders_work *work, struct method_orders *orders)
+static void summarise_orders(const struct orders_work *work, struct method_orders *orders)
 {
     const struct orders_request *request = work->request;
     orders->method = work->method;
@@ -238,7 +238,7 @@ bool noise_orders_measure(const struct orders_request *request, const struct noi
                            method->row.name);
     *orders = (struct method_orders){0};
     if (ok)
-        summarise(&work, orders);
+        summarise_orders(&work, orders);
     free(work.strong);
     free(work.weak);
     free(work.increment);

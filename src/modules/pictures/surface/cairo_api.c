@@ -102,8 +102,8 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
 #endif
 
 /* Appends the figure as an SVG document. Returns false with *error if out of memory. */
-static bool as_svg(const struct figure *figure, double width, double height, struct buffer *output,
-                   struct error *error)
+static bool svg_picture(const struct figure *figure, double width, double height,
+                        struct buffer *output, struct error *error)
 {
     struct svg_surface svg;
     svg_begin(&svg, width, height, picture_style(width, height).font, figure->title, output);
@@ -133,6 +133,6 @@ bool figure_picture(const struct figure *figure, enum picture kind, double width
 {
     width = page_length(width, PICTURE_WIDTH);
     height = page_length(height, PICTURE_HEIGHT);
-    return kind == PICTURE_SVG ? as_svg(figure, width, height, output, error)
+    return kind == PICTURE_SVG ? svg_picture(figure, width, height, output, error)
                                : through_cairo(figure, kind, width, height, output, error);
 }

@@ -17,7 +17,7 @@ struct cairo_surface {
 };
 
 /* Builds the path of the surface with cairo, then fills and strokes it. */
-static void paint(struct surface *surface, const struct brush *brush)
+static void cairo_path_paint(struct surface *surface, const struct brush *brush)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
     const struct cairo_api *api = canvas->api;
@@ -94,7 +94,7 @@ static void cairo_text_put(struct surface *surface, const struct surface_text *t
 /* ---- files ---- */
 
 /* Appends what cairo writes to the buffer `context`. */
-static cairo_status_t take_bytes(void *context, const unsigned char *data, unsigned int length)
+static cairo_status_t append_bytes(void *context, const unsigned char *data, unsigned int length)
 {
     struct buffer *buffer = context;
     buffer_put(buffer, (struct text){(const char *)data, length});
@@ -109,7 +109,7 @@ static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture k
         return api->image_surface_create(CAIRO_FORMAT_RGB24, (int)(PICTURE_PIXELS_EACH * width),
                                          (int)(PICTURE_PIXELS_EACH * height));
     cairo_surface_t *surface =
-        api->pdf_surface_create_for_stream(take_bytes, output, width, height);
+        api->pdf_surface_create_for_stream(append_bytes, output, width, height);
     /* no date, so that the same figure gives the same file */
     api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     return surface;
@@ -130,8 +130,8 @@ static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, in
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *output, struct error *error)
 {
-    static const struct surface_kind surface_kind = {paint, cairo_box_clip, cairo_text_put,
-                                                     cairo_text_width};
+    static const struct surface_kind surface_kind = {cairo_path_paint, cairo_box_clip,
+                                                     cairo_text_put, cairo_text_width};
     cairo_surface_t *surface = make_surface(api, kind, width, height, output);
     struct cairo_surface canvas = {{.kind = &surface_kind}, api, api->create(surface)};
     if (kind != PICTURE_PDF)
@@ -148,7 +148,7 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     api->destroy(canvas.cairo);
     if (drawn && kind == PICTURE_PNG)
         drawn =
-            api->surface_write_to_png_stream(surface, take_bytes, output) == CAIRO_STATUS_SUCCESS;
+            api->surface_write_to_png_stream(surface, append_bytes, output) == CAIRO_STATUS_SUCCESS;
     if (drawn && kind == PICTURE_PIXELS)
         put_pixels(api, surface, (int)(PICTURE_PIXELS_EACH * width),
                    (int)(PICTURE_PIXELS_EACH * height), output);

@@ -76,7 +76,7 @@ void surface_unclip(struct surface *surface)
 
 /* Returns the text without control characters and invalid UTF-8, which labels from files may have
  * and which would make a picture unreadable. Valid until the next call. */
-static const char *plain(struct surface *surface, const char *text)
+static const char *plain_text(struct surface *surface, const char *text)
 {
     buffer_clear(&surface->plain);
     safe_text(&surface->plain, text_of(text), false);
@@ -86,13 +86,13 @@ static const char *plain(struct surface *surface, const char *text)
 
 double surface_text_width(struct surface *surface, double size, const char *text)
 {
-    return surface->kind->text_width(surface, size, plain(surface, text));
+    return surface->kind->text_width(surface, size, plain_text(surface, text));
 }
 
 double surface_put_text(struct surface *surface, const struct surface_text *text)
 {
     struct surface_text shown = *text;
-    shown.text = plain(surface, text->text);
+    shown.text = plain_text(surface, text->text);
     if (*shown.text)
         surface->kind->text(surface, &shown);
     return surface->kind->text_width(surface, text->size, shown.text);

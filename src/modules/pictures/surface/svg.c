@@ -137,15 +137,15 @@ static void put_point(struct path_writer *state, const struct path_point *point)
 }
 
 /* Returns the buffer that an SVG surface writes to. */
-static struct buffer *out_of(struct surface *surface)
+static struct buffer *svg_output(struct surface *surface)
 {
     return ((struct svg_surface *)(void *)surface)->output;
 }
 
 /* Appends the path of the surface as an element <path>. */
-static void paint(struct surface *surface, const struct brush *brush)
+static void svg_paint(struct surface *surface, const struct brush *brush)
 {
-    struct buffer *output = out_of(surface);
+    struct buffer *output = svg_output(surface);
     struct path_writer state = {.output = output};
     buffer_put(output, TEXT("<path"));
     if (brush->fill)
@@ -225,7 +225,7 @@ static void svg_text_put(struct surface *surface, const struct surface_text *tex
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
                struct buffer *output)
 {
-    static const struct surface_kind kind = {paint, svg_clip, svg_text_put, svg_text_width};
+    static const struct surface_kind kind = {svg_paint, svg_clip, svg_text_put, svg_text_width};
     *svg = (struct svg_surface){.surface.kind = &kind, .output = output, .font = font};
     buffer_put(output, TEXT("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""));
     put_hundredths(output, hundredths(width));

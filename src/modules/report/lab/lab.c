@@ -75,7 +75,7 @@ static void report_add_value(struct report *report, struct report_value value)
 }
 
 /* Returns factor * x with its uncertainty. */
-static struct measured times(double factor, struct measured x)
+static struct measured measured_scaled(double factor, struct measured x)
 {
     return (struct measured){factor * x.value, fabs(factor) * x.uncertainty};
 }
@@ -118,7 +118,7 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
         enum quantity quantity;
     } rows[FIT_VALUES] = {
         {"period", fit->period, QUANTITY_TIME},
-        {"frequency", times(1 / (2 * PI), fit->omega), QUANTITY_FREQUENCY},
+        {"frequency", measured_scaled(1 / (2 * PI), fit->omega), QUANTITY_FREQUENCY},
         {"omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
         {"amplitude", fit->amplitude, stored->quantity},
         {"phase", fit->phase, QUANTITY_ANGLE},

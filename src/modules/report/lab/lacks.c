@@ -35,7 +35,7 @@ struct lack {
 
 /* Returns true if a value of that name was found for the recording, or for anything if recording is
  * -1. */
-static bool has_of(const struct report *report, const char *name, int recording)
+static bool has_value_of(const struct report *report, const char *name, int recording)
 {
     char subject[LIMIT_NAME + 16];
     if (recording < 0)
@@ -60,11 +60,11 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
         struct lack lack;
     } rows[LACKS_MAX] = {
         {first >= 0, {SECTION_RECORDING, "the recording without damping", "load FILE", -1, false}},
-        {has_of(report, "period", first),
+        {has_value_of(report, "period", first),
          {SECTION_RECORDING, "the period", "measure period of data %s", first, false}},
-        {has_of(report, "amplitude", first),
+        {has_value_of(report, "amplitude", first),
          {SECTION_RECORDING, "the amplitude", "measure amplitude of data %s", first, false}},
-        {has_of(report, "k", first),
+        {has_value_of(report, "k", first),
          {SECTION_RECORDING, "the spring constant", "m = 200 g; fit damped to %s", first, true}},
         {m->euler >= 0 && (recording_of(report, run_at(report, m->euler)) >= 0 ||
                            !is_damped(run_at(report, m->euler))),
@@ -76,7 +76,7 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
         {find_value(report, "reynolds", NULL) != NULL,
          {SECTION_DRAG, "the Reynolds number", "measure reynolds", -1, true}},
         {second >= 0, {SECTION_DAMPED_RECORDING, "the damped recording", "load FILE", -1, false}},
-        {has_of(report, "gamma", second) && second >= 0,
+        {has_value_of(report, "gamma", second) && second >= 0,
          {SECTION_DAMPED_RECORDING, "its decay",
           "measure amplitude windows=6 of data %s; measure decay of data %s", second, false}},
         {m->runs[SECTION_DAMPED_SIMULATION] > 0,
@@ -92,7 +92,8 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
 
 /* Writes the commands of a lack. Each %s becomes the name of the recording; without a recording the
  * phrase around it is left out. Sets the scene first if another one is in use. */
-static void put_type(const struct report *report, const struct lack *lack, struct buffer *output)
+static void put_commands(const struct report *report, const struct lack *lack,
+                         struct buffer *output)
 {
     static const char *const parts[] = {" of data %s", " to %s"};
     const char *cursor = lack->type;
@@ -126,7 +127,7 @@ void report_missing(const struct report *report,
     const int lacks = report_of_lab(report) ? find_lacks(report, lack) : 0;
     for (int i = 0; i < lacks; i++) {
         struct buffer type = {0};
-        put_type(report, &lack[i], &type);
+        put_commands(report, &lack[i], &type);
         say(context, lack[i].what, buffer_view(&type));
         buffer_free(&type);
     }
@@ -142,7 +143,7 @@ void put_lacks(struct report *report, enum section section)
         struct buffer type = {0};
         if (lack[i].section != section)
             continue;
-        put_type(report, &lack[i], &type);
+        put_commands(report, &lack[i], &type);
         document_open(document, BLOCK_PARAGRAPH);
         document_say(document, "Missing: %s. Commands that produce it: ", lack[i].what);
         document_name(document, buffer_text(&type));

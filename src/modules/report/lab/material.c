@@ -30,7 +30,7 @@ bool is_method(const struct run *run, const char *name)
 
 /* Returns the median absolute deviation of n values, a measure of amplitude that single missed
  * echoes do not change, or NAN if out of memory. */
-static double spread(struct arena *arena, const double *y, size_t n)
+static double median_deviation(struct arena *arena, const double *y, size_t n)
 {
     double *values = arena_array(arena, n, sizeof *values);
     if (!values)
@@ -44,7 +44,7 @@ static double spread(struct arena *arena, const double *y, size_t n)
 
 /* Returns the fraction of the amplitude that is lost from the first part of the recording to the
  * last, or NAN if the recording is too short. */
-static double falls(const struct recording *recording)
+static double amplitude_loss(const struct recording *recording)
 {
     struct recording whole = *recording;
     struct arena arena = {0};
@@ -55,7 +55,8 @@ static double falls(const struct recording *recording)
     whole.window[1] = HUGE_VAL;
     if (recording_series(&whole, &arena, 4 * RECORDING_PARTS, &series, &error)) {
         const size_t n = series.n / RECORDING_PARTS;
-        lost = 1 - spread(&arena, series.y + series.n - n, n) / spread(&arena, series.y, n);
+        lost = 1 - median_deviation(&arena, series.y + series.n - n, n) /
+                       median_deviation(&arena, series.y, n);
     }
     arena_reset(&arena);
     return lost;
@@ -63,7 +64,7 @@ static double falls(const struct recording *recording)
 
 /* Returns true if the user measured the decay of a recording, or at least two amplitudes at stated
  * times. */
-static bool decay_asked(const struct report *report, int index)
+static bool is_decay_measured(const struct report *report, int index)
 {
     int readings = 0;
     char subject[LIMIT_NAME + 16];
@@ -110,8 +111,8 @@ static void sort_recordings(const struct report *report, struct material *m)
     double fall[LIMIT_RECORDINGS], most = -HUGE_VAL;
     bool asked[LIMIT_RECORDINGS], any_asked = false, all = true;
     for (int i = 0; i < count; i++) {
-        fall[i] = falls(report->session->recording[i]->recording);
-        asked[i] = decay_asked(report, i);
+        fall[i] = amplitude_loss(report->session->recording[i]->recording);
+        asked[i] = is_decay_measured(report, i);
         any_asked |= asked[i];
         most = asked[i] ? fmax(most, fall[i]) : most;
     }
@@ -234,7 +235,7 @@ static bool same_step(const struct run *a, const struct run *b)
 
 /* Adds a run to m->scheme if it has the same motion and step as the first one there, its method is
  * not there yet, and REPORT_OVERLAY runs are not exceeded. */
-static void take_scheme(const struct report *report, struct material *m, int index)
+static void add_scheme(const struct report *report, struct material *m, int index)
 {
     const struct run *run = run_at(report, index), *first = run_at(report, m->scheme[0]);
     if (m->schemes == REPORT_OVERLAY || !same_motion(first, run) || !same_step(first, run))
@@ -256,9 +257,9 @@ static void choose_schemes(const struct report *report, struct material *m, int 
     for (size_t k = 0; k < COUNT_OF(names); k++)
         for (int i = 0; i < others; i++)
             if (is_method(run_at(report, other[i]), names[k]))
-                take_scheme(report, m, other[i]);
+                add_scheme(report, m, other[i]);
     for (int i = 0; i < others; i++)
-        take_scheme(report, m, other[i]);
+        add_scheme(report, m, other[i]);
 }
 
 /* Chooses m->euler, the run of forward Euler that the most runs of other methods can be drawn

@@ -69,7 +69,7 @@ void say_label(struct document *document, const struct report_value *value)
 }
 
 /* Opens a table with these column heads; the caller adds rows and closes it. */
-static void put_heading(struct document *document, const char *const *heads, int count)
+static void open_table(struct document *document, const char *const *heads, int count)
 {
     document_open(document, BLOCK_TABLE);
     document_open(document, BLOCK_ROW);
@@ -102,7 +102,7 @@ void put_all_values(struct report *report)
     if (report->values == 0)
         return;
     document_put(document, BLOCK_PART, "All values");
-    put_heading(document, heads, COUNT_OF(heads));
+    open_table(document, heads, COUNT_OF(heads));
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
         struct text statement;
@@ -146,7 +146,7 @@ void put_values(struct report *report, const char *subject, bool parameters)
             !stands_in_section(report, v))
             continue;
         if (!begun)
-            put_heading(document, heads, COUNT_OF(heads));
+            open_table(document, heads, COUNT_OF(heads));
         begun = true;
         document_open(document, BLOCK_ROW);
         put_name_and_value(document, v);
@@ -243,7 +243,7 @@ static void put_meaning(struct document *document, const bool filled[RUN_STATUS 
 }
 
 /* Writes a list of the names and notes that the user gave to these runs, if any. */
-static void put_notes(struct report *report, const int *run, int runs)
+static void put_run_notes(struct report *report, const int *run, int runs)
 {
     struct document *document = &report->document;
     bool begun = false;
@@ -278,7 +278,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         "E/E0", "energy error", "max error", "status", "rms from the data"};
     struct document *document = &report->document;
     bool filled[RUN_STATUS + 1] = {false};
-    put_heading(document, heads, (int)COUNT_OF(heads) - !distance);
+    open_table(document, heads, (int)COUNT_OF(heads) - !distance);
     for (int i = 0; i < runs; i++) {
         const struct run *one = report->session->runs.slot[run[i]]->run;
         document_open(document, BLOCK_ROW);
@@ -300,7 +300,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
     }
     document_close(document, BLOCK_TABLE);
     put_meaning(document, filled);
-    put_notes(report, run, runs);
+    put_run_notes(report, run, runs);
 }
 
 /* ---- figures ---- */
@@ -332,7 +332,7 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
 
 /* Sets the time window of a figure to all of its runs, or to the used part of its recording,
  * instead of the part that the screen would show. */
-static void choose_window(const struct session *session, struct figure_request *request)
+static void choose_time_window(const struct session *session, struct figure_request *request)
 {
     if (plot_is_plane(request->kind))
         return;
@@ -375,8 +375,8 @@ static void put_caption(struct report *report, const struct figure_request *requ
 
 /* Describes the figure in words, based on all samples, not on the envelope that a long one is
  * drawn as. */
-static bool put_words(struct report *report, struct figure_request request, struct buffer *words,
-                      struct error *error)
+static bool put_figure_words(struct report *report, struct figure_request request,
+                             struct buffer *words, struct error *error)
 {
     struct arena arena = {0};
     struct figure figure;
@@ -392,8 +392,8 @@ static bool put_words(struct report *report, struct figure_request request, stru
 }
 
 /* Writes the file name.end of the report. */
-static bool put_file(struct report *report, const char *name, const char *end,
-                     const struct buffer *content, struct error *error)
+static bool put_figure_file(struct report *report, const char *name, const char *end,
+                            const struct buffer *content, struct error *error)
 {
     char file[64];
     snprintf(file, sizeof file, "%s.%s", name, end);
@@ -416,12 +416,13 @@ static bool write_figure(struct report *report, const struct figure_request *req
     bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, &charset_ascii, false, &text) ||
               error_memory(error);
     ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &svg, error) &&
-         put_file(report, name, "svg", &svg, error) && put_file(report, name, "txt", &text, error);
+         put_figure_file(report, name, "svg", &svg, error) &&
+         put_figure_file(report, name, "txt", &text, error);
     if (report->latex && !report->no_pdf[0] && !picture_offered(PICTURE_PDF, &why))
         snprintf(report->no_pdf, sizeof report->no_pdf, "%s", why.text);
     const bool drawn = report->latex && !report->no_pdf[0];
     ok = ok && (!drawn || (figure_picture(&untitled, PICTURE_PDF, 0, 0, &pdf, error) &&
-                           put_file(report, name, "pdf", &pdf, error)));
+                           put_figure_file(report, name, "pdf", &pdf, error)));
     document_figure(&report->document,
                     &(struct document_picture){name, buffer_view(words), buffer_text(&svg),
                                                buffer_text(&text), drawn});
@@ -457,9 +458,9 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
         return true;
     if (report->figures == REPORT_FIGURES)
         return error_set(error, ERROR_COMMAND, "a report has at most %d figures", REPORT_FIGURES);
-    choose_window(session, &request);
+    choose_time_window(session, &request);
     /* One figure at a time: each takes 24 bytes a row. */
-    bool ok = put_words(report, request, &words, error) &&
+    bool ok = put_figure_words(report, request, &words, error) &&
               session_figure(session, &request, &arena, &figure, error);
     if (ok) {
         report->figure[report->figures++] = (struct report_figure){kind, section};

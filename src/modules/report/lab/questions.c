@@ -55,7 +55,7 @@ static const struct question {
 
 /* Writes what the answer to a question is based on: the numbers of the figures, as a sentence, then
  * the values, as a list. Writes nothing if the session has neither. */
-static void put_rests(struct report *report, const struct question *q)
+static void put_evidence(struct report *report, const struct question *q)
 {
     struct document *document = &report->document;
     const bool damped = q->section >= SECTION_DRAG;
@@ -111,7 +111,7 @@ void put_questions(struct report *report, enum section section)
         document_open(&report->document, BLOCK_QUESTION);
         document_say(&report->document, "Q%d. %s", q->number, q->words);
         document_close(&report->document, BLOCK_QUESTION);
-        put_rests(report, q);
+        put_evidence(report, q);
         document_answer(&report->document);
         document_close(&report->document, BLOCK_TOGETHER);
     }

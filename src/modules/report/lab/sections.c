@@ -32,7 +32,7 @@ static void put_rates(struct document *document, const struct stored_fit *stored
 
 /* Writes which laws of damping a fit compared, their BIC, and the rates of the best one. Writes
  * nothing if the fit compared none. */
-static void put_laws(struct document *document, const struct stored_fit *stored)
+static void put_damping_laws(struct document *document, const struct stored_fit *stored)
 {
     const struct fit *fit = &stored->fit;
     const char *law = drag_law_name(fit->preferred);
@@ -52,7 +52,7 @@ static void put_laws(struct document *document, const struct stored_fit *stored)
 
 /* Writes the list of values that were stated without an uncertainty and used in the numbers of a
  * recording ("data disk"), each once. Writes nothing if there are none. */
-static void put_exact(struct report *report, const char *subject)
+static void put_exact_inputs(struct report *report, const char *subject)
 {
     const struct session *session = report->session;
     struct document *document = &report->document;
@@ -77,7 +77,8 @@ static void put_exact(struct report *report, const char *subject)
 
 /* Writes the position that counts as zero for a recording, with the uncertainty of the fitted
  * offset if it is one, else without (it was stated). */
-static void say_zero(struct report *report, const struct recording *recording, const char *subject)
+static void put_zero_position(struct report *report, const struct recording *recording,
+                              const char *subject)
 {
     struct measured zero = {recording->zero, 0};
     for (int i = 0; i < fits_of(report->session)->stored_fits; i++) {
@@ -108,7 +109,7 @@ static bool put_recording(struct report *report, int index, enum section section
     document_name(document, text_of(recording->name));
     document_say(document, ", used from %.6g to %.6g s, with the zero at ", recording->window[0],
                  recording->window[1]);
-    say_zero(report, recording, subject);
+    put_zero_position(report, recording, subject);
     document_say(document, ":");
     document_close(document, BLOCK_PARAGRAPH);
     document_open(document, BLOCK_LIST);
@@ -127,9 +128,9 @@ static bool put_recording(struct report *report, int index, enum section section
     for (int i = 0; i < fits_of(report->session)->stored_fits; i++) {
         const struct stored_fit *stored = &fits_of(report->session)->stored_fit[i];
         if (strcmp(stored->subject, subject) == 0 && section == SECTION_DAMPED_RECORDING)
-            put_laws(document, stored);
+            put_damping_laws(document, stored);
     }
-    put_exact(report, subject);
+    put_exact_inputs(report, subject);
     return ok;
 }
 
@@ -156,7 +157,7 @@ static void put_parameters(struct report *report, int index)
 }
 
 /* Writes a table of measured values for each of the runs that has any. */
-static void put_measured(struct report *report, const int *run, int runs)
+static void put_measured_values(struct report *report, const int *run, int runs)
 {
     for (int i = 0; i < runs; i++) {
         char subject[32];
@@ -175,7 +176,8 @@ static void put_measured(struct report *report, const int *run, int runs)
 }
 
 /* Section 2: parameters and figures of the chosen run of forward Euler. */
-static bool simulation(struct report *report, const struct material *m, struct error *error)
+static bool simulation_section_put(struct report *report, const struct material *m,
+                                   struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE};
     if (m->euler < 0)
@@ -188,7 +190,7 @@ static bool simulation(struct report *report, const struct material *m, struct e
 }
 
 /* Section 3: energy of the chosen run of forward Euler, and the table of all of its runs. */
-static bool energy(struct report *report, const struct material *m, struct error *error)
+static bool energy_section_put(struct report *report, const struct material *m, struct error *error)
 {
     const int *run = m->run[SECTION_SIMULATION], runs = m->runs[SECTION_SIMULATION];
     if (m->euler < 0)
@@ -196,14 +198,14 @@ static bool energy(struct report *report, const struct material *m, struct error
     if (!put_figure(report, SECTION_ENERGY, PLOT_ENERGY, &m->euler, 1, -1, error))
         return false;
     put_runs(report, run, runs, false);
-    put_measured(report, run, runs);
+    put_measured_values(report, run, runs);
     return true;
 }
 
 /* Returns true if the parameters of run[i] have not been printed yet: neither for m->euler, in
  * section 2, nor for an earlier run of the list. */
-static bool first_of_its_motion(const struct report *report, const struct material *m,
-                                const int *run, int i)
+static bool is_first_of_its_motion(const struct report *report, const struct material *m,
+                                   const int *run, int i)
 {
     const struct run *own = run_at(report, run[i]);
     if (m->euler >= 0 && same_motion(run_at(report, m->euler), own))
@@ -216,7 +218,8 @@ static bool first_of_its_motion(const struct report *report, const struct materi
 
 /* Section 4: other methods beside forward Euler; figures in common, parameters of each distinct
  * motion, and a table of all undamped runs. */
-static bool schemes(struct report *report, const struct material *m, struct error *error)
+static bool schemes_section_put(struct report *report, const struct material *m,
+                                struct error *error)
 {
     /* figures of symplectic Euler by itself, or of the only run */
     static const enum plot_kind alone[] = {PLOT_POSITION, PLOT_ENERGY, PLOT_PHASE};
@@ -242,10 +245,10 @@ static bool schemes(struct report *report, const struct material *m, struct erro
                 if (m->run[s][k] == i)
                     all[runs++] = i;
     for (int i = 0; i < runs; i++)
-        if (first_of_its_motion(report, m, all, i))
+        if (is_first_of_its_motion(report, m, all, i))
             put_parameters(report, all[i]);
     put_runs(report, all, runs, false);
-    put_measured(report, m->run[here], m->runs[here]);
+    put_measured_values(report, m->run[here], m->runs[here]);
     return true;
 }
 
@@ -273,8 +276,8 @@ static void put_reynolds(struct report *report)
 
 /* Writes up to REPORT_OVERLAY runs, each with parameters and figures, beside its recording if
  * shows_recording, then the energies of all in one figure. */
-static bool put_each(struct report *report, enum section here, const int *run, int runs,
-                     bool shows_recording, struct error *error)
+static bool put_each_run(struct report *report, enum section here, const int *run, int runs,
+                         bool shows_recording, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
     const int shown = runs < REPORT_OVERLAY ? runs : REPORT_OVERLAY;
@@ -296,10 +299,10 @@ static bool drag_section_put(struct report *report, const struct material *m, st
     put_reynolds(report);
     if (runs == 0)
         return true;
-    if (!put_each(report, SECTION_DRAG, run, runs, false, error))
+    if (!put_each_run(report, SECTION_DRAG, run, runs, false, error))
         return false;
     put_runs(report, run, runs, false);
-    put_measured(report, run, runs);
+    put_measured_values(report, run, runs);
     return true;
 }
 
@@ -351,22 +354,23 @@ static void put_side_by_side(struct report *report)
 }
 
 /* Section 7: damped runs with their recordings, distances from them, and the table of gamma. */
-static bool damped_simulation(struct report *report, const struct material *m, struct error *error)
+static bool damped_simulation_section_put(struct report *report, const struct material *m,
+                                          struct error *error)
 {
     const enum section here = SECTION_DAMPED_SIMULATION;
     if (m->runs[here] == 0)
         return true;
-    if (!put_each(report, here, m->run[here], m->runs[here], true, error))
+    if (!put_each_run(report, here, m->run[here], m->runs[here], true, error))
         return false;
     put_runs(report, m->run[here], m->runs[here], true);
     put_side_by_side(report);
-    put_measured(report, m->run[here], m->runs[here]);
+    put_measured_values(report, m->run[here], m->runs[here]);
     return true;
 }
 
 /* Section for scenes that are not of the lab: each run with position, energy, and orbit or phase
  * plot. */
-static bool others(struct report *report, const struct material *m, struct error *error)
+static bool other_section_put(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
     const int *run = m->run[SECTION_OTHER], runs = m->runs[SECTION_OTHER];
@@ -382,18 +386,20 @@ static bool others(struct report *report, const struct material *m, struct error
             return false;
     }
     put_runs(report, run, runs, false);
-    put_measured(report, run, runs);
+    put_measured_values(report, run, runs);
     return true;
 }
 
 /* Section 1: recordings of the lab's first session. */
-static bool first_recordings(struct report *report, const struct material *m, struct error *error)
+static bool recording_section_put(struct report *report, const struct material *m,
+                                  struct error *error)
 {
     return put_recordings(report, m, false, SECTION_RECORDING, error);
 }
 
 /* Section 6: recordings of the lab's second session. */
-static bool damped_recordings(struct report *report, const struct material *m, struct error *error)
+static bool damped_recording_section_put(struct report *report, const struct material *m,
+                                         struct error *error)
 {
     return put_recordings(report, m, true, SECTION_DAMPED_RECORDING, error);
 }
@@ -403,16 +409,18 @@ static const struct {
     const char *title;
     bool (*put)(struct report *report, const struct material *m, struct error *error);
 } sections[SECTION_COUNT] = {
-    [SECTION_RECORDING] = {"First session: no damping", "1. The recording", first_recordings},
-    [SECTION_SIMULATION] = {"First session: no damping", "2. Forward Euler", simulation},
-    [SECTION_ENERGY] = {"First session: no damping", "3. Energy", energy},
-    [SECTION_SCHEMES] = {"First session: no damping", "4. Better schemes", schemes},
+    [SECTION_RECORDING] = {"First session: no damping", "1. The recording", recording_section_put},
+    [SECTION_SIMULATION] = {"First session: no damping", "2. Forward Euler",
+                            simulation_section_put},
+    [SECTION_ENERGY] = {"First session: no damping", "3. Energy", energy_section_put},
+    [SECTION_SCHEMES] = {"First session: no damping", "4. Better schemes_section_put",
+                         schemes_section_put},
     [SECTION_DRAG] = {"Second session: damping", "5. Drag", drag_section_put},
     [SECTION_DAMPED_RECORDING] = {"Second session: damping", "6. The damped recording",
-                                  damped_recordings},
+                                  damped_recording_section_put},
     [SECTION_DAMPED_SIMULATION] = {"Second session: damping", "7. The damped simulation",
-                                   damped_simulation},
-    [SECTION_OTHER] = {"Other systems", "Runs", others},
+                                   damped_simulation_section_put},
+    [SECTION_OTHER] = {"Other systems", "Runs", other_section_put},
 };
 
 /* ---- all of them ---- */
